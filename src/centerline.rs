@@ -1,0 +1,157 @@
+//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
+
+use std::collections::HashMap;
+
+use petgraph::unionfind::UnionFind;
+
+use crate::geometry::{Point, box_diagonal, distance};
+
+/// Points with radii and the links between consecutive ones. Lengths in m.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Centerlines {
+    /// Positions, m.
+    pub points: Vec<Point>,
+    /// Radii, m; whatever the file said, so NaN, zero and negative values are missing radii.
+    pub radii: Vec<f64>,
+    /// The point's number in the file (SWC index, VTP row).
+    pub ids: Vec<u64>,
+    /// The polyline (VTP cell, SWC tree) that a point belongs to first.
+    pub strand: Vec<u32>,
+    /// Pairs of linked points.
+    pub links: Vec<[u32; 2]>,
+}
+
+impl Centerlines {
+    /// Makes one point of coincident points: those of different polylines, the two ends of a closed polyline's only
+    /// link run, and linked points without a distance between them. Returns how many points went.
+    ///
+    /// `tolerance` is a fraction of the diagonal of the bounding box (1e-6 is customary).
+    pub fn weld(&mut self, tolerance: f64) -> usize {
+        let n = self.points.len();
+        let reach = tolerance * box_diagonal(self.points.iter().copied());
+        let mut same = UnionFind::<usize>::new(n);
+        for link in &self.links {
+            let (a, b) = (link[0] as usize, link[1] as usize);
+            if distance(self.points[a], self.points[b]) <= reach {
+                same.union(a, b);
+            }
+        }
+        let mut degree = vec![0_u32; n];
+        for end in self.links.iter().flatten() {
+            degree[*end as usize] += 1;
+        }
+        for (a, b) in pairs_within(&self.points, reach) {
+            if self.strand[a] != self.strand[b] || (degree[a] == 1 && degree[b] == 1) {
+                same.union(a, b);
+            }
+        }
+        self.merge(&same.into_labeling())
+    }
+
+    /// Replaces every point by the first one of its class; drops links that became void or double.
+    fn merge(&mut self, class: &[usize]) -> usize {
+        let mut first_of = HashMap::new();
+        let mut new_index = vec![0_u32; class.len()];
+        let mut kept = Vec::new();
+        for (point, label) in class.iter().enumerate() {
+            new_index[point] = *first_of.entry(*label).or_insert_with(|| {
+                kept.push(point);
+                kept.len() as u32 - 1
+            });
+            let first = kept[new_index[point] as usize];
+            if !is_radius(self.radii[first]) {
+                self.radii[first] = self.radii[point];
+            }
+        }
+        let gone = class.len() - kept.len();
+        let mut seen = std::collections::HashSet::new();
+        self.links = (self.links.iter())
+            .map(|link| [new_index[link[0] as usize], new_index[link[1] as usize]])
+            .filter(|[a, b]| a != b && seen.insert([*a.min(b), *a.max(b)]))
+            .collect();
+        self.points = kept.iter().map(|p| self.points[*p]).collect();
+        self.radii = kept.iter().map(|p| self.radii[*p]).collect();
+        self.ids = kept.iter().map(|p| self.ids[*p]).collect();
+        self.strand = kept.iter().map(|p| self.strand[*p]).collect();
+        gone
+    }
+}
+
+/// Whether a file's radius can be used: finite and positive.
+pub fn is_radius(r: f64) -> bool {
+    r.is_finite() && r > 0.0
+}
+
+/// All pairs (a < b) of points no further apart than `reach`, by a grid of cells of that size.
+fn pairs_within(points: &[Point], reach: f64) -> Vec<(usize, usize)> {
+    let cell = |p: Point| p.map(|x| if reach > 0.0 { (x / reach).floor() as i64 } else { (x + 0.0).to_bits() as i64 });
+    let mut grid: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    let mut pairs = Vec::new();
+    for (b, p) in points.iter().enumerate() {
+        let home = cell(*p);
+        let mut near = Vec::new();
+        for shift in 0..27_i64 {
+            let key = [
+                home[0].wrapping_add(shift % 3 - 1),
+                home[1].wrapping_add(shift / 3 % 3 - 1),
+                home[2].wrapping_add(shift / 9 - 1),
+            ];
+            near.extend(grid.get(&key).into_iter().flatten().filter(|a| distance(points[**a], *p) <= reach));
+        }
+        near.sort_unstable();
+        pairs.extend(near.into_iter().map(|a| (a, b)));
+        grid.entry(home).or_default().push(b);
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(strands: &[&[Point]]) -> Centerlines {
+        let mut c = Centerlines::default();
+        for (s, points) in strands.iter().enumerate() {
+            for (i, p) in points.iter().enumerate() {
+                if i > 0 {
+                    c.links.push([c.points.len() as u32 - 1, c.points.len() as u32]);
+                }
+                c.ids.push(c.points.len() as u64);
+                c.points.push(*p);
+                c.radii.push(1.0);
+                c.strand.push(s as u32);
+            }
+        }
+        c
+    }
+
+    #[test]
+    fn polylines_that_share_coordinates_share_a_point() {
+        let mut c = line(&[&[[0.0; 3], [1.0, 0.0, 0.0]], &[[1.0, 1e-8, 0.0], [2.0, 0.0, 0.0]]]);
+        assert_eq!(c.weld(1e-6), 1);
+        assert_eq!(c.links, [[0, 1], [1, 2]]);
+    }
+
+    #[test]
+    fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring() {
+        let touch = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
+        assert_eq!(line(&[&touch]).weld(1e-6), 0);
+        let ring = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]];
+        let mut c = line(&[&ring]);
+        assert_eq!(c.weld(1e-6), 1);
+        assert_eq!(c.links.len(), 3);
+    }
+
+    #[test]
+    fn the_grid_finds_the_pairs_that_brute_force_finds() {
+        let points: Vec<Point> = (0..300)
+            .map(|i| [f64::from(i * 37 % 101), f64::from(i * 53 % 97), f64::from(i * 71 % 89)].map(|x| x * 0.1))
+            .collect();
+        let mut expected = Vec::new();
+        for b in 0..points.len() {
+            expected.extend((0..b).filter(|a| distance(points[*a], points[b]) <= 1.3).map(|a| (a, b)));
+        }
+        assert!(expected.len() > 50);
+        assert_eq!(pairs_within(&points, 1.3), expected);
+    }
+}

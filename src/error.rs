@@ -1,0 +1,130 @@
+//! What can go wrong, worded for the person who has to mend it: file, place, value, accepted form.
+
+use std::{fmt, io, path::Path, path::PathBuf};
+
+/// The result of everything in this crate that can fail.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Where in an input the fault lies.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a text file, counted from 1.
+    Line(usize),
+    /// A named item: a vessel, a node, an XML element, an array.
+    Item(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ":{line}"),
+            Self::Item(item) => write!(f, ": {item}"),
+        }
+    }
+}
+
+/// A fault in the content of an input, before the reader knows the file's name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// Where it is.
+    pub place: Place,
+    /// What was found there.
+    pub found: String,
+    /// What is accepted instead.
+    pub accepted: String,
+}
+
+impl Fault {
+    /// A fault of the whole file.
+    pub fn file(found: impl Into<String>, accepted: impl Into<String>) -> Self {
+        Self { place: Place::File, found: found.into(), accepted: accepted.into() }
+    }
+
+    /// A fault on a line, counted from 1.
+    pub fn line(line: usize, found: impl Into<String>, accepted: impl Into<String>) -> Self {
+        Self { place: Place::Line(line), found: found.into(), accepted: accepted.into() }
+    }
+
+    /// A fault of a named item.
+    pub fn item(item: impl Into<String>, found: impl Into<String>, accepted: impl Into<String>) -> Self {
+        Self { place: Place::Item(item.into()), found: found.into(), accepted: accepted.into() }
+    }
+
+    /// The error for the file `path`.
+    pub fn in_file(self, path: &Path) -> Error {
+        Error::Input { path: path.to_owned(), place: self.place, found: self.found, accepted: self.accepted }
+    }
+}
+
+/// Everything that can fail.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The content of an input file is wrong.
+    #[error("{}{place}: {found}; {accepted}", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What was found.
+        found: String,
+        /// What is accepted instead.
+        accepted: String,
+    },
+    /// An argument or parameter is out of its range.
+    #[error("{name} {value}: {accepted}")]
+    Parameter {
+        /// The option or field.
+        name: String,
+        /// Its value as given.
+        value: String,
+        /// What is accepted instead.
+        accepted: String,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: io::Error,
+    },
+    /// A file cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: io::Error,
+    },
+    /// The output is there already.
+    #[error("{}: exists already; choose another --output or give --force to replace it", path.display())]
+    Exists {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// The run was stopped from outside.
+    #[error("stopped after {done} of {total} samples; nothing was written")]
+    Stopped {
+        /// Samples finished.
+        done: u64,
+        /// Samples asked for.
+        total: u64,
+    },
+}
+
+impl Error {
+    /// A parameter out of its range.
+    pub fn parameter(name: impl Into<String>, value: impl fmt::Display, accepted: impl Into<String>) -> Self {
+        Self::Parameter { name: name.into(), value: value.to_string(), accepted: accepted.into() }
+    }
+
+    /// Whether the person who called can mend it by changing the input or an argument.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Input { .. } | Self::Parameter { .. } | Self::Read { .. } | Self::Exists { .. })
+    }
+}

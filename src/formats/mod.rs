@@ -1,0 +1,5 @@
+//! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
+
+mod column;
+
+pub use column::{Column, Values};

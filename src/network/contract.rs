@@ -1,0 +1,189 @@
+//! From centerlines to vessels: maximal runs of points between points whose degree is not two.
+
+use super::{Network, Node, Origin, PathPoint, Vessel};
+use crate::centerline::{Centerlines, is_radius};
+use crate::error::Fault;
+use crate::geometry::distance;
+
+/// Which radius stands for a whole vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RadiusRule {
+    /// The mean over arc length, r = (1/l) ∫ r dz (Moriconi et al. 2019, eq. 1), by the trapezoid rule.
+    #[default]
+    Mean,
+    /// (l / ∫ dz/r⁴)^¼: keeps the series resistance of a tapering vessel, exactly for radii linear between points.
+    Effective,
+}
+
+/// A network made of centerlines, and what had to be mended on the way.
+#[derive(Debug, Clone, Default)]
+pub struct Contraction {
+    /// The network; every vessel is observed.
+    pub network: Network,
+    /// Points whose radius was missing, zero or not finite and was interpolated.
+    pub repaired_radii: usize,
+    /// Vessels that had no radius at all and took the default.
+    pub default_radii: usize,
+}
+
+impl RadiusRule {
+    /// The radius (m) that stands for a vessel with these points.
+    pub fn radius(self, path: &[PathPoint]) -> f64 {
+        let (mut length, mut sum) = (0.0, 0.0);
+        for pair in path.windows(2) {
+            let (p, q, dz) = (pair[0].radius, pair[1].radius, distance(pair[0].position, pair[1].position));
+            length += dz;
+            sum += dz
+                * match self {
+                    Self::Mean => 0.5 * (p + q),
+                    Self::Effective => (p * p + p * q + q * q) / (3.0 * (p * q).powi(3)),
+                };
+        }
+        match self {
+            _ if length <= 0.0 => path.first().map_or(0.0, |p| p.radius),
+            Self::Mean => sum / length,
+            Self::Effective => (length / sum).powf(0.25),
+        }
+    }
+}
+
+impl Vessel {
+    /// An observed vessel along a centerline.
+    pub fn along(path: Vec<PathPoint>, rule: RadiusRule) -> Self {
+        Self {
+            length: path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
+            radius: rule.radius(&path),
+            label: String::new(),
+            origin: Origin::Observed,
+            prior: 1.0,
+            certain: false,
+            path,
+        }
+    }
+}
+
+/// Contracts centerlines to a network of observed vessels.
+///
+/// Nodes are the points of degree other than two, in point order, and the first point of every pure ring. Missing
+/// radii are interpolated linearly over arc length along their vessel.
+///
+/// # Errors
+///
+/// A vessel without any valid radius when `default_radius` (m) is `None`, or without length.
+pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f64>) -> Result<Contraction, Fault> {
+    let mut neighbours = vec![Vec::new(); lines.points.len()];
+    for (link, [a, b]) in lines.links.iter().enumerate() {
+        neighbours[*a as usize].push((*b as usize, link));
+        neighbours[*b as usize].push((*a as usize, link));
+    }
+    let mut is_node: Vec<bool> = neighbours.iter().map(|n| n.len() != 2).collect();
+    let mut walks = Vec::new();
+    let mut used = vec![false; lines.links.len()];
+    for pass in 0..2 {
+        for start in 0..lines.points.len() {
+            // Second pass: what is left are pure rings; their first point becomes a node.
+            if pass == 1 && neighbours[start].len() == 2 && !is_node[start] && !used[neighbours[start][0].1] {
+                is_node[start] = true;
+            } else if pass == 1 || !is_node[start] {
+                continue;
+            }
+            for (next, link) in &neighbours[start] {
+                if !used[*link] {
+                    walks.push(walk(start, *next, *link, &neighbours, &is_node, &mut used));
+                }
+            }
+        }
+    }
+    let mut out = Contraction::default();
+    let mut row_of = vec![usize::MAX; lines.points.len()];
+    for point in (0..lines.points.len()).filter(|p| is_node[*p]) {
+        row_of[point] = out.network.add_node(Node {
+            id: lines.ids[point].to_string(),
+            position: Some(lines.points[point]),
+            radius: Some(lines.radii[point]).filter(|r| is_radius(*r)),
+            ..Node::default()
+        });
+    }
+    for points in walks {
+        add(&mut out, lines, &points, [row_of[points[0]], row_of[points[points.len() - 1]]], rule, default_radius)?;
+    }
+    out.repaired_radii = lines.radii.iter().filter(|r| !is_radius(**r)).count();
+    Ok(out)
+}
+
+/// The points from a node along a link to the next node.
+fn walk(
+    start: usize,
+    next: usize,
+    link: usize,
+    neighbours: &[Vec<(usize, usize)>],
+    is_node: &[bool],
+    used: &mut [bool],
+) -> Vec<usize> {
+    let (mut points, mut at) = (vec![start, next], next);
+    used[link] = true;
+    while !is_node[at] {
+        let Some((next, link)) = neighbours[at].iter().find(|(_, link)| !used[*link]) else { break };
+        used[*link] = true;
+        at = *next;
+        points.push(at);
+    }
+    points
+}
+
+fn add(
+    out: &mut Contraction,
+    lines: &Centerlines,
+    points: &[usize],
+    ends: [usize; 2],
+    rule: RadiusRule,
+    default_radius: Option<f64>,
+) -> Result<(), Fault> {
+    let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
+    let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
+    if !interpolate(&mut radii, points, lines) {
+        let radius = default_radius.ok_or_else(|| {
+            Fault::item(
+                name(),
+                format!("no valid radius on any of its {} points", points.len()),
+                "expected a positive radius, or give --default-radius",
+            )
+        })?;
+        radii.fill(radius);
+        out.default_radii += 1;
+    }
+    let path = points.iter().zip(&radii);
+    let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
+    let vessel = Vessel::along(path, rule);
+    if vessel.length <= 0.0 {
+        return Err(Fault::item(name(), "length 0", "expected points at different positions"));
+    }
+    for (end, radius) in [(ends[0], radii[0]), (ends[1], radii[radii.len() - 1])] {
+        out.network.node_mut(end).radius.get_or_insert(radius);
+    }
+    out.network.add_vessel(ends, vessel);
+    Ok(())
+}
+
+/// Fills missing radii linearly over arc length between valid neighbours, level beyond the outermost; false when
+/// there is no valid one.
+fn interpolate(radii: &mut [f64], points: &[usize], lines: &Centerlines) -> bool {
+    let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
+    let (Some(first), Some(last)) = (valid.first().copied(), valid.last().copied()) else { return false };
+    let mut arc = vec![0.0; radii.len()];
+    for i in 1..points.len() {
+        arc[i] = arc[i - 1] + distance(lines.points[points[i - 1]], lines.points[points[i]]);
+    }
+    let (head, tail) = (radii[first], radii[last]);
+    radii[..first].fill(head);
+    radii[last..].fill(tail);
+    for pair in valid.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let (ra, rb, span) = (radii[a], radii[b], arc[b] - arc[a]);
+        for i in a + 1..b {
+            let share = if span > 0.0 { (arc[i] - arc[a]) / span } else { 0.5 };
+            radii[i] = ra + share * (rb - ra);
+        }
+    }
+    true
+}

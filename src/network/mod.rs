@@ -1,0 +1,234 @@
+//! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
+
+mod contract;
+mod fragments;
+
+pub use contract::{Contraction, RadiusRule, contract};
+pub use fragments::{Fragments, cycles, fragments};
+
+use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
+
+use crate::geometry::Point;
+
+/// A junction, a free end or a landmark.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Node {
+    /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
+    pub id: String,
+    /// Position, m; absent in a graph without coordinates.
+    pub position: Option<Point>,
+    /// Radius of the lumen here, m.
+    pub radius: Option<f64>,
+    /// The anatomical name; empty when the input has none.
+    pub label: String,
+    /// The role that the input states.
+    pub role: Option<Role>,
+    /// The boundary condition that the input states.
+    pub condition: Option<Condition>,
+}
+
+/// What a node is to the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Blood enters here.
+    Inlet,
+    /// Blood leaves here.
+    Outlet,
+    /// No condition: Kirchhoff's current law holds.
+    Inner,
+}
+
+impl Role {
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inlet => "inlet",
+            Self::Outlet => "outlet",
+            Self::Inner => "inner",
+        }
+    }
+}
+
+/// A boundary condition at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Condition {
+    /// A fixed pressure, Pa; 0 is ground.
+    Pressure(f64),
+    /// A terminal resistance, Pa s/m³, to a venous pressure, Pa.
+    Resistance {
+        /// Pa s/m³, positive.
+        resistance: f64,
+        /// Pa.
+        venous: f64,
+    },
+    /// A fixed flow into the network, m³/s.
+    Flow(f64),
+}
+
+/// Whether the image showed the vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// Traced in the image.
+    Observed,
+    /// A possible connection.
+    #[default]
+    Candidate,
+}
+
+impl Origin {
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Observed => "observed",
+            Self::Candidate => "candidate",
+        }
+    }
+}
+
+/// A point on a vessel's centerline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathPoint {
+    /// Position, m.
+    pub position: Point,
+    /// Radius, m.
+    pub radius: f64,
+    /// The point's number in the input, where it has one.
+    pub id: Option<u64>,
+}
+
+/// A vessel between two nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vessel {
+    /// Length along the centerline, m.
+    pub length: f64,
+    /// Radius that stands for the whole vessel, m.
+    pub radius: f64,
+    /// The anatomical name; empty when the input has none.
+    pub label: String,
+    /// Observed or candidate.
+    pub origin: Origin,
+    /// The anatomical prior A in [0, 1].
+    pub prior: f64,
+    /// Never occluded, whatever is on trial.
+    pub certain: bool,
+    /// The centerline from the first node to the second; empty when only the nodes are known.
+    pub path: Vec<PathPoint>,
+}
+
+/// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
+#[derive(Debug, Clone, Default)]
+pub struct Network {
+    graph: UnGraph<Node, Vessel>,
+}
+
+impl Network {
+    /// An empty network.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a node and returns its row.
+    pub fn add_node(&mut self, node: Node) -> usize {
+        self.graph.add_node(node).index()
+    }
+
+    /// Adds a vessel between two nodes and returns its row.
+    ///
+    /// # Panics
+    ///
+    /// When a node does not exist.
+    pub fn add_vessel(&mut self, ends: [usize; 2], vessel: Vessel) -> usize {
+        self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
+    }
+
+    /// How many nodes there are.
+    pub fn node_count(&self) -> usize {
+        self.graph.node_count()
+    }
+
+    /// How many vessels there are.
+    pub fn vessel_count(&self) -> usize {
+        self.graph.edge_count()
+    }
+
+    /// The node of a row.
+    pub fn node(&self, row: usize) -> &Node {
+        &self.graph[NodeIndex::new(row)]
+    }
+
+    /// The node of a row, to change it.
+    pub fn node_mut(&mut self, row: usize) -> &mut Node {
+        &mut self.graph[NodeIndex::new(row)]
+    }
+
+    /// The vessel of a row.
+    pub fn vessel(&self, row: usize) -> &Vessel {
+        &self.graph[EdgeIndex::new(row)]
+    }
+
+    /// The vessel of a row, to change it.
+    pub fn vessel_mut(&mut self, row: usize) -> &mut Vessel {
+        &mut self.graph[EdgeIndex::new(row)]
+    }
+
+    /// The two nodes of a vessel.
+    pub fn ends(&self, row: usize) -> [usize; 2] {
+        let edge = &self.graph.raw_edges()[row];
+        [edge.source().index(), edge.target().index()]
+    }
+
+    /// All nodes by row.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = &Node> {
+        self.graph.raw_nodes().iter().map(|n| &n.weight)
+    }
+
+    /// All vessels by row, with their nodes.
+    pub fn vessels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &Vessel)> {
+        self.graph.raw_edges().iter().map(|e| ([e.source().index(), e.target().index()], &e.weight))
+    }
+
+    /// The graph underneath, for algorithms of petgraph.
+    pub fn graph(&self) -> &UnGraph<Node, Vessel> {
+        &self.graph
+    }
+
+    /// Per node the number of vessel ends of the vessels that `counts` admits; a self-loop counts twice.
+    pub fn degrees(&self, counts: impl Fn(&Vessel) -> bool) -> Vec<usize> {
+        let mut degree = vec![0; self.node_count()];
+        for (ends, vessel) in self.vessels() {
+            if counts(vessel) {
+                degree[ends[0]] += 1;
+                degree[ends[1]] += 1;
+            }
+        }
+        degree
+    }
+
+    /// What to call a vessel in a message: its label, or its row and nodes.
+    pub fn vessel_name(&self, row: usize) -> String {
+        let [a, b] = self.ends(row);
+        let between = format!("vessel {row} ({} - {})", self.node(a).id, self.node(b).id);
+        match self.vessel(row).label.as_str() {
+            "" => between,
+            label => format!("{between} \"{label}\""),
+        }
+    }
+
+    /// The same nodes with the vessels that `keep` admits, and the rows they had.
+    pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
+        let mut part = Self::new();
+        for node in self.nodes() {
+            part.add_node(node.clone());
+        }
+        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
+        for row in &rows {
+            part.add_vessel(self.ends(*row), self.vessel(*row).clone());
+        }
+        (part, rows)
+    }
+
+    /// Whether every node has a position.
+    pub fn has_positions(&self) -> bool {
+        self.nodes().all(|n| n.position.is_some())
+    }
+}

@@ -1,0 +1,1 @@
+//! Test anatomy with a known answer.

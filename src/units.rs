@@ -1,0 +1,166 @@
+//! Units at the border: SI inside, millimetres, mmHg, mL/min and cP outside.
+//!
+//! Each pair multiplies one way and divides the other, so that a figure written and read again gives the same SI
+//! value to the last bit.
+
+/// Pascal in one millimetre of mercury, exactly as conventionally defined.
+pub const PASCAL_PER_MMHG: f64 = 133.322_387_415;
+const ML_PER_MIN_PER_SI: f64 = 6e7;
+const SI_PER_MMHG_S_PER_ML: f64 = PASCAL_PER_MMHG * 1e6;
+
+/// m from mm.
+pub fn metres(mm: f64) -> f64 {
+    mm / 1e3
+}
+
+/// mm from m.
+pub fn millimetres(m: f64) -> f64 {
+    m * 1e3
+}
+
+/// The length (m) that a file in millimetres hands back for `m`.
+pub fn as_stored(m: f64) -> f64 {
+    metres(millimetres(m))
+}
+
+/// Pa from mmHg.
+pub fn pascals(mmhg: f64) -> f64 {
+    mmhg * PASCAL_PER_MMHG
+}
+
+/// mmHg from Pa.
+pub fn mmhg(pascals: f64) -> f64 {
+    pascals / PASCAL_PER_MMHG
+}
+
+/// m³/s from mL/min.
+pub fn cubic_metres_per_second(ml_per_min: f64) -> f64 {
+    ml_per_min / ML_PER_MIN_PER_SI
+}
+
+/// mL/min from m³/s.
+pub fn ml_per_min(cubic_metres_per_second: f64) -> f64 {
+    cubic_metres_per_second * ML_PER_MIN_PER_SI
+}
+
+/// Pa s/m³ from mmHg·s/mL.
+pub fn pascal_seconds_per_cubic_metre(mmhg_s_per_ml: f64) -> f64 {
+    mmhg_s_per_ml * SI_PER_MMHG_S_PER_ML
+}
+
+/// mmHg·s/mL from Pa s/m³.
+pub fn mmhg_s_per_ml(pascal_seconds_per_cubic_metre: f64) -> f64 {
+    pascal_seconds_per_cubic_metre / SI_PER_MMHG_S_PER_ML
+}
+
+/// Pa s from cP.
+pub fn pascal_seconds(centipoise: f64) -> f64 {
+    centipoise / 1e3
+}
+
+/// The unit of the coordinates and radii in an input file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LengthUnit {
+    /// Millimetres, the default for every format.
+    #[default]
+    Millimetre,
+    /// Micrometres.
+    Micrometre,
+    /// Centimetres.
+    Centimetre,
+    /// Metres.
+    Metre,
+    /// Voxels, made millimetres by [`Scale::spacing`].
+    Voxel,
+}
+
+/// How the coordinates and radii of an input file become millimetres.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Scale {
+    /// The file's unit.
+    pub unit: LengthUnit,
+    /// Voxel spacing in mm along x, y and z; needed with [`LengthUnit::Voxel`].
+    pub spacing: Option<[f64; 3]>,
+}
+
+impl LengthUnit {
+    /// The unit's usual abbreviation.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Micrometre => "um",
+            Self::Centimetre => "cm",
+            Self::Metre => "m",
+            Self::Voxel => "voxel",
+        }
+    }
+}
+
+impl Scale {
+    /// Refuses a spacing that is missing, superfluous or not positive.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and what is accepted.
+    pub fn validate(&self) -> crate::error::Result<()> {
+        use crate::error::Error;
+        match (self.unit, self.spacing) {
+            (LengthUnit::Voxel, None) => {
+                Err(Error::parameter("--units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
+            }
+            (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
+                Err(Error::parameter("--spacing", format!("{s:?}"), "expected one or three positive numbers, in mm"))
+            }
+            (LengthUnit::Voxel, Some(_)) | (_, None) => Ok(()),
+            (unit, Some(_)) => Err(Error::parameter("--spacing", "", format!("goes with --units voxel, not {}", unit.symbol()))),
+        }
+    }
+
+    /// mm along each axis for one unit of the file.
+    pub fn axes(&self) -> [f64; 3] {
+        match self.unit {
+            LengthUnit::Voxel => self.spacing.unwrap_or([1.0; 3]),
+            other => [other.mm(); 3],
+        }
+    }
+
+    /// A position of the file, in m.
+    pub fn position(&self, p: [f64; 3]) -> [f64; 3] {
+        let s = self.axes();
+        [metres(p[0] * s[0]), metres(p[1] * s[1]), metres(p[2] * s[2])]
+    }
+
+    /// A radius or length of the file, in m; with unequal spacings the smallest one counts.
+    pub fn length(&self, x: f64) -> f64 {
+        let s = self.axes();
+        metres(x * s[0].min(s[1]).min(s[2]))
+    }
+}
+
+impl LengthUnit {
+    fn mm(self) -> f64 {
+        match self {
+            Self::Millimetre | Self::Voxel => 1.0,
+            Self::Micrometre => 1e-3,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1e3,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_written_and_read_again_is_the_same_to_the_last_bit() {
+        let mut x = 1e-9_f64;
+        for _ in 0..20_000 {
+            x *= 1.001_234_567;
+            assert_eq!(metres(millimetres(metres(x))).to_bits(), metres(x).to_bits());
+            assert_eq!(pascals(mmhg(pascals(x))).to_bits(), pascals(x).to_bits());
+            let r = pascal_seconds_per_cubic_metre(x);
+            assert_eq!(pascal_seconds_per_cubic_metre(mmhg_s_per_ml(r)).to_bits(), r.to_bits());
+        }
+    }
+}
