@@ -107,6 +107,9 @@ pub enum Error {
         /// The file or folder.
         path: PathBuf,
     },
+    /// The sparse factorisation broke down.
+    #[error("the conductances lie too far apart for the cholesky solver; use --solver lanes")]
+    Breakdown,
     /// The run was stopped from outside.
     #[error("stopped after {done} of {total} samples; nothing was written")]
     Stopped {

@@ -2,9 +2,11 @@
 
 mod contract;
 mod fragments;
+mod locate;
 
 pub use contract::{Contraction, RadiusRule, contract};
 pub use fragments::{Fragments, cycles, fragments};
+pub use locate::{Located, locate, nearest, parse_position};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 
@@ -113,6 +115,18 @@ pub struct Vessel {
     pub certain: bool,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,
+}
+
+/// Points at an end over which its radius is averaged.
+const END_POINTS: usize = 10;
+
+impl Vessel {
+    /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.
+    pub fn end_radius(&self, last: bool) -> f64 {
+        let n = self.path.len().min(END_POINTS);
+        let points = if last { &self.path[self.path.len() - n..] } else { &self.path[..n] };
+        if n == 0 { self.radius } else { points.iter().map(|p| p.radius).sum::<f64>() / n as f64 }
+    }
 }
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.

@@ -1,0 +1,149 @@
+//! The targets of a free end: the nearest branches, each at the point that is close and straight ahead, and the nearest
+//! free ends.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::ends::{FreeEnd, point_spacing};
+use super::knn::PointIndex;
+use super::{Attach, Params, Place, Site};
+use crate::geometry::{distance, dot, sub};
+use crate::network::{Network, Origin};
+
+/// Reach in point spacings and in end diameters: independent of any unit.
+const REACH_SPACINGS: f64 = 20.0;
+const REACH_DIAMETERS: f64 = 5.0;
+/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
+const BEND: f64 = 1.3;
+/// A meeting point so many spacings from its branch's free end is moved there.
+const SNAP_SPACINGS: f64 = 3.0;
+
+/// Where a candidate leaves and where it arrives.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    /// The free end, with its mean radius.
+    pub from: Site,
+    /// The place it reaches.
+    pub site: Site,
+}
+
+/// What lies around the free ends of a network.
+pub struct Surroundings<'a> {
+    network: &'a Network,
+    /// The nodes in order, then the inner points of the observed vessels.
+    sites: Vec<Site>,
+    index: PointIndex,
+    /// Per node its observed vessels.
+    incident: Vec<Vec<usize>>,
+    /// The median distance between consecutive points, m.
+    pub spacing: f64,
+}
+
+impl<'a> Surroundings<'a> {
+    /// Indexes a network whose nodes all have positions.
+    pub fn new(network: &'a Network) -> Self {
+        let sites = sites(network);
+        let index = PointIndex::new(sites.iter().map(|s| s.position).collect());
+        let mut incident = vec![Vec::new(); network.node_count()];
+        for (vessel, (ends, _)) in network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed) {
+            incident[ends[0]].push(vessel);
+            incident[ends[1]].push(vessel);
+        }
+        Self { network, sites, index, incident, spacing: point_spacing(network) }
+    }
+
+    /// The k nearest targets of a free end, nearest first, ties in the order of the sites.
+    pub fn targets(&self, end: &FreeEnd, params: &Params) -> Vec<Target> {
+        let reach = REACH_SPACINGS * self.spacing + REACH_DIAMETERS * 2.0 * end.radius;
+        let reach = params.max_gap.map_or(reach, |most| reach.min(most));
+        let own = self.network.ends(end.vessel);
+        let is_own = |place: Place| match place {
+            Place::Node(node) => own.contains(&node),
+            Place::Along { vessel, .. } => vessel == end.vessel,
+        };
+        let mut hits = self.index.within(end.position, reach);
+        hits.retain(|(_, site)| !is_own(self.sites[*site].place));
+        let mut found: BTreeMap<usize, f64> = BTreeMap::new();
+        for (distance, site) in &hits {
+            if matches!(self.sites[*site].place, Place::Node(node) if self.is_free(node)) {
+                found.insert(*site, *distance);
+            }
+        }
+        if params.attach == Attach::Centerline {
+            for (vessel, branch) in self.branches(&hits, end.vessel) {
+                let site = self.snapped(self.meet(&branch, end), vessel, end.node);
+                let nearest = found.entry(site).or_insert(branch[0].0);
+                *nearest = nearest.min(branch[0].0);
+            }
+        }
+        let mut order: Vec<(f64, usize)> = found.into_iter().map(|(site, distance)| (distance, site)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.truncate(params.k);
+        let from = Site { place: Place::Node(end.node), position: end.position, radius: end.radius };
+        order.into_iter().map(|(_, site)| Target { from, site: self.with_end_radius(self.sites[site]) }).collect()
+    }
+
+    fn is_free(&self, node: usize) -> bool {
+        self.incident[node].len() == 1
+    }
+
+    /// The hits by vessel, nearest first.
+    fn branches(&self, hits: &[(f64, usize)], own: usize) -> BTreeMap<usize, Vec<(f64, usize)>> {
+        let mut branches: BTreeMap<usize, Vec<(f64, usize)>> = BTreeMap::new();
+        for hit in hits {
+            match self.sites[hit.1].place {
+                Place::Along { vessel, .. } => branches.entry(vessel).or_default().push(*hit),
+                Place::Node(node) => {
+                    let vessels: BTreeSet<usize> = self.incident[node].iter().copied().filter(|v| *v != own).collect();
+                    for vessel in vessels {
+                        branches.entry(vessel).or_default().push(*hit);
+                    }
+                }
+            }
+        }
+        branches
+    }
+
+    /// The site of a branch that makes d (1.3 - cos) least.
+    fn meet(&self, branch: &[(f64, usize)], end: &FreeEnd) -> usize {
+        let cost = |(d, site): &(f64, usize)| BEND * d - dot(sub(self.sites[*site].position, end.position), end.direction);
+        let best = branch.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)).then(a.1.cmp(&b.1)));
+        best.unwrap_or(&branch[0]).1
+    }
+
+    /// The free end of the branch when the meeting point is near it.
+    fn snapped(&self, meeting: usize, vessel: usize, from: usize) -> usize {
+        // The sites begin with the nodes, in order.
+        let near =
+            |node: usize| distance(self.sites[node].position, self.sites[meeting].position) <= SNAP_SPACINGS * self.spacing;
+        let ends = self.network.ends(vessel).into_iter();
+        ends.filter(|node| self.is_free(*node) && *node != from).find(|node| near(*node)).unwrap_or(meeting)
+    }
+
+    /// A free end's radius is the mean over its last points.
+    fn with_end_radius(&self, mut site: Site) -> Site {
+        if let Place::Node(node) = site.place
+            && let [vessel] = self.incident[node][..]
+        {
+            site.radius = self.network.vessel(vessel).end_radius(self.network.ends(vessel)[1] == node);
+        }
+        site
+    }
+}
+
+/// The nodes of a network, then the inner points of its observed vessels.
+fn sites(network: &Network) -> Vec<Site> {
+    let nodes = network
+        .nodes()
+        .enumerate()
+        .filter_map(|(row, n)| Some(Site { place: Place::Node(row), position: n.position?, radius: n.radius.unwrap_or(0.0) }));
+    let mut sites: Vec<Site> = nodes.collect();
+    for (vessel, (_, v)) in network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed) {
+        let inner = 1..v.path.len().saturating_sub(1);
+        sites.extend(inner.map(|point| Site {
+            place: Place::Along { vessel, point },
+            position: v.path[point].position,
+            radius: v.path[point].radius,
+        }));
+    }
+    sites
+}

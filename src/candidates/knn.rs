@@ -1,0 +1,64 @@
+//! Neighbours in space, by kiddo's k-d tree, in an order that depends on nothing but distance and point number.
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+use crate::geometry::{Point, norm_squared, sub};
+
+/// Points that can be searched.
+pub struct PointIndex {
+    points: Vec<Point>,
+    tree: Option<ImmutableKdTree<f64, 3>>,
+}
+
+impl PointIndex {
+    /// Indexes finite points.
+    pub fn new(points: Vec<Point>) -> Self {
+        let tree = ImmutableKdTree::new_from_slice(&points).ok();
+        Self { points, tree }
+    }
+
+    /// The points no further than `reach` from `p`, as (distance, number), nearest first, ties to the lower number.
+    pub fn within(&self, p: Point, reach: f64) -> Vec<(f64, usize)> {
+        let limit = reach * reach;
+        // The tree may round its distances another way: ask for a little more, then measure again.
+        let wide = limit * (1.0 + 1e-9);
+        let numbers: Vec<usize> = match &self.tree {
+            Some(tree) => tree
+                .query(&p)
+                .within::<SquaredEuclidean<f64>>(wide)
+                .unsorted()
+                .execute()
+                .into_iter()
+                .map(|hit| hit.item as usize)
+                .collect(),
+            None => (0..self.points.len()).collect(),
+        };
+        let measured = numbers.into_iter().map(|i| (norm_squared(sub(self.points[i], p)), i));
+        let mut hits: Vec<(f64, usize)> = measured.filter(|(d2, _)| *d2 <= limit).collect();
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        hits.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_ties_included() {
+        let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
+        let index = PointIndex::new(lattice.clone());
+        for p in &lattice {
+            for reach in [0.0, 1.0, 1.5, 2.0] {
+                let mut expected: Vec<(f64, usize)> = lattice
+                    .iter()
+                    .enumerate()
+                    .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
+                    .filter(|(d, _)| *d <= reach)
+                    .collect();
+                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                assert_eq!(index.within(*p, reach), expected);
+            }
+        }
+    }
+}

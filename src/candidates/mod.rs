@@ -1,0 +1,188 @@
+//! Candidate connections: from fragments to the over-connected graph.
+
+mod attach;
+mod ends;
+mod knn;
+mod split;
+
+use std::collections::BTreeSet;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Point, distance};
+use crate::network::{Network, Origin, PathPoint, RadiusRule, Vessel};
+use crate::units::as_stored;
+use attach::{Surroundings, Target};
+use ends::free_ends;
+use split::{Cuts, split};
+
+/// Where a candidate may end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Attach {
+    /// On the centerline of any vessel, split there, or on a free end.
+    #[default]
+    Centerline,
+    /// On free ends only.
+    Ends,
+}
+
+/// How a candidate's radius comes from the radii at its two ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CandidateRadius {
+    /// The smaller one.
+    #[default]
+    Min,
+    /// Their mean.
+    Mean,
+}
+
+/// How candidates are built.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Params {
+    /// Nearest targets of every free end, at least 1.
+    pub k: usize,
+    /// The longest gap to bridge, m, positive; without it 20 point spacings + 5 end diameters alone limit the reach.
+    pub max_gap: Option<f64>,
+    /// Where a candidate may end.
+    pub attach: Attach,
+    /// How its radius comes about.
+    pub radius: CandidateRadius,
+    /// The largest radius of a candidate, m, positive.
+    pub max_radius: Option<f64>,
+    /// The radius rule of the observed vessels, for the parts of a vessel that is split.
+    pub radius_rule: RadiusRule,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            k: 6,
+            max_gap: None,
+            attach: Attach::default(),
+            radius: CandidateRadius::default(),
+            max_radius: None,
+            radius_rule: RadiusRule::default(),
+        }
+    }
+}
+
+impl Params {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if self.k == 0 {
+            return Err(Error::parameter("-k", self.k, "expected at least 1"));
+        }
+        for (name, value) in [("--max-gap", self.max_gap), ("--max-candidate-radius", self.max_radius)] {
+            if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
+                return Err(Error::parameter(name, m * 1e3, "expected a positive length"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A point of a network: a node, or a point along a vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Place {
+    Node(usize),
+    Along { vessel: usize, point: usize },
+}
+
+/// A place with its position (m) and local radius (m).
+#[derive(Debug, Clone, Copy)]
+struct Site {
+    place: Place,
+    position: Point,
+    radius: f64,
+}
+
+/// Joins every free end of the observed vessels to its nearest branches and free ends by candidate vessels.
+///
+/// The nodes of `network` keep their rows; nodes where a vessel is split follow. The parts of the observed vessels come
+/// first, in order, then the candidates by free end and distance. Every length is one that a file in millimetres holds
+/// exactly.
+///
+/// # Errors
+///
+/// A parameter out of its range, or a node without position.
+pub fn build(network: &Network, params: &Params) -> Result<Network> {
+    params.validate()?;
+    if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
+        return Err(Error::parameter(
+            format!("node {}", node.id),
+            "without coordinates",
+            "candidates need the position of every node",
+        ));
+    }
+    let around = Surroundings::new(network);
+    let mut joined: BTreeSet<[Place; 2]> =
+        network.vessels().map(|(ends, _)| pair(Place::Node(ends[0]), Place::Node(ends[1]))).collect();
+    let mut found: Vec<(usize, Target)> = Vec::new();
+    for end in free_ends(network, around.spacing) {
+        for target in around.targets(&end, params) {
+            if joined.insert(pair(Place::Node(end.node), target.site.place)) {
+                found.push((end.node, target));
+            }
+        }
+    }
+    let mut cuts = Cuts::new();
+    for (_, target) in &found {
+        if let Place::Along { vessel, point } = target.site.place {
+            cuts.entry(vessel).or_default().insert(point);
+        }
+    }
+    let (mut graph, node_at) = split(network, &cuts, params.radius_rule);
+    for (end, target) in found {
+        let other = match target.site.place {
+            Place::Node(node) => node,
+            place @ Place::Along { .. } => node_at[&place],
+        };
+        let vessel = candidate(&target, params);
+        graph.add_vessel([end, other], vessel);
+    }
+    store(&mut graph);
+    Ok(graph)
+}
+
+fn pair(a: Place, b: Place) -> [Place; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn candidate(target: &Target, params: &Params) -> Vessel {
+    let (a, b) = (target.from.radius, target.site.radius);
+    let radius = match params.radius {
+        CandidateRadius::Min => a.min(b),
+        CandidateRadius::Mean => 0.5 * (a + b),
+    };
+    let radius = params.max_radius.map_or(radius, |most| radius.min(most));
+    Vessel {
+        length: distance(target.from.position, target.site.position),
+        radius,
+        label: String::new(),
+        origin: Origin::Candidate,
+        prior: 1.0,
+        certain: false,
+        path: [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec(),
+    }
+}
+
+/// Makes every length one that survives being written in millimetres.
+fn store(network: &mut Network) {
+    for row in 0..network.vessel_count() {
+        let vessel = network.vessel_mut(row);
+        vessel.length = as_stored(vessel.length);
+        vessel.radius = as_stored(vessel.radius);
+        for point in &mut vessel.path {
+            point.radius = as_stored(point.radius);
+            point.position = point.position.map(as_stored);
+        }
+    }
+    for row in 0..network.node_count() {
+        let node = network.node_mut(row);
+        node.radius = node.radius.map(as_stored);
+        node.position = node.position.map(|p| p.map(as_stored));
+    }
+}

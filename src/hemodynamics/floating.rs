@@ -1,0 +1,60 @@
+//! Floating components: parts of a sampled circuit that no boundary condition grounds. A structural fact, never a
+//! matter of small pivots.
+
+use petgraph::unionfind::UnionFind;
+
+use super::boundary::Boundary;
+use super::circuit::Circuit;
+use crate::network::{Condition, Fragments};
+
+/// Per node whether its component over the open vessels is grounded by a fixed pressure or a terminal resistance.
+pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {
+    let mut parts = UnionFind::<usize>::new(circuit.node_count());
+    for (vessel, ends) in circuit.ends.iter().enumerate() {
+        if open(vessel) {
+            parts.union(ends[0], ends[1]);
+        }
+    }
+    let label = parts.into_labeling();
+    let mut of_part = vec![false; circuit.node_count()];
+    for node in 0..circuit.node_count() {
+        of_part[label[node]] |= circuit.grounds(node);
+    }
+    label.iter().map(|part| of_part[*part]).collect()
+}
+
+/// The nodes whose injected flow has nowhere to go in some lanes, with those lanes as bits.
+pub fn stranded(circuit: &Circuit, present: &[u8], lanes: usize) -> Vec<(usize, u8)> {
+    let mut out = Vec::new();
+    if !circuit.injects {
+        return out;
+    }
+    let injected = (0..circuit.node_count()).filter(|n| circuit.source[*n] != 0.0 && !circuit.grounds(*n));
+    out.extend(injected.map(|n| (n, 0)));
+    for lane in 0..lanes {
+        let grounded = grounded(circuit, |vessel| present[vessel] >> lane & 1 == 1);
+        for (node, bits) in &mut out {
+            *bits |= u8::from(!grounded[*node]) << lane;
+        }
+    }
+    out
+}
+
+/// Per connected part whether blood can flow through it: conditions of two different kinds or pressures.
+pub fn parts_that_carry(parts: &Fragments, boundary: &Boundary) -> Vec<bool> {
+    let mut conditions: Vec<Vec<Condition>> = vec![Vec::new(); parts.count];
+    for (node, condition) in &boundary.conditions {
+        conditions[parts.of_node[*node]].push(*condition);
+    }
+    let pressure = |c: &Condition| match c {
+        Condition::Pressure(p) => Some(*p),
+        Condition::Resistance { venous, .. } => Some(*venous),
+        Condition::Flow(_) => None,
+    };
+    let carries = |conditions: &Vec<Condition>| {
+        let grounds: Vec<f64> = conditions.iter().filter_map(pressure).collect();
+        let injected = conditions.len() > grounds.len();
+        grounds.first().is_some_and(|first| injected || grounds.iter().any(|p| p != first))
+    };
+    conditions.iter().map(carries).collect()
+}

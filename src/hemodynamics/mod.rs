@@ -1,0 +1,12 @@
+//! Blood flow in a network of rigid vessels: Poiseuille's law, boundary conditions, Kirchhoff's current law.
+
+pub mod boundary;
+pub mod cholesky;
+pub mod circuit;
+pub mod floating;
+pub mod poiseuille;
+pub mod star_mesh;
+
+pub use boundary::{Boundary, FoundOutlets, Given};
+pub use circuit::Circuit;
+pub use star_mesh::StarMesh;

@@ -1,0 +1,98 @@
+//! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
+
+use super::likelihood::Likelihood;
+use super::threshold::{Keep, threshold};
+use crate::hemodynamics::Boundary;
+use crate::hemodynamics::floating::parts_that_carry;
+use crate::network::{Network, Origin, cycles, fragments};
+
+/// A vessel whose L lies within so many standard errors of the threshold is undecided.
+pub const UNDECIDED_Z: f64 = 2.0;
+
+/// The decision on every vessel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// The threshold of the rule; `None` when nothing is on trial with L > 0.
+    pub threshold: Option<f64>,
+    /// The median of L over the uncertain vessels with L > 0, W/m³.
+    pub median: Option<f64>,
+    /// Vessels kept by the rule; those not on trial always are.
+    pub kept: Vec<bool>,
+    /// Vessels above the median; those not on trial always are.
+    pub above_median: Vec<bool>,
+    /// Rows of the uncertain vessels within two standard errors of the threshold.
+    pub undecided: Vec<usize>,
+}
+
+/// A count of what a kept graph holds.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Topology {
+    /// Vessels on trial that stay.
+    pub kept: usize,
+    /// Vessels on trial that go.
+    pub pruned: usize,
+    /// Candidates among the kept.
+    pub kept_candidates: usize,
+    /// Connected parts.
+    pub components: usize,
+    /// Independent cycles.
+    pub cycles: usize,
+    /// Connected parts with a vessel that blood cannot flow through: no condition, or one only.
+    pub unperfused: usize,
+}
+
+/// Applies a rule to the likelihoods.
+pub fn decide(rule: Keep, result: &Likelihood) -> Answer {
+    let cut = threshold(rule, result);
+    let median = threshold(Keep::Median, result);
+    let figure = if matches!(rule, Keep::Frequency(_)) { &result.frequency } else { &result.likelihood };
+    let passes = |row: usize| match (rule, cut) {
+        (Keep::Frequency(_), Some(cut)) => figure[row] >= cut,
+        (_, Some(cut)) => figure[row] > cut,
+        (_, None) => false,
+    };
+    let rows = 0..result.likelihood.len();
+    let error = |row: usize| match rule {
+        Keep::Frequency(_) => (figure[row] * (1.0 - figure[row]) / result.samples.max(1) as f64).sqrt(),
+        _ => result.std_error[row],
+    };
+    Answer {
+        threshold: cut,
+        median,
+        kept: rows.clone().map(|row| !result.uncertain[row] || passes(row)).collect(),
+        above_median: rows
+            .clone()
+            .map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m))
+            .collect(),
+        undecided: rows
+            .filter(|row| result.uncertain[*row] && cut.is_some_and(|cut| (figure[*row] - cut).abs() < UNDECIDED_Z * error(*row)))
+            .collect(),
+    }
+}
+
+impl Topology {
+    /// Counts the graph of the vessels `kept`.
+    pub fn of(network: &Network, uncertain: &[bool], kept: &[bool], boundary: &Boundary) -> Self {
+        let (graph, _) = network.subgraph(|row| kept[row]);
+        let parts = fragments(&graph, |_, _| true);
+        let carries = parts_that_carry(&parts, boundary);
+        let mut unperfused = vec![false; parts.count];
+        for ([a, _], _) in graph.vessels() {
+            unperfused[parts.of_node[a]] = !carries[parts.of_node[a]];
+        }
+        let trial = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
+        Self {
+            kept: trial(true),
+            pruned: trial(false),
+            kept_candidates: network
+                .vessels()
+                .zip(kept)
+                .zip(uncertain)
+                .filter(|(((_, v), k), u)| **k && **u && v.origin == Origin::Candidate)
+                .count(),
+            components: parts.count,
+            cycles: cycles(&graph),
+            unperfused: unperfused.iter().filter(|u| **u).count(),
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The maximum spanning forest of resilience, equal to the minimum spanning forest of 1/ρ, by Kruskal's algorithm.
+
+const INDEX_BITS: u32 = 29;
+/// More vessels than this cannot be told apart by a key.
+pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
+
+/// The sort key of a diffused vessel: ρ rounded to 24 significant bits, then the lower row first.
+///
+/// Vessels in series with one radius have exactly equal ρ; rounding makes them tie in the computer too, and the rule for
+/// ties then makes every algorithm find the same forest. Larger keys come first.
+pub fn key(resilience: f64, vessel: usize) -> u64 {
+    let rounded = (resilience.to_bits() + (1 << (INDEX_BITS - 1))) >> INDEX_BITS;
+    rounded << INDEX_BITS | (MAX_VESSELS - 1 - vessel) as u64
+}
+
+/// The vessel of a key.
+fn vessel(key: u64) -> usize {
+    MAX_VESSELS - 1 - key as usize % MAX_VESSELS
+}
+
+/// The memory of Kruskal's algorithm for one worker.
+#[derive(Debug, Clone, Default)]
+pub struct Forest {
+    keys: Vec<u64>,
+    parent: Vec<u32>,
+}
+
+impl Forest {
+    /// Forgets the vessels of the last sample.
+    pub fn clear(&mut self) {
+        self.keys.clear();
+    }
+
+    /// Adds a diffused vessel with its resilience (W/m³, positive).
+    pub fn add(&mut self, resilience: f64, vessel: usize) {
+        self.keys.push(key(resilience, vessel));
+    }
+
+    /// Calls `take` for each vessel of the maximum spanning forest, largest resilience first.
+    pub fn grow(&mut self, nodes: usize, ends: &[[usize; 2]], mut take: impl FnMut(usize)) {
+        self.keys.sort_unstable_by(|a, b| b.cmp(a));
+        self.parent.clear();
+        self.parent.extend(0..nodes as u32);
+        for key in &self.keys {
+            let vessel = vessel(*key);
+            let [a, b] = ends[vessel].map(|node| root(&mut self.parent, node as u32));
+            if a != b {
+                self.parent[a.max(b) as usize] = a.min(b);
+                take(vessel);
+            }
+        }
+    }
+}
+
+/// The root of a node's tree, halving the path on the way.
+fn root(parent: &mut [u32], mut node: u32) -> u32 {
+    while parent[node as usize] != node {
+        parent[node as usize] = parent[parent[node as usize] as usize];
+        node = parent[node as usize];
+    }
+    node
+}

@@ -1,0 +1,140 @@
+//! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
+
+use crate::network::Network;
+
+/// Sums over a range of samples, per vessel.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sums {
+    /// Σ of the contributions: L.
+    pub likelihood: Vec<f64>,
+    /// Σ of the squared contributions.
+    pub square: Vec<f64>,
+    /// Samples with the vessel in the forest.
+    pub count: Vec<u64>,
+    /// Σ ρ_G of the samples, W/m³.
+    pub network_resilience: f64,
+    /// How many samples.
+    pub samples: u64,
+}
+
+impl Sums {
+    /// Nothing yet, for so many vessels.
+    pub fn zero(vessels: usize) -> Self {
+        Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0; vessels], ..Self::default() }
+    }
+
+    /// These sums and those of the samples after them.
+    #[must_use]
+    pub fn plus(mut self, right: &Self) -> Self {
+        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.likelihood, &right.likelihood);
+        add(&mut self.square, &right.square);
+        self.count.iter_mut().zip(&right.count).for_each(|(a, b)| *a += b);
+        self.network_resilience += right.network_resilience;
+        self.samples += right.samples;
+        self
+    }
+
+    /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
+    /// one contribution; zero for fewer than two samples.
+    pub fn standard_errors(&self) -> Vec<f64> {
+        let n = self.samples as f64;
+        let each = self.likelihood.iter().zip(&self.square);
+        each.map(|(sum, square)| {
+            let variance = (square - sum * sum / n) / (n - 1.0);
+            if n > 1.0 { (n * variance.max(0.0)).sqrt() } else { 0.0 }
+        })
+        .collect()
+    }
+}
+
+/// A running sum over the dyadic tree of block indices (node = left + right).
+#[derive(Debug, Clone, Default)]
+pub struct DyadicSum {
+    /// Finished subtrees with the number of blocks in each, sizes falling.
+    nodes: Vec<(u64, Sums)>,
+}
+
+impl DyadicSum {
+    /// Adds a subtree over the next `blocks` blocks, a power of two.
+    pub fn push(&mut self, mut blocks: u64, mut sums: Sums) {
+        while self.nodes.last().is_some_and(|(size, _)| *size == blocks) {
+            if let Some((_, left)) = self.nodes.pop() {
+                sums = left.plus(&sums);
+                blocks *= 2;
+            }
+        }
+        self.nodes.push((blocks, sums));
+    }
+
+    /// The finished subtrees, with the number of blocks in each.
+    pub fn into_nodes(self) -> Vec<(u64, Sums)> {
+        self.nodes
+    }
+
+    /// The sum so far; `None` before the first block.
+    pub fn total(&self) -> Option<Sums> {
+        let mut nodes = self.nodes.iter().rev();
+        let mut total = nodes.next()?.1.clone();
+        for (_, left) in nodes {
+            total = left.clone().plus(&total);
+        }
+        Some(total)
+    }
+}
+
+/// The state of the uncertain vessels after some of the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    /// Samples so far.
+    pub samples: u64,
+    /// L of each uncertain vessel so far, in row order.
+    pub likelihood: Vec<f64>,
+}
+
+/// What the samples say of each vessel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Likelihood {
+    /// L of each vessel, W/m³.
+    pub likelihood: Vec<f64>,
+    /// The Monte-Carlo standard error of L, W/m³.
+    pub std_error: Vec<f64>,
+    /// Share of the samples with the vessel in the forest.
+    pub frequency: Vec<f64>,
+    /// Whether the vessel was on trial.
+    pub uncertain: Vec<bool>,
+    /// Mean of ρ_G over the samples, W/m³.
+    pub network_resilience: f64,
+    /// How many samples there were.
+    pub samples: u64,
+    /// L of the uncertain vessels along the way.
+    pub trace: Vec<Snapshot>,
+}
+
+impl Likelihood {
+    /// From the sums over all samples.
+    pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
+        let n = sums.samples.max(1) as f64;
+        Self {
+            std_error: sums.standard_errors(),
+            frequency: sums.count.iter().map(|c| *c as f64 / n).collect(),
+            network_resilience: sums.network_resilience / n,
+            samples: sums.samples,
+            likelihood: sums.likelihood,
+            uncertain,
+            trace,
+        }
+    }
+
+    /// The upper triangle of the symmetric N x N matrix L, row by row: L(j1, j2) sums over parallel vessels; self-loops and
+    /// zeros are left out.
+    pub fn matrix(&self, network: &Network) -> Vec<(u32, u32, f64)> {
+        let mut cells = std::collections::BTreeMap::new();
+        for (([a, b], _), value) in network.vessels().zip(&self.likelihood) {
+            if a != b && *value != 0.0 {
+                *cells.entry((a.min(b) as u32, a.max(b) as u32)).or_insert(0.0) += value;
+            }
+        }
+        cells.into_iter().map(|((a, b), value)| (a, b, value)).collect()
+    }
+}

@@ -1,0 +1,62 @@
+//! Finding a node by what a person calls it: its id, its label, or a position.
+
+use super::Network;
+use crate::geometry::{Point, distance};
+use crate::units::{metres, millimetres};
+
+/// A node found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Located {
+    /// Its row.
+    pub node: usize,
+    /// The distance (m) from the position asked for, when it was a position.
+    pub distance: Option<f64>,
+}
+
+/// Finds the node whose `id` is exactly `spec`, else whose label is exactly `spec`, else nearest to `x,y,z` in mm.
+///
+/// # Errors
+///
+/// No node or more than one answers to it: says so in words.
+pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
+    let rows = |hit: &dyn Fn(&super::Node) -> bool| -> Vec<usize> {
+        network.nodes().enumerate().filter(|(_, n)| hit(n)).map(|(row, _)| row).collect()
+    };
+    let ids = rows(&|n| n.id == spec);
+    let named = if ids.is_empty() { rows(&|n| !n.label.is_empty() && n.label == spec) } else { ids };
+    match named[..] {
+        [node] => return Ok(Located { node, distance: None }),
+        [] => {}
+        _ => {
+            let ids: Vec<&str> = named.iter().map(|row| network.node(*row).id.as_str()).take(5).collect();
+            return Err(format!("more than one node is called so ({}); give the id of one", ids.join(", ")));
+        }
+    }
+    let Some(position) = parse_position(spec) else {
+        return Err(
+            "no node has this id or label; expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)".into(),
+        );
+    };
+    nearest(network, position).ok_or_else(|| "the nodes have no coordinates; give an id or a label".into())
+}
+
+/// The node nearest to a position (m), ties to the lower row.
+pub fn nearest(network: &Network, position: Point) -> Option<Located> {
+    let away = network.nodes().enumerate().filter_map(|(node, n)| Some((distance(n.position?, position), node)));
+    let (distance, node) = away.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+    Some(Located { node, distance: Some(distance) })
+}
+
+/// `x,y,z` in mm, as m.
+pub fn parse_position(text: &str) -> Option<Point> {
+    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
+    let point: Point = numbers.try_into().ok()?;
+    point.iter().all(|x| x.is_finite()).then(|| point.map(metres))
+}
+
+impl Located {
+    /// How far away it is, in words; empty when it was called by name.
+    pub fn note(&self) -> String {
+        self.distance.map_or(String::new(), |m| format!(" ({:.3} mm from the position given)", millimetres(m)))
+    }
+}

@@ -1,0 +1,5 @@
+//! Perturbations of a network: which vessels are open, and how they are changed.
+
+pub mod occlusion;
+
+pub use occlusion::Occlusion;
