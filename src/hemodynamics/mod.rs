@@ -6,6 +6,7 @@ pub mod circuit;
 pub mod floating;
 pub mod poiseuille;
 pub mod star_mesh;
+pub mod steady;
 
 pub use boundary::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;

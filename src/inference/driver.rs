@@ -8,13 +8,12 @@ use super::sample::{Compiled, Sampler, Uncertain, Weight, Workspace};
 use crate::error::{Error, Result};
 use crate::hemodynamics::cholesky::Cholesky;
 use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use crate::hemodynamics::steady::LANES_LIMIT;
 use crate::hemodynamics::{Boundary, Circuit, StarMesh};
 use crate::network::Network;
 use crate::perturbation::Occlusion;
 use crate::rng::BLOCK;
 
-/// Mesh updates of a star-mesh program above which the sparse Cholesky solver takes over.
-const LANES_LIMIT: usize = 2_000_000;
 /// Points of the convergence record, at the most.
 const SNAPSHOTS: u64 = 128;
 

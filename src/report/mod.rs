@@ -1,1 +1,12 @@
-//! Pictures and tables of a run.
+//! What a run leaves behind: tables, matrices, topologies, pictures and the record of how it was made.
+
+pub mod outcome;
+pub mod plots;
+pub mod staged;
+pub mod summary;
+mod tables;
+
+pub use outcome::{Outcome, write_outcome};
+pub use staged::{StagedFile, StagedFolder};
+pub use summary::{Provenance, Summary};
+pub use tables::graph_columns;

@@ -1,0 +1,163 @@
+//! Boundary conditions from the command line, a file and the graph, in that order of precedence.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::Args;
+use willis::error::{Error, Fault, Result};
+use willis::formats::conditions::{read_csv, read_toml};
+use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, INLET_PRESSURE_MMHG, stated};
+use willis::hemodynamics::{Boundary, FoundOutlets, Given};
+use willis::network::{Condition, Network, Role, locate};
+use willis::quantity::Dimension;
+use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
+
+use super::terminal::{Terminal, brief, plural};
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Boundary conditions (SPEC is a node id, a label, or x,y,z in mm)")]
+pub struct BoundaryArgs {
+    /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
+    #[arg(long, value_name = "SPEC[=PRESSURE]", allow_hyphen_values = true)]
+    inlet: Vec<String>,
+    /// Where blood leaves: to ground, to a pressure (5mmHg), or through a resistance (20mmHg.s/mL)
+    #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE]", allow_hyphen_values = true)]
+    outlet: Vec<String>,
+    /// A fixed flow into the network (negative: out of it), in mL/min
+    #[arg(long, value_name = "SPEC=FLOW", allow_hyphen_values = true)]
+    flow: Vec<String>,
+    /// A CSV or TOML file of conditions
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    bc: Option<PathBuf>,
+    /// What outlets found by willis are: ground, or terminal resistances by Murray's law for a total flow in mL/min
+    #[arg(long, value_name = "ground|murray[=FLOW]")]
+    outlets: Option<String>,
+}
+
+impl BoundaryArgs {
+    /// What outlets that are found will be; `otherwise` when the option is not given.
+    pub fn found_outlets(&self, murray: bool) -> Result<FoundOutlets> {
+        let flow = |ml_per_min: f64| FoundOutlets::Murray { flow: cubic_metres_per_second(ml_per_min) };
+        let usual = flow(CEREBRAL_FLOW_ML_PER_MIN);
+        let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
+        let refused = || Error::parameter("--outlets", format!("\"{text}\""), "expected ground, murray or murray=FLOW with a positive flow in mL/min");
+        match text.split_once('=') {
+            None if text == "ground" => Ok(FoundOutlets::Ground),
+            None if text == "murray" => Ok(usual),
+            Some(("murray", figure)) => {
+                let flow = Dimension::Flow.parse(figure).map_err(|_| refused())?;
+                if flow > 0.0 { Ok(FoundOutlets::Murray { flow }) } else { Err(refused()) }
+            }
+            _ => Err(refused()),
+        }
+    }
+
+    /// The conditions of a network, given and found.
+    pub fn resolve(&self, network: &Network, outlets: FoundOutlets, terminal: &Terminal) -> Result<Boundary> {
+        let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
+        for source in [self.from_file(network, terminal)?, self.from_command_line(network, terminal)?] {
+            given.extend(source);
+        }
+        let given: Vec<Given> = given.into_values().collect();
+        Boundary::resolve(network, &given, outlets)
+    }
+
+    fn from_file(&self, network: &Network, terminal: &Terminal) -> Result<BTreeMap<usize, Given>> {
+        let Some(path) = &self.bc else { return Ok(BTreeMap::new()) };
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        let statements = if is_toml { read_toml(&text) } else { read_csv(&text) }.map_err(|f| f.in_file(path))?;
+        let mut given = BTreeMap::new();
+        for s in statements {
+            let fault = |why: String| Fault::item(s.place.clone(), format!("\"{}\"", s.spec), why).in_file(path);
+            let found = locate(network, &s.spec).map_err(fault)?;
+            terminal.detail("condition", format!("{} is node {}{}", s.spec, network.node(found.node).id, found.note()));
+            if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {
+                return Err(fault("expected one condition a node".into()));
+            }
+        }
+        Ok(given)
+    }
+
+    fn from_command_line(&self, network: &Network, terminal: &Terminal) -> Result<BTreeMap<usize, Given>> {
+        let inlets = self.inlet.iter().map(|text| ("--inlet", text));
+        let outlets = self.outlet.iter().map(|text| ("--outlet", text));
+        let flows = self.flow.iter().map(|text| ("--flow", text));
+        let mut given = BTreeMap::new();
+        for (option, text) in inlets.chain(outlets).chain(flows) {
+            let refused = |why: String| Error::parameter(option, format!("\"{text}\""), why);
+            let (spec, role, condition) = parse(option, text).map_err(refused)?;
+            let found = locate(network, spec).map_err(refused)?;
+            if found.distance.is_some() {
+                terminal.say("condition", format!("{spec} is node {}{}", network.node(found.node).id, found.note()));
+            }
+            if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {
+                return Err(refused("expected one condition a node".into()));
+            }
+        }
+        Ok(given)
+    }
+}
+
+/// `SPEC[=VALUE]`: the value is what follows the last `=`, when it is one.
+fn parse<'a>(option: &str, text: &'a str) -> Result<(&'a str, Role, Condition), String> {
+    let split = text.rsplit_once('=');
+    match option {
+        "--inlet" => match split.map(|(spec, value)| (spec, Dimension::Pressure.parse(value))) {
+            None => Ok((text, Role::Inlet, Condition::Pressure(pascals(INLET_PRESSURE_MMHG)))),
+            Some((spec, pressure)) => Ok((spec, Role::Inlet, Condition::Pressure(pressure?))),
+        },
+        "--outlet" => match split {
+            None => Ok((text, Role::Outlet, Condition::Pressure(0.0))),
+            Some((spec, "ground")) => Ok((spec, Role::Outlet, Condition::Pressure(0.0))),
+            Some((spec, value)) if Dimension::Resistance.has_unit_in(value) => {
+                let resistance = Dimension::Resistance.parse(value)?;
+                if resistance <= 0.0 {
+                    return Err("expected a positive resistance".into());
+                }
+                Ok((spec, Role::Outlet, Condition::Resistance { resistance, venous: 0.0 }))
+            }
+            Some((spec, value)) => {
+                let accepted = "expected ground, a pressure (5mmHg) or a resistance (20mmHg.s/mL)";
+                Ok((spec, Role::Outlet, Condition::Pressure(Dimension::Pressure.parse(value).map_err(|_| accepted.to_owned())?)))
+            }
+        },
+        _ => {
+            let (spec, value) = split.ok_or("expected SPEC=FLOW")?;
+            let flow = Dimension::Flow.parse(value)?;
+            Ok((spec, if flow > 0.0 { Role::Inlet } else { Role::Outlet }, Condition::Flow(flow)))
+        }
+    }
+}
+
+/// Says which conditions are used, and which of them were found.
+pub fn say_boundary(terminal: &Terminal, network: &Network, boundary: &Boundary) {
+    for (role, heading, found) in [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)] {
+        let rows: Vec<usize> = (0..network.node_count()).filter(|n| boundary.roles[*n] == role).collect();
+        let words: Vec<String> = rows.iter().filter_map(|n| Some((*n, words(boundary.condition(*n)?)))).map(|(n, w)| format!("{} ({w})", network.node(n).id)).collect();
+        let how = match found.len() {
+            0 => String::new(),
+            n if n == rows.len() => match role {
+                Role::Inlet => ", found: the widest free ends".to_owned(),
+                _ => ", found: the other free ends".to_owned(),
+            },
+            n => format!(", {n} of them found at free ends"),
+        };
+        let most = 6;
+        let shown = if words.len() > most { format!("{}, and {} more", words[..most].join(", "), words.len() - most) } else { words.join(", ") };
+        terminal.say(heading, format!("{}{how}: {shown}", plural(rows.len(), "node")));
+        for word in words.iter().skip(most) {
+            terminal.detail(heading, word);
+        }
+    }
+}
+
+fn words(condition: Condition) -> String {
+    match condition {
+        Condition::Pressure(0.0) => "ground".into(),
+        Condition::Pressure(p) => format!("{} mmHg", brief(mmhg(p))),
+        Condition::Resistance { resistance, .. } => format!("{} mmHg·s/mL", brief(mmhg_s_per_ml(resistance))),
+        Condition::Flow(flow) => format!("{} mL/min", brief(ml_per_min(flow))),
+    }
+}
+

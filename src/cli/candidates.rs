@@ -1,0 +1,51 @@
+//! `willis candidates`: only the over-connected graph, to look at or to edit.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use willis::candidates::build;
+use willis::error::Result;
+use willis::formats::write_graphml;
+use willis::report::{StagedFile, graph_columns, staged::write_file};
+
+use super::boundary::{BoundaryArgs, say_boundary};
+use super::input::{CandidateArgs, InputArgs};
+use super::terminal::{Terminal, plural};
+
+/// Build the over-connected candidate graph and stop
+///
+/// The graph can be edited by hand or by a script and handed to `willis infer`; unedited it gives the same answer as the
+/// centerlines themselves.
+#[derive(Debug, Args)]
+pub struct CandidatesArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// The graph to write, as GraphML
+    #[arg(short, long, value_name = "FILE.graphml", value_hint = clap::ValueHint::FilePath)]
+    output: PathBuf,
+    #[command(flatten)]
+    candidates: CandidateArgs,
+    #[command(flatten)]
+    boundary: BoundaryArgs,
+}
+
+impl CandidatesArgs {
+    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+        StagedFile::check(&self.output, force)?;
+        let outlets = |fragments| self.boundary.found_outlets(fragments);
+        outlets(true)?;
+        let loaded = self.input.load(terminal)?;
+        let params = self.candidates.params(loaded.radius_rule)?;
+        let boundary = self.boundary.resolve(&loaded.network, outlets(loaded.fragments)?, terminal)?;
+        let graph = if loaded.fragments { build(&loaded.network, &params)? } else { loaded.network };
+        let boundary = boundary.extended_to(graph.node_count());
+        say_boundary(terminal, &graph, &boundary);
+        let (nodes, vessels) = graph_columns(&graph, &boundary);
+        let file = StagedFile::new(&self.output, force)?;
+        write_file(&file.path(), |out| write_graphml(out, &graph, &nodes, &vessels))?;
+        file.commit()?;
+        let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+        terminal.say("written", format!("{}: {size}", self.output.display()));
+        Ok(())
+    }
+}

@@ -1,0 +1,293 @@
+//! `willis infer`: from centerlines or a candidate graph to the likelihood matrix and the plausible topology.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use willis::candidates::{self, build};
+use willis::error::{Error, Result};
+use willis::formats::{Column, Values, write_csv};
+use willis::hemodynamics::{Boundary, FoundOutlets};
+use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer};
+use willis::network::{Network, Origin};
+use willis::quantity::Dimension;
+use willis::report::summary::Built;
+use willis::report::{Outcome, Provenance, StagedFolder, Summary, staged::write_file, write_outcome};
+
+use super::boundary::{BoundaryArgs, say_boundary};
+use super::input::{CandidateArgs, InputArgs};
+use super::shell::print_line;
+use super::terminal::{Terminal, brief, count, plural};
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Prior {
+    /// The priors that the file states, 1 elsewhere
+    None,
+    /// A = 1 everywhere
+    Uniform,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OnTrial {
+    /// Candidates must earn their place, observed vessels stay
+    Candidates,
+    /// Every vessel is on trial, as in the paper
+    All,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Contribution {
+    /// Its resilience, as in the paper
+    Resilience,
+    /// One
+    Count,
+    /// The resilience of the whole network
+    Global,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SolverName {
+    Auto,
+    Lanes,
+    Cholesky,
+}
+
+/// Infer the plausible topology of centerlines or of a candidate graph
+#[derive(Debug, Args)]
+pub struct InferArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// The folder to write; it must not exist
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
+    output: PathBuf,
+    /// Occlusion probability; several, with commas, make a folder each and a table of their agreement
+    #[arg(long, value_name = "P,...", value_delimiter = ',', default_value = "0.5", help_heading = "Sampling", allow_hyphen_values = true)]
+    epsilon: Vec<f64>,
+    /// Samples
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, help_heading = "Sampling")]
+    samples: u64,
+    /// The seed; the same command with the same seed gives the same bytes
+    #[arg(long, value_name = "SEED", default_value_t = 0, help_heading = "Sampling")]
+    seed: u64,
+    /// Which vessels may be occluded and pruned
+    #[arg(long, value_enum, default_value = "candidates", help_heading = "Sampling")]
+    uncertain: OnTrial,
+    /// The anatomical prior of each vessel
+    #[arg(long, value_enum, default_value = "none", help_heading = "Sampling")]
+    prior: Prior,
+    /// What a vessel adds to its likelihood when it is in a sample's forest
+    #[arg(long, value_enum, default_value = "resilience", help_heading = "Sampling")]
+    weight: Contribution,
+    /// Blood viscosity
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", help_heading = "Sampling")]
+    viscosity: String,
+    /// The flow solver
+    #[arg(long, value_enum, default_value = "auto", help_heading = "Sampling")]
+    solver: SolverName,
+    /// Which vessels on trial stay: median, quantile=Q, value=X (W/m3), otsu, frequency=F
+    #[arg(long, value_name = "RULE", default_value = "median", help_heading = "Answer")]
+    keep: String,
+    /// Resolution of the pictures
+    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    dpi: u32,
+    /// Print run.json on standard output too
+    #[arg(long, help_heading = "Answer")]
+    json: bool,
+    #[command(flatten)]
+    candidates: CandidateArgs,
+    #[command(flatten)]
+    boundary: BoundaryArgs,
+}
+
+/// What all occlusion probabilities share.
+struct Job<'a> {
+    graph: &'a Network,
+    boundary: &'a Boundary,
+    outlets: FoundOutlets,
+    provenance: &'a Provenance,
+    built: Built<'a>,
+    rule: Keep,
+    dpi: u32,
+    json: bool,
+}
+
+impl InferArgs {
+    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+        let start = Instant::now();
+        let rule = parse_rule(&self.keep)?;
+        let runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
+        self.boundary.found_outlets(true)?;
+        check_dpi(self.dpi)?;
+        StagedFolder::check(&self.output, force)?;
+
+        let loaded = self.input.load(terminal)?;
+        let candidate_params = self.candidates.params(loaded.radius_rule)?;
+        let outlets = self.boundary.found_outlets(loaded.fragments)?;
+        let boundary = self.boundary.resolve(&loaded.network, outlets, terminal)?;
+        let graph = if loaded.fragments { build(&loaded.network, &candidate_params)? } else { loaded.network };
+        let boundary = boundary.extended_to(graph.node_count());
+        if loaded.fragments {
+            say_built(terminal, &graph, &candidate_params);
+        }
+        say_boundary(terminal, &graph, &boundary);
+
+        let folder = StagedFolder::new(&self.output, force)?;
+        let job = Job {
+            graph: &graph,
+            boundary: &boundary,
+            outlets,
+            provenance: &loaded.provenance,
+            built: if loaded.fragments { Built::Candidates(&candidate_params) } else { Built::Given },
+            rule,
+            dpi: self.dpi,
+            json: self.json,
+        };
+        if let [params] = &runs[..] {
+            job.run(params, &folder.path(), terminal)?;
+        } else {
+            let mut decisions = Vec::new();
+            for params in &runs {
+                let sub = folder.path().join(format!("epsilon-{}", params.epsilon));
+                std::fs::create_dir(&sub).map_err(|source| Error::Write { path: sub.clone(), source })?;
+                decisions.push((params.epsilon, job.run(params, &sub, terminal)?));
+            }
+            write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions)))?;
+        }
+        folder.commit()?;
+        terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    fn params(&self, epsilon: f64) -> Result<Params> {
+        let viscosity = Dimension::Viscosity.parse(&self.viscosity);
+        let params = Params {
+            epsilon,
+            samples: self.samples,
+            seed: self.seed,
+            uncertain: match self.uncertain {
+                OnTrial::Candidates => Uncertain::Candidates,
+                OnTrial::All => Uncertain::All,
+            },
+            weight: match self.weight {
+                Contribution::Resilience => Weight::Resilience,
+                Contribution::Count => Weight::Count,
+                Contribution::Global => Weight::Global,
+            },
+            uniform_prior: matches!(self.prior, Prior::Uniform),
+            viscosity: viscosity.map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?,
+            solver: match self.solver {
+                SolverName::Auto => Solver::Auto,
+                SolverName::Lanes => Solver::Lanes,
+                SolverName::Cholesky => Solver::Cholesky,
+            },
+        };
+        params.validate()?;
+        Ok(params)
+    }
+}
+
+impl Job<'_> {
+    fn run(&self, params: &Params, folder: &Path, terminal: &Terminal) -> Result<Answer> {
+        let start = Instant::now();
+        let trial = params.uncertain.vessels(self.graph).iter().filter(|u| **u).count();
+        let threads = rayon::current_num_threads();
+        let how = format!("epsilon {}, {} samples, seed {}, {}", params.epsilon, count(params.samples), params.seed, plural(threads, "thread"));
+        terminal.say("sampling", format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")));
+        let mut progress = terminal.progress(params.samples);
+        let sampled = infer(self.graph, self.boundary, params, &mut progress);
+        progress.finish();
+        let (result, solver) = sampled?;
+        let sampling = start.elapsed().as_secs_f64();
+        let answer = decide(self.rule, &result);
+        let topology = |kept: &[bool]| Topology::of(self.graph, &result.uncertain, kept, self.boundary);
+        let outcome = Outcome {
+            network: self.graph,
+            boundary: self.boundary,
+            result: &result,
+            rule: self.rule,
+            answer: &answer,
+            kept: topology(&answer.kept),
+            above_median: topology(&answer.above_median),
+            uniform_prior: params.uniform_prior,
+            solver,
+            viscosity: params.viscosity,
+        };
+        let mut summary = Summary::new(&outcome, self.provenance, params, self.built, self.outlets);
+        summary.time = json!({ "sampling_s": sampling, "samples_per_s": params.samples as f64 / sampling, "threads": threads });
+        say_outcome(terminal, &outcome, sampling);
+        for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
+            terminal.say("note", note);
+        }
+        if self.json {
+            print_line(&serde_json::to_string(&summary).unwrap_or_default())?;
+        }
+        Ok(answer)
+    }
+}
+
+fn parse_rule(text: &str) -> Result<Keep> {
+    let refused = || {
+        let accepted = "expected median, quantile=Q, value=X, otsu or frequency=F";
+        Error::parameter("--keep", format!("\"{text}\""), accepted)
+    };
+    let number = |text: &str| text.parse::<f64>().map_err(|_| refused());
+    let rule = match text.split_once('=') {
+        None if text == "median" => Keep::Median,
+        None if text == "otsu" => Keep::Otsu,
+        Some(("quantile", q)) => Keep::Quantile(number(q)?),
+        Some(("value", x)) => Keep::Value(number(x)?),
+        Some(("frequency", f)) => Keep::Frequency(number(f)?),
+        _ => return Err(refused()),
+    };
+    rule.validate()?;
+    Ok(rule)
+}
+
+fn check_dpi(dpi: u32) -> Result<()> {
+    if (36..=1200).contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, "expected a number from 36 to 1200")) }
+}
+
+fn say_built(terminal: &Terminal, graph: &Network, params: &candidates::Params) {
+    let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
+    let size = format!("{} in a graph of {}, {}", plural(candidates, "candidate"), plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+    terminal.say("built", format!("{size} (k = {})", params.k));
+    if candidates == 0 {
+        terminal.say("note", "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can");
+    }
+}
+
+fn say_outcome(terminal: &Terminal, outcome: &Outcome<'_>, seconds: f64) {
+    let (answer, kept) = (outcome.answer, &outcome.kept);
+    let rate = outcome.result.samples as f64 / seconds.max(1e-9);
+    terminal.say("sampled", format!("{} samples in {seconds:.2} s, {} a second, {} solver", count(outcome.result.samples), count(rate as u64), outcome.solver));
+    let cut = match (outcome.rule, answer.threshold) {
+        (Keep::Frequency(f), _) => format!("frequency >= {f}"),
+        (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),
+        (_, None) => "no vessel on trial has L > 0".into(),
+    };
+    terminal.say("kept", format!("{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors", count(kept.kept as u64), plural(kept.kept + kept.pruned, "vessel"), count(kept.pruned as u64), count(answer.undecided.len() as u64)));
+    let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
+    terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
+    let same = answer.kept == answer.above_median;
+    if !same {
+        let median = &outcome.above_median;
+        terminal.say("median", format!("{} kept, {}, {}", count(median.kept as u64), plural(median.components, "component"), plural(median.cycles, "independent cycle")));
+    }
+}
+
+/// Per pair of occlusion probabilities the share of vessels decided alike.
+fn agreement(decisions: &[(f64, Answer)]) -> Vec<Column> {
+    let pairs: Vec<(usize, usize)> = (0..decisions.len()).flat_map(|i| (i + 1..decisions.len()).map(move |j| (i, j))).collect();
+    let same = |(i, j): &(usize, usize)| {
+        let (a, b) = (&decisions[*i].1.kept, &decisions[*j].1.kept);
+        a.iter().zip(b).filter(|(a, b)| a == b).count()
+    };
+    let real = |name, values: Vec<f64>| Column { name, values: Values::Real(values) };
+    vec![
+        real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0).collect()),
+        real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0).collect()),
+        Column { name: "decided_alike", values: Values::Integer(pairs.iter().map(|p| same(p) as i64).collect()) },
+        Column { name: "vessels", values: Values::Integer(pairs.iter().map(|(i, _)| decisions[*i].1.kept.len() as i64).collect()) },
+    ]
+}

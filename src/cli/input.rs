@@ -1,0 +1,248 @@
+//! Reading the input of a command: centerlines become a network, a ready graph is taken as it stands.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use willis::candidates::{self, Attach, CandidateRadius};
+use willis::error::{Error, Result};
+use willis::formats::{Content, ReadOptions, read};
+use willis::geometry::{box_diagonal};
+use willis::network::{Network, Origin, RadiusRule, contract, fragments};
+use willis::quantity::Dimension;
+use willis::report::Provenance;
+use willis::stats::median;
+use willis::units::{LengthUnit, Scale, millimetres};
+
+use super::provenance::command_line;
+use super::terminal::{Terminal, brief, count, plural};
+
+/// Coincident points of different polylines are one node within this share of the bounding box.
+const WELD_TOLERANCE: f64 = 1e-6;
+/// Median radii (mm) outside this range are no vessel of a human body.
+const PLAUSIBLE_RADIUS_MM: std::ops::Range<f64> = 0.002..20.0;
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Unit {
+    Mm,
+    Um,
+    Cm,
+    M,
+    Voxel,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Radius {
+    /// The mean over arc length
+    Mean,
+    /// The one with the vessel's own Poiseuille resistance
+    Effective,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
+pub struct InputArgs {
+    /// Centerlines (SWC, VTP) or a ready candidate graph (GraphML, CSV of edges)
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
+    pub input: PathBuf,
+    /// The unit of coordinates and radii in INPUT
+    #[arg(long, value_enum, default_value = "mm")]
+    units: Unit,
+    /// Voxel spacing in mm, with --units voxel: one number, or three
+    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',')]
+    spacing: Option<Vec<f64>>,
+    /// The VTP point array that holds the radius, when it has an unusual name
+    #[arg(long, value_name = "NAME")]
+    radius_array: Option<String>,
+    /// Which radius stands for a vessel
+    #[arg(long, value_enum, default_value = "mean")]
+    radius: Radius,
+    /// The radius of vessels that have none
+    #[arg(long, value_name = "LENGTH")]
+    default_radius: Option<String>,
+    /// Links between points that SWC cannot hold: a CSV file of id_a,id_b
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    loops: Option<PathBuf>,
+    /// Take the vessels of a graph file as observed and build candidates around them
+    #[arg(long)]
+    pub observed: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum AttachTo {
+    /// Any vessel, split where the candidate meets it, or a free end
+    Centerline,
+    /// Free ends only
+    Ends,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum RadiusOfCandidate {
+    Min,
+    Mean,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Candidates")]
+pub struct CandidateArgs {
+    /// Nearest branches and free ends that every free end is joined to
+    #[arg(short, value_name = "K", default_value_t = 6)]
+    pub k: usize,
+    /// The longest gap to bridge [default: 20 point spacings + 5 end diameters]
+    #[arg(long, value_name = "LENGTH")]
+    pub max_gap: Option<String>,
+    /// What a candidate may meet
+    #[arg(long, value_enum, default_value = "centerline")]
+    pub attach: AttachTo,
+    /// A candidate's radius from the radii at its two ends
+    #[arg(long, value_enum, default_value = "min")]
+    pub candidate_radius: RadiusOfCandidate,
+    /// The largest radius of a candidate
+    #[arg(long, value_name = "LENGTH")]
+    pub max_candidate_radius: Option<String>,
+}
+
+/// An input that has been read.
+pub struct Loaded {
+    pub network: Network,
+    pub provenance: Provenance,
+    /// Whether candidates are to be built around its vessels.
+    pub fragments: bool,
+    pub radius_rule: RadiusRule,
+}
+
+/// A length given as an option, m.
+pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
+    let parse = |text: &String| {
+        let length = Dimension::Length.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))?;
+        if length > 0.0 { Ok(length) } else { Err(Error::parameter(option, format!("\"{text}\""), "expected a positive length")) }
+    };
+    text.map(parse).transpose()
+}
+
+impl InputArgs {
+    fn scale(&self) -> Result<Scale> {
+        let unit = match self.units {
+            Unit::Mm => LengthUnit::Millimetre,
+            Unit::Um => LengthUnit::Micrometre,
+            Unit::Cm => LengthUnit::Centimetre,
+            Unit::M => LengthUnit::Metre,
+            Unit::Voxel => LengthUnit::Voxel,
+        };
+        let spacing = match self.spacing.as_deref() {
+            None => None,
+            Some([s]) => Some([*s; 3]),
+            Some([x, y, z]) => Some([*x, *y, *z]),
+            Some(other) => {
+                return Err(Error::parameter("--spacing", format!("of {} numbers", other.len()), "expected one or three positive numbers, in mm"));
+            }
+        };
+        let scale = Scale { unit, spacing };
+        scale.validate()?;
+        Ok(scale)
+    }
+
+    /// Reads the input and says what was found in it.
+    pub fn load(&self, terminal: &Terminal) -> Result<Loaded> {
+        let scale = self.scale()?;
+        let default_radius = length("--default-radius", self.default_radius.as_ref())?;
+        let radius_rule = match self.radius {
+            Radius::Mean => RadiusRule::Mean,
+            Radius::Effective => RadiusRule::Effective,
+        };
+        let options = ReadOptions { scale, radius_array: self.radius_array.clone(), loops: self.loops.clone() };
+        let document = read(&self.input, &options)?;
+        let mut notes = document.notes;
+        if let Some([x, y, z]) = scale.spacing.filter(|[x, y, z]| x != y || y != z) {
+            notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
+        }
+        let heading = format!("{}, {}", document.format.name(), scale.unit.symbol());
+        let (network, ready) = match document.content {
+            Content::Centerlines(mut lines) => {
+                let points = lines.points.len();
+                let welded = lines.weld(WELD_TOLERANCE);
+                let made = contract(&lines, radius_rule, default_radius).map_err(|fault| fault.in_file(&self.input))?;
+                let parts = fragments(&made.network, |_, _| true).count;
+                let vessels = plural(made.network.vessel_count(), "vessel");
+                terminal.say("read", format!("{}: {heading}: {}, {vessels}, {} points{}", self.input.display(), plural(parts, "fragment"), count(points as u64), radii(&made.network)));
+                if welded > 0 {
+                    notes.push(format!("{} that coincide with another were made one with it", plural(welded, "point")));
+                }
+                if made.repaired_radii > 0 {
+                    notes.push(format!("{} without a positive finite radius: interpolated along the vessel", plural(made.repaired_radii, "point")));
+                }
+                if made.default_radii > 0 {
+                    notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
+                }
+                (made.network, false)
+            }
+            Content::Graph(network) => {
+                let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
+                let candidates = network.vessel_count() - observed;
+                terminal.say("read", format!("{}: {heading}: {}, {} observed and {} candidate vessels{}", self.input.display(), plural(network.node_count(), "node"), count(observed as u64), count(candidates as u64), radii(&network)));
+                (network, true)
+            }
+        };
+        if network.vessel_count() == 0 {
+            return Err(willis::error::Fault::file("no vessel", "expected centerlines with at least two linked points, or edges").in_file(&self.input));
+        }
+        notes.extend(implausible(&network, scale.unit));
+        for note in &notes {
+            terminal.say("note", note);
+        }
+        let network = if self.observed && ready { observed(network) } else { network };
+        let provenance = Provenance {
+            command: command_line(),
+            input: self.input.display().to_string(),
+            format: document.format.name().to_owned(),
+            sha256: document.sha256,
+            units: scale.unit.symbol().to_owned(),
+            notes,
+        };
+        Ok(Loaded { network, provenance, fragments: !ready || self.observed, radius_rule })
+    }
+}
+
+impl CandidateArgs {
+    /// The parameters of the library.
+    pub fn params(&self, radius_rule: RadiusRule) -> Result<candidates::Params> {
+        let params = candidates::Params {
+            k: self.k,
+            max_gap: length("--max-gap", self.max_gap.as_ref())?,
+            attach: match self.attach {
+                AttachTo::Centerline => Attach::Centerline,
+                AttachTo::Ends => Attach::Ends,
+            },
+            radius: match self.candidate_radius {
+                RadiusOfCandidate::Min => CandidateRadius::Min,
+                RadiusOfCandidate::Mean => CandidateRadius::Mean,
+            },
+            max_radius: length("--max-candidate-radius", self.max_candidate_radius.as_ref())?,
+            radius_rule,
+        };
+        params.validate()?;
+        Ok(params)
+    }
+}
+
+/// The same network with every vessel observed.
+fn observed(mut network: Network) -> Network {
+    for row in 0..network.vessel_count() {
+        network.vessel_mut(row).origin = Origin::Observed;
+    }
+    network
+}
+
+fn radii(network: &Network) -> String {
+    let radii = || network.vessels().map(|(_, v)| millimetres(v.radius));
+    let (low, high) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    if low <= high { format!(", radius {} - {} mm", brief(low), brief(high)) } else { String::new() }
+}
+
+/// A warning when radii look like another unit.
+fn implausible(network: &Network, unit: LengthUnit) -> Option<String> {
+    let radii: Vec<f64> = network.vessels().map(|(_, v)| millimetres(v.radius)).collect();
+    let median = median(&radii).filter(|r| !PLAUSIBLE_RADIUS_MM.contains(r))?;
+    let span = millimetres(box_diagonal(network.nodes().filter_map(|n| n.position)));
+    let used = unit.symbol();
+    Some(format!("the median radius is {} mm and the extent {} mm, with lengths in {used}: implausible for vessels; see --units", brief(median), brief(span)))
+}

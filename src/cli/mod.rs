@@ -1,0 +1,76 @@
+//! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
+
+mod boundary;
+mod candidates;
+mod infer;
+mod input;
+mod phantom;
+mod provenance;
+mod shell;
+mod terminal;
+
+use clap::{Args, Parser, Subcommand};
+use willis::error::{Error, Result};
+
+use terminal::Terminal;
+
+/// Find the plausible topology of vascular centerlines.
+///
+/// Broken or over-connected centerlines go in; a likelihood for every possible connection and the pruned plausible
+/// topology come out. Method: Moriconi et al. 2019, Towards Quantifying Neurovascular Resilience.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, max_term_width = 110)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Infer(Box<infer::InferArgs>),
+    Candidates(Box<candidates::CandidatesArgs>),
+    Phantom(phantom::PhantomArgs),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Common options")]
+struct Common {
+    /// Worker threads; the results do not depend on it [default: all processors]
+    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N")]
+    threads: Option<usize>,
+    /// Print nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print more: every boundary condition, every repair
+    #[arg(short, long, global = true)]
+    verbose: bool,
+    /// Replace the output of an earlier run
+    #[arg(long, global = true)]
+    force: bool,
+}
+
+impl Cli {
+    /// Runs the subcommand.
+    pub fn run(self) -> Result<()> {
+        if let Some(threads) = self.common.threads {
+            if threads == 0 || threads > 4096 {
+                return Err(Error::parameter("--threads", threads, "expected a number from 1 to 4096"));
+            }
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+            pool.map_err(|e| Error::parameter("--threads", threads, e.to_string()))?;
+        }
+        let terminal = Terminal::new(self.common.quiet, self.common.verbose);
+        let force = self.common.force;
+        match self.command {
+            Command::Infer(args) => args.run(&terminal, force),
+            Command::Candidates(args) => args.run(&terminal, force),
+            Command::Phantom(args) => args.run(&terminal, force),
+            Command::Completions(args) => args.run(),
+            Command::Man(args) => args.run(),
+        }
+    }
+}

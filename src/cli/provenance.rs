@@ -1,0 +1,38 @@
+//! The command line that repeats a run.
+
+/// Options that change no result, with whether a value follows.
+const IMMATERIAL: [(&str, bool); 9] = [
+    ("-o", true),
+    ("--output", true),
+    ("--threads", true),
+    ("-q", false),
+    ("--quiet", false),
+    ("-v", false),
+    ("--verbose", false),
+    ("--force", false),
+    ("--json", false),
+];
+
+/// This process's command line without the options that change no result, quoted for a shell.
+pub fn command_line() -> String {
+    let mut words = vec!["willis".to_owned()];
+    let mut rest = std::env::args().skip(1);
+    while let Some(word) = rest.next() {
+        match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
+            Some((name, true)) if word == *name => drop(rest.next()),
+            Some(_) => {}
+            None => words.push(quoted(&word)),
+        }
+    }
+    words.join(" ")
+}
+
+/// `--output=x` or `-ox`.
+fn is_joined(word: &str, name: &str) -> bool {
+    word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=') || !name.starts_with("--"))
+}
+
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:@%+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}

@@ -1,0 +1,111 @@
+//! What a person sees while a command runs: one headed line a fact, progress with rate and time left.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Where facts are told: standard error, so that standard output stays free for data.
+#[derive(Debug, Clone, Copy)]
+pub struct Terminal {
+    quiet: bool,
+    verbose: bool,
+}
+
+/// Between two progress lines where there is no terminal.
+const QUIET_TIME: Duration = Duration::from_secs(10);
+
+impl Terminal {
+    /// A terminal that tells less or more.
+    pub fn new(quiet: bool, verbose: bool) -> Self {
+        Self { quiet, verbose }
+    }
+
+    /// Tells a fact under a heading.
+    pub fn say(&self, heading: &str, fact: impl AsRef<str>) {
+        if !self.quiet {
+            let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+            let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
+            eprintln!("{on}{heading:>10}{off}  {}", fact.as_ref());
+        }
+    }
+
+    /// Tells a fact that only some want to know.
+    pub fn detail(&self, heading: &str, fact: impl AsRef<str>) {
+        if self.verbose {
+            self.say(heading, fact);
+        }
+    }
+
+    /// Progress over so many samples, stopped by Ctrl-C or SIGTERM.
+    pub fn progress(&self, total: u64) -> SampleProgress {
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        // A second run in one process finds a handler in place; it then cannot be stopped gently, only at once.
+        let _ = ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(1);
+            }
+        });
+        let bar = if self.quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(total) };
+        let style = ProgressStyle::with_template("  {prefix:>8}  {bar:32} {human_pos}/{human_len} samples  {per_sec}  {eta} left");
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        bar.set_prefix("sampling");
+        SampleProgress { bar, lines: !self.quiet && !std::io::stderr().is_terminal(), last: Instant::now(), start: Instant::now(), stop }
+    }
+}
+
+/// A progress bar on a terminal, plain lines elsewhere.
+pub struct SampleProgress {
+    bar: ProgressBar,
+    lines: bool,
+    last: Instant,
+    start: Instant,
+    stop: Arc<AtomicBool>,
+}
+
+impl willis::inference::Progress for SampleProgress {
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        if self.lines && self.last.elapsed() > QUIET_TIME {
+            self.last = Instant::now();
+            let rate = done as f64 / self.start.elapsed().as_secs_f64();
+            let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
+            eprintln!("{:>10}  {} of {} samples, {rate:.0}/s, {left:.0} s left", "sampling", count(done), count(total));
+        }
+        !self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl SampleProgress {
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A count with its thousands set apart.
+pub fn count(n: impl TryInto<u64>) -> String {
+    let digits = n.try_into().unwrap_or(u64::MAX).to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join(",")
+}
+
+/// `1 vessel`, `2 vessels`.
+pub fn plural(n: usize, noun: &str) -> String {
+    format!("{} {noun}{}", count(n as u64), if n == 1 { "" } else { "s" })
+}
+
+/// Three or so significant digits.
+pub fn brief(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
+        return format!("{x:.2e}");
+    }
+    let decimals = if x == 0.0 { 0 } else { (2 - x.abs().log10().floor() as i32).clamp(0, 6) };
+    format!("{x:.*}", decimals as usize)
+}

@@ -1,0 +1,136 @@
+//! The output folder of an inference.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::plots::{Matrix, convergence, heat_map};
+use super::staged::write_file;
+use super::summary::Summary;
+use super::tables::{condition_columns, node_columns, select, vessel_columns};
+use crate::error::Result;
+use crate::formats::{Column, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp};
+use crate::hemodynamics::{Boundary, Circuit, steady};
+use crate::inference::{Answer, Keep, Likelihood, Topology, threshold};
+use crate::network::{Network, fragments};
+
+/// The largest matrix written densely, in nodes.
+pub const DENSE_LIMIT: usize = 8192;
+
+/// An inference and everything its files are made of.
+#[derive(Debug)]
+pub struct Outcome<'a> {
+    /// The over-connected graph.
+    pub network: &'a Network,
+    /// Its boundary conditions.
+    pub boundary: &'a Boundary,
+    /// What the samples say.
+    pub result: &'a Likelihood,
+    /// The rule that decided.
+    pub rule: Keep,
+    /// The decisions.
+    pub answer: &'a Answer,
+    /// The kept graph.
+    pub kept: Topology,
+    /// The graph above the median.
+    pub above_median: Topology,
+    /// Whether A = 1 was used instead of the vessels' own priors.
+    pub uniform_prior: bool,
+    /// The solver's name.
+    pub solver: &'static str,
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+}
+
+/// Writes every file of an inference into a folder and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written, or pressures that cannot be solved for.
+pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dpi: u32) -> Result<Vec<String>> {
+    let mut notes = Vec::new();
+    let network = outcome.network;
+    let vessels = vessel_columns(outcome);
+    write_file(&folder.join("edges.csv"), |out| write_csv(out, &vessels))?;
+    let kept_nodes = topology(folder, "topology", outcome, &outcome.answer.kept, &vessels, &mut notes)?;
+    write_file(&folder.join("nodes.csv"), |out| write_csv(out, &kept_nodes))?;
+    topology(folder, "topology-median", outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    let matrix = outcome.result.matrix(network);
+    write_file(&folder.join("likelihood.npz"), |out| write_npz(out, network.node_count(), &matrix))?;
+    if network.node_count() <= DENSE_LIMIT {
+        write_file(&folder.join("likelihood.npy"), |out| write_npy(out, network.node_count(), &matrix))?;
+    } else {
+        notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
+    }
+    pictures(folder, outcome, &matrix, dpi)?;
+    write_file(&folder.join("run.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, summary)?;
+        out.write_all(b"\n")
+    })?;
+    Ok(notes)
+}
+
+/// Writes a kept graph in every format that can hold it and returns its node columns.
+fn topology(
+    folder: &Path,
+    name: &str,
+    outcome: &Outcome<'_>,
+    kept: &[bool],
+    vessels: &[Column],
+    notes: &mut Vec<String>,
+) -> Result<Vec<Column>> {
+    let (graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    let circuit = Circuit::new(&graph, outcome.boundary, outcome.viscosity)?;
+    let pressure = steady::pressures(&circuit, |_| true)?;
+    let nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    let vessels = select(vessels, &rows);
+    let mut attributes = nodes.clone();
+    attributes.extend(condition_columns(&graph, outcome.boundary));
+    let file = |ending: &str| folder.join(format!("{name}.{ending}"));
+    write_file(&file("graphml"), |out| write_graphml(out, &graph, &attributes, &vessels))?;
+    if graph.has_positions() {
+        write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
+        if name == "topology" {
+            if is_forest(&graph) {
+                write_file(&file("swc"), |out| write_swc(out, &graph))?;
+            } else {
+                notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
+            }
+        }
+    } else if name == "topology" {
+        notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
+    }
+    Ok(nodes)
+}
+
+fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<()> {
+    let entries: Vec<(usize, usize, f64)> = matrix.iter().map(|(a, b, l)| (*a as usize, *b as usize, *l)).collect();
+    let picture = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries }, dpi)?;
+    write_file(&folder.join("likelihood.png"), |out| out.write_all(&picture))?;
+
+    let result = outcome.result;
+    let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
+    let trial: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
+    let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
+    let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
+    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, &s.likelihood) / s.samples as f64).collect();
+    let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
+    let picture = convergence(&samples, &series, &threshold, &kept, dpi)?;
+    write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))
+}
+
+/// The threshold on L that the samples so far would give; NaN where the rule is not one on L.
+fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], likelihood: &[f64]) -> f64 {
+    if matches!(outcome.rule, Keep::Frequency(_)) {
+        return f64::NAN;
+    }
+    let so_far = Likelihood {
+        likelihood: likelihood.to_vec(),
+        std_error: vec![0.0; trial.len()],
+        frequency: vec![0.0; trial.len()],
+        uncertain: vec![true; trial.len()],
+        network_resilience: 0.0,
+        samples: 1,
+        trace: Vec::new(),
+    };
+    threshold(outcome.rule, &so_far).unwrap_or(f64::NAN)
+}

@@ -1,0 +1,155 @@
+//! Output that appears whole or not at all: written beside its place, then renamed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::error::{Error, Result};
+
+/// The file by which a folder of this program is known, so that --force replaces no other folder.
+const MARK: &str = "run.json";
+
+fn write_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
+    move |source| Error::Write { path: path.to_owned(), source }
+}
+
+/// Refuses an output that exists, unless it may be replaced.
+fn vacant(target: &Path, force: bool) -> Result<()> {
+    if force || !target.exists() { Ok(()) } else { Err(Error::Exists { path: target.to_owned() }) }
+}
+
+/// A hidden folder beside `target`, with its missing parents made.
+fn beside(target: &Path) -> Result<TempDir> {
+    let parent = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(parent).map_err(write_error(parent))?;
+    tempfile::Builder::new().prefix(".willis-").tempdir_in(parent).map_err(write_error(target))
+}
+
+/// A folder in the making.
+#[derive(Debug)]
+pub struct StagedFolder {
+    target: PathBuf,
+    temporary: TempDir,
+}
+
+impl StagedFolder {
+    /// Whether a run may write to `target` at all; to be asked before the work begins.
+    ///
+    /// # Errors
+    ///
+    /// It exists and `force` is off, or it is something that this program did not make.
+    pub fn check(target: &Path, force: bool) -> Result<()> {
+        vacant(target, force)?;
+        let ours = |target: &Path| {
+            let made_here = |entry: fs::DirEntry| entry.path().join(MARK).exists();
+            let empty = fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_none());
+            let several = || fs::read_dir(target).is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(made_here)));
+            target.join(MARK).exists() || empty || several()
+        };
+        if target.exists() && !ours(target) {
+            return Err(Error::parameter("--output", target.display(), "--force replaces only a folder of an earlier run"));
+        }
+        Ok(())
+    }
+
+    /// Starts a folder that will stand at `target`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFolder::check`], or the folder cannot be made.
+    pub fn new(target: &Path, force: bool) -> Result<Self> {
+        Self::check(target, force)?;
+        let temporary = beside(target)?;
+        fs::create_dir(temporary.path().join("new")).map_err(write_error(target))?;
+        Ok(Self { target: target.to_owned(), temporary })
+    }
+
+    /// Where to write meanwhile.
+    pub fn path(&self) -> PathBuf {
+        self.temporary.path().join("new")
+    }
+
+    /// Puts the folder in its place, the earlier one aside until then.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses; the earlier folder then stands as it was.
+    pub fn commit(self) -> Result<()> {
+        let error = write_error(&self.target);
+        let old = self.temporary.path().join("old");
+        let replaces = self.target.exists();
+        if replaces {
+            fs::rename(&self.target, &old).map_err(&error)?;
+        }
+        if let Err(source) = fs::rename(self.path(), &self.target) {
+            if replaces {
+                fs::rename(&old, &self.target).map_err(&error)?;
+            }
+            return Err(error(source));
+        }
+        Ok(())
+    }
+}
+
+/// A file in the making.
+#[derive(Debug)]
+pub struct StagedFile {
+    target: PathBuf,
+    temporary: TempDir,
+}
+
+impl StagedFile {
+    /// Whether a run may write to `target` at all; to be asked before the work begins.
+    ///
+    /// # Errors
+    ///
+    /// It exists and `force` is off, or it is a folder.
+    pub fn check(target: &Path, force: bool) -> Result<()> {
+        if target.is_dir() {
+            return Err(Error::parameter("--output", target.display(), "is a folder; expected a file name"));
+        }
+        vacant(target, force)
+    }
+
+    /// Starts a file that will stand at `target`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::check`], or the folder cannot be made.
+    pub fn new(target: &Path, force: bool) -> Result<Self> {
+        Self::check(target, force)?;
+        Ok(Self { target: target.to_owned(), temporary: beside(target)? })
+    }
+
+    /// Where to write meanwhile.
+    pub fn path(&self) -> PathBuf {
+        self.temporary.path().join("new")
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses.
+    pub fn commit(self) -> Result<()> {
+        fs::rename(self.path(), &self.target).map_err(write_error(&self.target))
+    }
+}
+
+/// Writes a file through a buffer and onto the disk, or says which file it was.
+///
+/// # Errors
+///
+/// Whatever the system or `fill` says, with the path.
+pub fn write_file(path: &Path, fill: impl FnOnce(&mut std::io::BufWriter<fs::File>) -> std::io::Result<()>) -> Result<()> {
+    let write = || -> std::io::Result<()> {
+        let mut out = std::io::BufWriter::new(fs::File::create(path)?);
+        fill(&mut out)?;
+        out.into_inner()?.sync_all()
+    };
+    write().map_err(write_error(path))
+}

@@ -1,0 +1,157 @@
+//! run.json: how the run was made and what came out, enough to repeat it.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::outcome::Outcome;
+use crate::candidates::{self, Attach, CandidateRadius};
+use crate::hemodynamics::{Boundary, FoundOutlets};
+use crate::inference::{Keep, Params, Topology, Uncertain, Weight};
+use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
+use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+
+/// Where a run comes from.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Provenance {
+    /// The command line that repeats the run, without what changes no result.
+    pub command: String,
+    /// The input's path as given.
+    pub input: String,
+    /// Its format.
+    pub format: String,
+    /// The SHA-256 of its bytes.
+    pub sha256: String,
+    /// The unit its lengths were taken to be in.
+    pub units: String,
+    /// What a person should know about how it was read.
+    pub notes: Vec<String>,
+}
+
+/// Everything that run.json holds.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    willis: &'static str,
+    command: String,
+    input: Value,
+    seed: u64,
+    parameters: Value,
+    boundary_conditions: Vec<Value>,
+    counts: Value,
+    threshold: Value,
+    convergence: Value,
+    #[serde(rename = "rho_G_W_per_m3")]
+    network_resilience: f64,
+    solver: &'static str,
+    notes: Vec<String>,
+    /// What differs between two runs of one command.
+    pub time: Value,
+}
+
+/// How the graph that was sampled came about.
+#[derive(Debug, Clone, Copy)]
+pub enum Built<'a> {
+    /// It was handed in ready.
+    Given,
+    /// Candidates were added.
+    Candidates(&'a candidates::Params),
+}
+
+fn word_of_keep(keep: Keep) -> String {
+    match keep {
+        Keep::Median => "median".into(),
+        Keep::Quantile(q) => format!("quantile={q}"),
+        Keep::Value(x) => format!("value={x}"),
+        Keep::Otsu => "otsu".into(),
+        Keep::Frequency(f) => format!("frequency={f}"),
+    }
+}
+
+fn candidate_parameters(built: Built<'_>) -> Value {
+    let Built::Candidates(p) = built else { return Value::Null };
+    json!({
+        "k": p.k,
+        "max_gap_mm": p.max_gap.map(millimetres),
+        "attach": match p.attach { Attach::Centerline => "centerline", Attach::Ends => "ends" },
+        "candidate_radius": match p.radius { CandidateRadius::Min => "min", CandidateRadius::Mean => "mean" },
+        "max_candidate_radius_mm": p.max_radius.map(millimetres),
+        "radius": match p.radius_rule { RadiusRule::Mean => "mean", RadiusRule::Effective => "effective" },
+    })
+}
+
+fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
+    let found = |node: &usize| boundary.found_inlets.contains(node) || boundary.found_outlets.contains(node);
+    let each = boundary.conditions.iter().map(|(node, condition)| {
+        let mut value = json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found(node) });
+        match condition {
+            Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
+            Condition::Resistance { resistance, venous } => {
+                value["resistance_mmHg_s_per_mL"] = json!(mmhg_s_per_ml(*resistance));
+                value["venous_pressure_mmHg"] = json!(mmhg(*venous));
+            }
+            Condition::Flow(flow) => value["flow_mL_per_min"] = json!(ml_per_min(*flow)),
+        }
+        value
+    });
+    each.collect()
+}
+
+fn topology(t: &Topology) -> Value {
+    json!({
+        "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates,
+        "components": t.components, "cycles": t.cycles, "unperfused_components": t.unperfused,
+    })
+}
+
+impl Summary {
+    /// Gathers the record of a run.
+    pub fn new(outcome: &Outcome<'_>, provenance: &Provenance, params: &Params, built: Built<'_>, outlets: FoundOutlets) -> Self {
+        let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);
+        let count = |origin: Origin| network.vessels().filter(|(_, v)| v.origin == origin).count();
+        let both = answer.kept.iter().zip(&answer.above_median).zip(&result.uncertain).filter(|(_, u)| **u);
+        Self {
+            willis: env!("CARGO_PKG_VERSION"),
+            command: provenance.command.clone(),
+            input: json!({
+                "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units,
+            }),
+            seed: params.seed,
+            parameters: json!({
+                "epsilon": params.epsilon,
+                "samples": result.samples,
+                "prior": if params.uniform_prior { "uniform" } else { "none" },
+                "uncertain": match params.uncertain { Uncertain::Candidates => "candidates", Uncertain::All => "all" },
+                "weight": match params.weight { Weight::Resilience => "resilience", Weight::Count => "count", Weight::Global => "global" },
+                "keep": word_of_keep(outcome.rule),
+                "viscosity_cP": params.viscosity * 1e3,
+                "outlets_found": match outlets {
+                    FoundOutlets::Ground => json!("ground"),
+                    FoundOutlets::Murray { flow } => json!({ "murray_mL_per_min": ml_per_min(flow) }),
+                },
+                "candidates": candidate_parameters(built),
+            }),
+            boundary_conditions: conditions(network, outcome.boundary),
+            counts: json!({
+                "nodes": network.node_count(),
+                "observed": count(Origin::Observed),
+                "candidates": count(Origin::Candidate),
+                "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
+                "uncertain": result.uncertain.iter().filter(|u| **u).count(),
+                "inlets": outcome.boundary.count(Role::Inlet),
+                "outlets": outcome.boundary.count(Role::Outlet),
+                "topology": topology(&outcome.kept),
+                "topology_median": topology(&outcome.above_median),
+                "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),
+            }),
+            threshold: json!({ "rule": word_of_keep(outcome.rule), "value": answer.threshold, "median_W_per_m3": answer.median }),
+            convergence: json!({
+                "undecided": answer.undecided.len(),
+                "undecided_edges": answer.undecided,
+                "within_standard_errors": crate::inference::UNDECIDED_Z,
+            }),
+            network_resilience: result.network_resilience,
+            solver: outcome.solver,
+            notes: provenance.notes.clone(),
+            time: Value::Null,
+        }
+    }
+}
