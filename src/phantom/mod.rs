@@ -1,1 +1,22 @@
-//! Test anatomy with a known answer.
+//! Test anatomy with a known answer: complete networks, and uncertain extractions of them.
+
+pub mod alastruey;
+mod breaks;
+mod circle;
+mod curve;
+mod damage;
+mod draft;
+mod extraction;
+mod kind;
+mod layout;
+mod spurious;
+mod tree;
+mod truth;
+
+pub use breaks::Breaks;
+pub use circle::{INLET_MMHG, cerebral, circle_of_willis};
+pub use curve::{Bow, course};
+pub use extraction::break_up;
+pub use kind::Kind;
+pub use tree::{Tree, branching_tree};
+pub use truth::{Break, BreakKind, Truth};

@@ -1,0 +1,71 @@
+//! The published network of the Circle of Willis and the arteries that feed it, as one table.
+//!
+//! Alastruey, Parker, Peiró, Byrd, Sherwin, *Modelling the circle of Willis to assess the effects of anatomical
+//! variations and occlusions on cerebral flows*, J Biomech 40:1794-1805 (2007), table 1: 33 vessels between 30 nodes,
+//! one inlet (the aortic root) and 11 outlets with a terminal resistance each. The radius is constant along a vessel.
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// The customary name with its side; the middle cerebral artery as a whole is called M1.
+    pub label: &'static str,
+    /// The table's numbers of the two nodes, counted from 1.
+    pub nodes: [usize; 2],
+    /// Length, m.
+    pub length: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// Peripheral resistance at the second node, Pa s/m³, where the vessel ends there.
+    pub terminal: Option<f64>,
+}
+
+/// How many nodes the table has.
+pub const NODES: usize = 30;
+
+/// The table's number of the aortic root, the inlet.
+pub const ROOT: usize = 1;
+
+/// The 33 vessels in the order of the table.
+pub const TABLE: [Row; 33] = [
+    inner("Ascending aorta", 1, 2, 0.04, 0.012),
+    inner("Aortic arch I", 2, 3, 0.02, 0.0112),
+    inner("Brachiocephalic", 2, 4, 0.034, 0.0062),
+    inner("Aortic arch II", 3, 5, 0.039, 0.0107),
+    inner("L-CCA", 3, 6, 0.208, 0.0025),
+    inner("R-CCA", 4, 7, 0.177, 0.0025),
+    inner("R-SCA", 4, 8, 0.034, 0.00423),
+    end("Thoracic aorta", 5, 9, 0.156, 0.00999, 1.8e8),
+    inner("L-SCA", 5, 10, 0.034, 0.00423),
+    end("L-ECA", 6, 11, 0.177, 0.0015, 5.43e9),
+    inner("L-ICA I", 6, 12, 0.177, 0.002),
+    inner("R-ICA I", 7, 13, 0.177, 0.002),
+    end("R-ECA", 7, 14, 0.177, 0.0015, 5.43e9),
+    inner("R-VA", 8, 15, 0.148, 0.00136),
+    end("R-Brachial", 8, 16, 0.422, 0.00403, 2.68e9),
+    end("L-Brachial", 10, 17, 0.422, 0.00403, 2.68e9),
+    inner("L-VA", 10, 15, 0.148, 0.00136),
+    inner("L-ICA II", 12, 18, 0.005, 0.002),
+    inner("L-PComm", 19, 12, 0.015, 0.00073),
+    inner("R-PComm", 20, 13, 0.015, 0.00073),
+    inner("R-ICA II", 13, 21, 0.005, 0.002),
+    inner("BA", 15, 22, 0.029, 0.00162),
+    end("L-M1", 18, 23, 0.119, 0.00143, 5.97e9),
+    end("R-M1", 21, 24, 0.119, 0.00143, 5.97e9),
+    inner("L-A1", 18, 25, 0.012, 0.00117),
+    inner("R-A1", 21, 26, 0.012, 0.00117),
+    inner("L-P1", 22, 19, 0.005, 0.00107),
+    inner("R-P1", 22, 20, 0.005, 0.00107),
+    end("L-A2", 25, 27, 0.103, 0.0012, 8.48e9),
+    end("R-A2", 26, 28, 0.103, 0.0012, 8.48e9),
+    inner("AComm", 25, 26, 0.003, 0.00074),
+    end("L-P2", 19, 29, 0.086, 0.00105, 1.108e10),
+    end("R-P2", 20, 30, 0.086, 0.00105, 1.108e10),
+];
+
+const fn inner(label: &'static str, from: usize, to: usize, length: f64, radius: f64) -> Row {
+    Row { label, nodes: [from, to], length, radius, terminal: None }
+}
+
+const fn end(label: &'static str, from: usize, to: usize, length: f64, radius: f64, resistance: f64) -> Row {
+    Row { label, nodes: [from, to], length, radius, terminal: Some(resistance) }
+}

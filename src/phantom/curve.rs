@@ -1,0 +1,103 @@
+//! A smooth course of a given length between two points: sine waves in a plane that holds the chord.
+
+use std::f64::consts::PI;
+
+use crate::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+
+/// The side to which a vessel bows out, and how often it swings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bow {
+    /// The direction of the first swing; its part along the chord does not count.
+    pub side: [f64; 3],
+    /// Half waves between the two ends, at least 1.
+    pub swings: u32,
+}
+
+/// Points at equal steps of about `spacing` (m) from `a` to `b` along a polyline of arc length `length` (m).
+///
+/// p(s) = a + s (b - a) + h sin(kπs) n, with n the unit vector of the bow's side across the chord and k its swings.
+/// The length grows with the amplitude h, which bisection finds to the last bit for the polyline itself, not for the
+/// curve that it samples. There are at least four steps a swing, so that the wave can be seen.
+///
+/// # Panics
+///
+/// When `length` is below the distance between the ends, or the bow's side is along the chord.
+pub fn course(a: Point, b: Point, length: f64, bow: Bow, spacing: f64) -> Vec<Point> {
+    let chord = distance(a, b);
+    assert!(length >= chord, "a course of {length} m cannot span {chord} m");
+    let along = unit(sub(b, a));
+    let side = unit(sub(bow.side, along.map(|x| x * dot(bow.side, along))));
+    assert!(norm_squared(side) > 0.5, "the side {:?} of a bow is along its chord", bow.side);
+
+    let steps = ((length / spacing).ceil() as usize).max(4 * bow.swings as usize);
+    let wave = |s: f64| if s > 0.0 && s < 1.0 { (f64::from(bow.swings) * PI * s).sin() } else { 0.0 };
+    let fine: Vec<f64> = (0..=16 * steps).map(|i| i as f64 / (16 * steps) as f64).collect();
+    let shares = equal_steps(&fine, chord, amplitude(&fine, chord, length, wave), wave, steps);
+    let height = amplitude(&shares, chord, length, wave);
+    (shares.iter().enumerate())
+        .map(|(i, s)| {
+            let on_chord = if i == steps { b } else { lerp(a, b, *s) };
+            [0, 1, 2].map(|axis| on_chord[axis] + height * wave(*s) * side[axis])
+        })
+        .collect()
+}
+
+/// The arc length at each share of the chord.
+fn arc(shares: &[f64], chord: f64, height: f64, wave: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut total = 0.0;
+    let steps = shares.windows(2).map(|s| {
+        total += (chord * (s[1] - s[0])).hypot(height * (wave(s[1]) - wave(s[0])));
+        total
+    });
+    std::iter::once(0.0).chain(steps).collect()
+}
+
+/// The amplitude that gives the polyline through these shares of the chord its length.
+fn amplitude(shares: &[f64], chord: f64, length: f64, wave: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, length);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return low;
+        }
+        if arc(shares, chord, middle, &wave)[shares.len() - 1] > length {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+}
+
+/// The shares of the chord at which the fine polyline's arc length is cut into equal steps.
+fn equal_steps(fine: &[f64], chord: f64, height: f64, wave: impl Fn(f64) -> f64, steps: usize) -> Vec<f64> {
+    let at = arc(fine, chord, height, wave);
+    let mut row = 0;
+    (0..=steps)
+        .map(|i| {
+            let wanted = at[at.len() - 1] * i as f64 / steps as f64;
+            while row + 2 < at.len() && at[row + 1] < wanted {
+                row += 1;
+            }
+            let share = (wanted - at[row]) / (at[row + 1] - at[row]);
+            if i == steps { 1.0 } else { fine[row] + share * (fine[row + 1] - fine[row]) }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_course_has_its_length_ends_and_even_steps() {
+        for (length, swings) in [(1.0, 1), (1.0001, 1), (1.3, 1), (1.9, 3), (2.5, 2)] {
+            let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 4.0]);
+            let points = course(a, b, length, Bow { side: [1.0, 1.0, 5.0], swings }, 0.01);
+            let steps: Vec<f64> = points.windows(2).map(|p| distance(p[0], p[1])).collect();
+            let total: f64 = steps.iter().sum();
+            assert!((total - length).abs() < 1e-12, "{length} {total}");
+            assert_eq!((points[0], points[points.len() - 1]), (a, b));
+            assert!(steps.iter().all(|s| (0.008..0.0102).contains(s)), "{length}");
+        }
+    }
+}

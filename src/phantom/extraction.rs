@@ -1,0 +1,66 @@
+//! The uncertain extraction of a complete network, and its answer.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::damage::damage;
+use super::draft::{Draft, Drawn};
+use super::spurious::spurious;
+use super::{Break, Breaks, Truth};
+use crate::centerline::Centerlines;
+use crate::network::{Network, Role};
+
+/// Breaks a network up as an image would: missing stretches, lost ends, displaced points, noisy radii, spurious bits.
+///
+/// Points are numbered from 1, fragment by fragment in random order, each from a random loose end outwards, so that
+/// every point but a fragment's first is linked to one before it; the links that close a loop come last. The seed alone
+/// decides: two calls give the same bits.
+///
+/// # Panics
+///
+/// When `params` do not validate, or a node has no position.
+pub fn break_up(network: &Network, params: &Breaks) -> (Centerlines, Truth) {
+    if let Err(error) = params.validate() {
+        panic!("{error}");
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+    let vessels = damage(network, params, &mut rng);
+    let mut draft = Draft::default();
+    let mut node_point = vec![None; network.node_count()];
+    let mut sides = Vec::new();
+    for (row, vessel) in vessels.iter().enumerate() {
+        sides.push(draft.add_vessel(row, vessel, network.ends(row), &mut node_point));
+    }
+    for (row, vessel) in vessels.iter().enumerate() {
+        draft.add_gaps(row, vessel, &sides[row], network.ends(row).map(|node| node_point[node]));
+    }
+    let true_fragments = draft.fragments().len();
+    let lumens: Vec<_> = vessels.iter().flat_map(|vessel| vessel.points.iter().copied()).collect();
+    let wanted = (params.spurious * true_fragments as f64).round() as usize;
+    for bit in spurious(&lumens, wanted, params, &mut rng) {
+        let first = draft.points.len();
+        draft.points.extend(bit.into_iter().map(|(position, radius)| Drawn { position, radius, vessel: None }));
+        draft.links.extend((first + 1..draft.points.len()).map(|point| [point - 1, point]));
+    }
+    let inlets = (0..network.node_count()).filter(|row| network.node(*row).role == Some(Role::Inlet));
+    let inlets: Vec<usize> = inlets.filter_map(|row| node_point[row]).collect();
+    let (lines, number) = draft.centerlines(params, &mut rng);
+
+    let mut truth = Truth {
+        vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),
+        lost: (0..vessels.len()).filter(|row| vessels[*row].pieces.is_empty()).collect(),
+        inlets: inlets.into_iter().map(|point| lines.ids[number[point]]).collect(),
+        spurious: vec![false; lines.strand.iter().max().map_or(0, |last| *last as usize + 1)],
+        points: vec![None; lines.points.len()],
+        breaks: draft
+            .gaps
+            .iter()
+            .map(|gap| Break { ids: gap.sides.map(|p| lines.ids[number[p]]), ..gap.truth.clone() })
+            .collect(),
+    };
+    for (point, drawn) in draft.points.iter().enumerate() {
+        truth.points[number[point]] = drawn.vessel;
+        truth.spurious[lines.strand[number[point]] as usize] = drawn.vessel.is_none();
+    }
+    (lines, truth)
+}

@@ -1,0 +1,153 @@
+//! A bifurcating tree by Murray's law: radii, angles and terminal resistances.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::circle::{INLET_MMHG, make_inlet};
+use super::curve::{Bow, course};
+use crate::error::{Error, Result};
+use crate::geometry::{Point, dot, sub, unit};
+use crate::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use crate::units::{cubic_metres_per_second, metres, pascals};
+
+/// The shape of a branching tree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tree {
+    /// Times that every vessel branches in two, 0 to 16: 2^(g + 1) - 1 vessels.
+    pub generations: u32,
+    /// Radius of the first vessel, m, positive.
+    pub radius: f64,
+    /// Length over radius of every vessel, 4 to 1000.
+    pub slenderness: f64,
+    /// How unlike two daughters may be, 0 (twins) to 0.9: one of them takes a share of r³ uniform in (1 ± asymmetry) / 2.
+    pub asymmetry: f64,
+    /// Distance of centerline points, m, positive.
+    pub spacing: f64,
+    /// The seed.
+    pub seed: u64,
+}
+
+impl Default for Tree {
+    fn default() -> Self {
+        Self { generations: 5, radius: metres(2.0), slenderness: 20.0, asymmetry: 0.3, spacing: metres(0.5), seed: 0 }
+    }
+}
+
+impl Tree {
+    /// Refuses a field out of its range.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and its range.
+    pub fn validate(&self) -> Result<()> {
+        let length = |x: f64| x.is_finite() && x > 0.0;
+        if self.generations > 16 {
+            return Err(Error::parameter("generations", self.generations, "expected 0 to 16"));
+        }
+        for (name, value, good, range) in [
+            ("radius", self.radius, length(self.radius), "expected a positive length, m"),
+            ("slenderness", self.slenderness, (4.0..=1000.0).contains(&self.slenderness), "expected 4 to 1000"),
+            ("asymmetry", self.asymmetry, (0.0..=0.9).contains(&self.asymmetry), "expected 0 to 0.9"),
+            ("spacing", self.spacing, length(self.spacing), "expected a positive length, m"),
+        ] {
+            if !good {
+                return Err(Error::parameter(name, value, range));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Arc length over chord of a tree's vessels.
+const TORTUOSITY: f64 = 1.03;
+/// Flow through the first vessel of the default radius at Murray's law, mL/min: about that of an internal carotid.
+const FLOW_AT_2_MM: f64 = 250.0;
+
+/// A tree that starts upwards from the origin, every branching turned by a right angle against the one before.
+///
+/// At a branching r₀³ = r₁³ + r₂³, and the daughters leave at Murray's angles, cos θ₁ = (r₀⁴ + r₁⁴ - r₂⁴) / (2 r₀² r₁²).
+/// The root is an inlet at 100 mmHg, and the ends carry terminal resistances in proportion to 1/r³, as Murray's
+/// flow Q ~ r³ asks for. Labels tell the way (`T`, `T.1`, `T.1.2`, ...; 1 the wider). Distant branches of a large tree may touch.
+///
+/// # Errors
+///
+/// Those of [`Tree::validate`].
+pub fn branching_tree(params: &Tree) -> Result<Network> {
+    params.validate()?;
+    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+    let mut network = Network::new();
+    let root = add_node(&mut network, [0.0; 3], params.radius);
+    make_inlet(&mut network, root);
+    let first = Shoot {
+        from: root,
+        along: [0.0, 0.0, 1.0],
+        side: [1.0, 0.0, 0.0],
+        radius: params.radius,
+        label: "T".into(),
+        generation: 0,
+    };
+    let mut shoots = std::collections::VecDeque::from([first]);
+    while let Some(shoot) = shoots.pop_front() {
+        let tip = shoot.grow(&mut network, params);
+        if shoot.generation == params.generations {
+            let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (shoot.radius / metres(2.0)).powi(3);
+            let node = network.node_mut(tip);
+            node.role = Some(Role::Outlet);
+            node.condition = Some(Condition::Resistance { resistance: pascals(INLET_MMHG) / flow, venous: 0.0 });
+        } else {
+            let share = 0.5 * (1.0 + params.asymmetry * rng.random::<f64>());
+            shoots.extend(shoot.daughters(tip, share));
+        }
+    }
+    Ok(network)
+}
+
+/// A vessel about to be added: where from, which way, and the side to which it will branch.
+struct Shoot {
+    from: usize,
+    along: [f64; 3],
+    side: [f64; 3],
+    radius: f64,
+    label: String,
+    generation: u32,
+}
+
+impl Shoot {
+    /// Adds the vessel and its far node, whose row is returned.
+    fn grow(&self, network: &mut Network, params: &Tree) -> usize {
+        let length = self.radius * params.slenderness;
+        let start = network.node(self.from).position.unwrap_or_default();
+        let end = [0, 1, 2].map(|axis| start[axis] + self.along[axis] * length / TORTUOSITY);
+        let tip = add_node(network, end, self.radius);
+        let points = course(start, end, length, Bow { side: self.side, swings: 1 }, params.spacing);
+        let path = points.into_iter().map(|position| PathPoint { position, radius: self.radius, id: None }).collect();
+        let along = Vessel::along(path, RadiusRule::Mean);
+        network.add_vessel([self.from, tip], Vessel { length, radius: self.radius, label: self.label.clone(), ..along });
+        tip
+    }
+
+    /// The two daughters at the tip; the first takes `share` of r³.
+    fn daughters(&self, tip: usize, share: f64) -> [Self; 2] {
+        let radii = [share, 1.0 - share].map(|part| self.radius * part.cbrt());
+        let [r0, r1, r2] = [self.radius, radii[0], radii[1]];
+        let cosine = |r: f64, other: f64| (r0.powi(4) + r.powi(4) - other.powi(4)) / (2.0 * (r0 * r).powi(2));
+        let normal = unit(cross(self.along, self.side));
+        [(r1, r2, 1.0), (r2, r1, -1.0)].map(|(radius, other, sign)| {
+            let cos = cosine(radius, other).clamp(-1.0, 1.0);
+            let sin = sign * (1.0 - cos * cos).sqrt();
+            let along = unit([0, 1, 2].map(|axis| cos * self.along[axis] + sin * self.side[axis]));
+            let side = unit(sub(normal, along.map(|x| x * dot(normal, along))));
+            let label = format!("{}.{}", self.label, if sign > 0.0 { 1 } else { 2 });
+            Self { from: tip, along, side, radius, label, generation: self.generation + 1 }
+        })
+    }
+}
+
+fn add_node(network: &mut Network, position: Point, radius: f64) -> usize {
+    let id = (network.node_count() + 1).to_string();
+    network.add_node(Node { id, position: Some(position), radius: Some(radius), role: Some(Role::Inner), ..Node::default() })
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,124 @@
+//! What a broken extraction hides: the answer that a method is scored against.
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+
+use crate::units::millimetres;
+
+/// Where a vessel was broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BreakKind {
+    /// Next to a junction: the first id is the junction's point, the second the vessel's loose end.
+    Junction,
+    /// Midway: both ids are loose ends.
+    Vessel,
+}
+
+/// A missing stretch that a right bridge spans.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Break {
+    /// The ids of the points on its two sides.
+    pub ids: [u64; 2],
+    /// Next to a junction or midway.
+    pub kind: BreakKind,
+    /// The row of the vessel in the complete network.
+    pub vessel: usize,
+    /// Where the stretch begins and ends, m of arc length from the vessel's first node.
+    pub stretch: [f64; 2],
+}
+
+/// The answer to an extraction.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Truth {
+    /// The labels of the complete network's vessels by row.
+    pub vessels: Vec<String>,
+    /// The rows of the vessels that are missing altogether.
+    pub lost: Vec<usize>,
+    /// The ids of the points at the inlets.
+    pub inlets: Vec<u64>,
+    /// Per fragment (the strand of its points) whether it is spurious.
+    pub spurious: Vec<bool>,
+    /// The missing stretches between points that are there, in order of vessel and arc length.
+    pub breaks: Vec<Break>,
+    /// Per point the row of its vessel, none where it is spurious; at a junction that of the widest.
+    pub points: Vec<Option<usize>>,
+}
+
+impl Break {
+    /// The length of the missing stretch along the true vessel, m.
+    pub fn length(&self) -> f64 {
+        self.stretch[1] - self.stretch[0]
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    vessels: &'a [String],
+    lost_vessels: &'a [usize],
+    inlets: &'a [u64],
+    fragments: Vec<FragmentEntry>,
+    breaks: Vec<BreakEntry<'a>>,
+    points: &'a [Option<usize>],
+}
+
+#[derive(Serialize)]
+struct FragmentEntry {
+    fragment: usize,
+    spurious: bool,
+}
+
+#[derive(Serialize)]
+struct BreakEntry<'a> {
+    ids: [u64; 2],
+    kind: BreakKind,
+    vessel: usize,
+    label: &'a str,
+    from_mm: f64,
+    to_mm: f64,
+    gap_mm: f64,
+}
+
+impl Truth {
+    /// Writes the answer as one JSON object and a line end.
+    ///
+    /// | key | what |
+    /// |---|---|
+    /// | `vessels` | labels of the complete network's vessels; rows below count from 0 in this list |
+    /// | `lost_vessels` | rows of vessels missing altogether |
+    /// | `inlets` | point ids of the inlets |
+    /// | `fragments` | a `{fragment, spurious}` each; fragments count from 0 in the order of their first point |
+    /// | `breaks` | a `{ids, kind, vessel, label, from_mm, to_mm, gap_mm}` each: the two point ids that a right bridge joins, `junction` or `vessel`, row and label of the vessel, arc length from its first node at which the stretch begins and ends, its length |
+    /// | `points` | per point, in order of id from 1, the row of its vessel or `null` where it is spurious |
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
+        let spurious = self.spurious.iter().enumerate();
+        let document = Document {
+            vessels: &self.vessels,
+            lost_vessels: &self.lost,
+            inlets: &self.inlets,
+            fragments: spurious.map(|(fragment, spurious)| FragmentEntry { fragment, spurious: *spurious }).collect(),
+            breaks: self.breaks.iter().map(|gap| self.entry(gap)).collect(),
+            points: &self.points,
+        };
+        serde_json::to_writer(&mut out, &document)?;
+        writeln!(out)?;
+        out.flush()
+    }
+
+    fn entry(&self, gap: &Break) -> BreakEntry<'_> {
+        BreakEntry {
+            ids: gap.ids,
+            kind: gap.kind,
+            vessel: gap.vessel,
+            label: &self.vessels[gap.vessel],
+            from_mm: millimetres(gap.stretch[0]),
+            to_mm: millimetres(gap.stretch[1]),
+            gap_mm: millimetres(gap.length()),
+        }
+    }
+}
