@@ -7,7 +7,7 @@ mod likelihood;
 mod sample;
 mod threshold;
 
-pub use answer::{Answer, Topology, decide};
+pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
 pub use driver::{Params, Progress, Solver, infer};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
