@@ -1,1 +1,3 @@
 //! Pictures and tables of a run.
+
+pub mod plots;
