@@ -1,0 +1,111 @@
+//! `willis phantom`: test anatomy with a known answer.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use willis::centerline::Centerlines;
+use willis::error::{Error, Result};
+use willis::formats::{is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp};
+use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
+use willis::network::Network;
+use willis::phantom::{Breaks, Kind, Truth, break_up};
+use willis::report::{StagedFile, graph_columns, staged::write_file};
+
+use super::input::length;
+use super::terminal::{Terminal, count, plural};
+
+/// Make test anatomy with a known answer
+///
+/// `circle-of-willis` has the 33 arteries of Alastruey et al. 2007 from the heart to the brain, `cerebral` the 20 of them
+/// that an angiogram of the head shows, `tree` bifurcates by Murray's law. --break makes an uncertain extraction of it:
+/// gaps at junctions and midway, jitter, noisy radii, spurious bits; the truth is written beside it as FILE.truth.json.
+#[derive(Debug, Args)]
+pub struct PhantomArgs {
+    /// circle-of-willis, cerebral or tree
+    kind: String,
+    /// The file to write; its ending says the format: .swc, .vtp, .graphml or .csv (edges, with nodes beside them)
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    output: PathBuf,
+    /// Break it up as an extraction would (.swc only)
+    #[arg(long = "break")]
+    broken: bool,
+    /// The seed of the damage
+    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "broken")]
+    seed: u64,
+    /// Distance of centerline points
+    #[arg(long, value_name = "LENGTH", default_value = "0.5mm")]
+    spacing: String,
+}
+
+impl PhantomArgs {
+    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+        let kind: Kind = self.kind.parse()?;
+        let spacing = length("--spacing", Some(&self.spacing))?.unwrap_or_default();
+        let network = kind.network(spacing)?;
+        StagedFile::check(&self.output, force)?;
+        let ending = self.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if !self.broken {
+            write_network(&self.output, &ending, &network, force)?;
+            terminal.say("written", format!("{}: {kind}, {}", self.output.display(), plural(network.vessel_count(), "vessel")));
+            return Ok(());
+        }
+        if ending != "swc" {
+            return Err(Error::parameter("--output", self.output.display(), "expected an ending .swc for a broken extraction"));
+        }
+        let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
+        params.validate()?;
+        let (lines, truth) = break_up(&network, &params);
+        write_extraction(&self.output, &lines, &truth, force, terminal)
+    }
+}
+
+/// `circle.swc` -> `circle.truth.json`.
+fn beside(path: &Path, ending: &str) -> PathBuf {
+    path.with_extension(ending)
+}
+
+fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: &Terminal) -> Result<()> {
+    let answer = StagedFile::new(&beside(path, "truth.json"), force)?;
+    write_file(&answer.path(), |out| truth.write_json(out))?;
+    let file = StagedFile::new(path, force)?;
+    let mut loops = Vec::new();
+    write_file(&file.path(), |out| {
+        loops = write_centerlines_swc(out, lines)?;
+        Ok(())
+    })?;
+    if !loops.is_empty() {
+        let table = StagedFile::new(&beside(path, "loops.csv"), force)?;
+        write_file(&table.path(), |out| write_loops(out, &loops))?;
+        table.commit()?;
+        terminal.say("note", format!("SWC cannot hold {}: give them with --loops {}", plural(loops.len(), "link"), beside(path, "loops.csv").display()));
+    }
+    answer.commit()?;
+    file.commit()?;
+    let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
+    let spurious = truth.spurious.iter().filter(|s| **s).count();
+    terminal.say("written", format!("{}: {points} points in {fragments}, {spurious} of them spurious, {}", path.display(), plural(truth.breaks.len(), "gap")));
+    terminal.say("truth", beside(path, "truth.json").display().to_string());
+    Ok(())
+}
+
+fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> Result<()> {
+    let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
+    let (nodes, vessels) = graph_columns(network, &boundary);
+    let file = StagedFile::new(path, force)?;
+    match ending {
+        "swc" if is_forest(network) => write_file(&file.path(), |out| write_swc(out, network))?,
+        "swc" => return Err(Error::parameter("--output", path.display(), "the phantom has loops, which SWC cannot hold; expected .vtp, .graphml or .csv, or --break")),
+        "vtp" => write_file(&file.path(), |out| write_vtp(out, network, &vessels))?,
+        "graphml" => write_file(&file.path(), |out| write_graphml(out, network, &nodes, &vessels))?,
+        "csv" => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let table = if name.contains("edges") { path.with_file_name(name.replace("edges", "nodes")) } else { path.with_file_name("nodes.csv") };
+            let table = StagedFile::new(&table, force)?;
+            write_file(&table.path(), |out| write_csv(out, &nodes))?;
+            write_file(&file.path(), |out| write_csv(out, &vessels))?;
+            table.commit()?;
+        }
+        other => return Err(Error::parameter("--output", format!(".{other}"), "expected an ending .swc, .vtp, .graphml or .csv")),
+    }
+    file.commit()
+}

@@ -1,0 +1,47 @@
+//! The colours of the pictures, told apart with any colour vision and in grey print.
+
+/// Red, green and blue, 0 to 255 (sRGB).
+pub type Rgb = [u8; 3];
+
+/// The colour of a zero in the heat map.
+pub const ZERO: Rgb = [0xf4, 0xf4, 0xf4];
+
+/// Vessels that stay (Okabe & Ito's blue).
+pub const KEPT: Rgb = [0x00, 0x72, 0xb2];
+/// Vessels that go (Okabe & Ito's vermilion).
+pub const PRUNED: Rgb = [0xd5, 0x5e, 0x00];
+/// Text, axes and the threshold.
+pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
+/// Grid lines.
+pub const GRID: Rgb = [0xe4, 0xe4, 0xe4];
+/// The page.
+pub const PAPER: Rgb = [0xff, 0xff, 0xff];
+
+/// viridis without its lightest ninth, from light to dark at equal steps.
+const MAP: [Rgb; 9] = [
+    [0xb4, 0xde, 0x2c],
+    [0x6d, 0xcd, 0x59],
+    [0x35, 0xb7, 0x79],
+    [0x1f, 0x9e, 0x89],
+    [0x26, 0x82, 0x8e],
+    [0x31, 0x68, 0x8e],
+    [0x3e, 0x4a, 0x89],
+    [0x48, 0x28, 0x78],
+    [0x44, 0x01, 0x54],
+];
+
+/// The colour of the share `t` in [0, 1] of the scale: light green is the lowest, dark violet the highest.
+///
+/// The map is viridis (Smith & van der Walt 2015), which is perceptually uniform, turned round so that the largest
+/// values stand out most on a light page, and without its lightest ninth, which a light page would hide. Values outside
+/// [0, 1] take the nearer end; NaN takes the lowest colour.
+pub fn colour(t: f64) -> Rgb {
+    let steps = MAP.len() - 1;
+    let place = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) * steps as f64 };
+    let low = (place as usize).min(steps - 1);
+    let share = place - low as f64;
+    std::array::from_fn(|c| {
+        let (a, b) = (f64::from(MAP[low][c]), f64::from(MAP[low + 1][c]));
+        (a + share * (b - a)).round() as u8
+    })
+}

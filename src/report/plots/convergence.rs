@@ -1,0 +1,190 @@
+//! The convergence of the likelihood: mean contribution per sample against the number of samples.
+
+use super::axis::{Label, LogRange, count_ticks, grouped};
+use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
+use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
+use crate::error::{Error, Result};
+
+const INCHES: [f64; 2] = [6.4, 4.6];
+/// Left, top, right and bottom of the axes, points.
+const BOX: [f64; 4] = [62.0, 50.0, 440.0, 284.0];
+/// Height of the title's middle, points.
+const TOP: f64 = 15.0;
+const TICK: f64 = 4.0;
+/// Height of the legend's middle, points.
+const LEGEND: f64 = 36.0;
+/// Height of the line of zeros, points.
+const ZERO: f64 = BOX[3] - 5.0;
+/// Between that line and the lowest positive value, points.
+const GAP: f64 = 16.0;
+
+/// The thinnest, thickest and threshold line, points.
+const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
+
+/// Draws the mean contribution per sample, L/n (W/m³), of every uncertain edge against the number of samples n, on a
+/// logarithmic axis, 6.4 by 4.6 inches at `dpi` pixels per inch (36 to 1200), as PNG.
+///
+/// - `samples`: n at each checkpoint, positive and rising.
+/// - `series`: a row an edge, with L/n (W/m³) at each checkpoint, finite and not negative. Every row is drawn.
+/// - `threshold`: the threshold on L/n (W/m³) at each checkpoint; NaN where there is none.
+/// - `kept`: for each edge whether it stays.
+///
+/// Zeros, and what is more than twelve decades below the largest value, lie on a line of their own below the smallest
+/// positive value and are not joined to it. A single checkpoint is drawn as dashes. Without an edge, a checkpoint or a
+/// positive value the picture says so.
+///
+/// # Errors
+///
+/// When lengths disagree, when `samples` does not rise, when a value is negative or not finite, and when `dpi` is out of
+/// range.
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], dpi: u32) -> Result<Vec<u8>> {
+    validate(samples, series, threshold, kept)?;
+    let mut sheet = Sheet::new("convergence.png", INCHES, dpi)?;
+    let [left, top, right, bottom] = BOX;
+    let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
+    let title = Label::plain("Convergence of the likelihood of uncertain edges");
+    sheet.text(&title, [middle[0], TOP], TITLE, Align::Middle, Run::Right)?;
+
+    let values = || series.iter().flatten().chain(threshold).copied();
+    let range = if series.is_empty() { None } else { LogRange::of(values()) };
+    let Some(range) = range.map(LogRange::padded) else {
+        let note = match (series.is_empty(), samples.is_empty()) {
+            (true, _) => "no uncertain edge",
+            (_, true) => "no checkpoint",
+            _ => "no contribution above zero",
+        };
+        sheet.frame([left, top], [right - left, bottom - top])?;
+        sheet.text(&Label::plain(note), middle, TEXT, Align::Middle, Run::Right)?;
+        return sheet.png();
+    };
+
+    let lowest = values().fold(f64::INFINITY, f64::min);
+    let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
+    axes.ticks(&mut sheet)?;
+    // A few edges are drawn thick and dense, thousands thin and clear.
+    let crowd = (10.0 / series.len() as f64).sqrt().clamp(0.0, 1.0);
+    let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
+    let opacity = 0.05 + 0.85 * crowd.powf(0.7);
+    for (values, kept) in series.iter().zip(kept) {
+        axes.curve(&mut sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
+    }
+    axes.curve(&mut sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;
+    axes.curve(&mut sheet, samples, threshold, WIDTH[2], INK, 1.0)?;
+    sheet.frame([left, top], [right - left, bottom - top])?;
+    let stay = kept.iter().filter(|kept| **kept).count();
+    let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
+    legend(
+        &mut sheet,
+        &[
+            (count("kept", stay), WIDTH[1], KEPT),
+            (count("pruned", kept.len() - stay), WIDTH[1], PRUNED),
+            ("threshold".to_owned(), WIDTH[2], INK),
+        ],
+    )?;
+    sheet.png()
+}
+
+fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
+    let checkpoints = samples.len();
+    let length = |name: String, found: usize| {
+        let accepted = || format!("expected one for each of {checkpoints} checkpoints");
+        (found == checkpoints).then_some(()).ok_or_else(|| Error::parameter(name, format!("of {found} values"), accepted()))
+    };
+    if let Some(at) = (0..checkpoints).find(|at| samples[*at] == 0 || (*at > 0 && samples[*at] <= samples[at - 1])) {
+        return Err(Error::parameter(format!("samples at checkpoint {at}"), samples[at], "expected positive, rising numbers"));
+    }
+    length("threshold".to_owned(), threshold.len())?;
+    if kept.len() != series.len() {
+        let accepted = format!("expected one for each of {} edges", series.len());
+        return Err(Error::parameter("kept", format!("of {} values", kept.len()), accepted));
+    }
+    let accepted = "expected a finite number from 0 up, in W/m\u{b3}";
+    for (row, values) in series.iter().enumerate() {
+        length(format!("contribution of edge {row}"), values.len())?;
+        if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
+            return Err(Error::parameter(format!("contribution of edge {row}"), value, accepted));
+        }
+    }
+    match threshold.iter().find(|v| v.is_infinite() || **v < 0.0) {
+        Some(value) => Err(Error::parameter("threshold", value, accepted)),
+        None => Ok(()),
+    }
+}
+
+/// Where numbers of samples and contributions lie on the page.
+struct Axes {
+    last: u64,
+    range: LogRange,
+    /// Whether there is a line of zeros.
+    zeros: bool,
+}
+
+impl Axes {
+    fn x(&self, samples: f64) -> f64 {
+        // A little air after the last checkpoint.
+        BOX[0] + (BOX[2] - BOX[0]) * samples / (self.last as f64 * 1.02)
+    }
+
+    fn y(&self, share: f64) -> f64 {
+        let lowest = if self.zeros { ZERO - GAP } else { BOX[3] };
+        if share < 0.0 { ZERO } else { lowest - (lowest - BOX[1]) * share }
+    }
+
+    fn ticks(&self, sheet: &mut Sheet) -> Result<()> {
+        let [left, top, right, bottom] = BOX;
+        for tick in count_ticks(self.last, 6) {
+            let x = self.x(tick.at);
+            sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
+            sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
+            sheet.text(&tick.label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
+        }
+        let powers = self.range.ticks();
+        let lowest = powers.first().filter(|_| self.range.clipped);
+        let below = lowest.map_or_else(|| Label::plain("0"), |tick| tick.label.clone().after("<"));
+        let zeros = self.zeros.then_some((ZERO, below));
+        let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
+        for (y, label) in powers.chain(zeros) {
+            sheet.line([[left, y], [right, y]], HAIR, GRID, 1.0)?;
+            sheet.line([[left - TICK, y], [left, y]], HAIR, INK, 1.0)?;
+            sheet.text(&label, [left - TICK - 3.0, y], TEXT, Align::End, Run::Right)?;
+        }
+        let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
+        sheet.text(&Label::plain("number of samples, n"), [middle[0], bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
+        let name = Label::plain("mean contribution per sample L/n (W/m\u{b3})");
+        sheet.text(&name, [10.0, middle[1]], TEXT, Align::Middle, Run::Up)
+    }
+
+    /// A curve over the checkpoints with gaps at NaN and between zero and more; a checkpoint on its own is a dash.
+    fn curve(&self, sheet: &mut Sheet, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+        let shares: Vec<_> = samples.iter().zip(values).map(|(n, v)| (*n, self.range.share(*v))).collect();
+        let joined = |a: f64, b: f64| (a < 0.0) == (b < 0.0) && a.is_nan() == b.is_nan();
+        for run in shares.chunk_by(|a, b| joined(a.1, b.1)).filter(|run| !run[0].1.is_nan()) {
+            let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
+            if let [[x, y]] = path[..] {
+                let half = 2.0 + 2.0 * width;
+                path = vec![[x - half, y], [x + half, y]];
+            }
+            sheet.line(path, width, rgb, opacity)?;
+        }
+        Ok(())
+    }
+}
+
+/// Keys in a row between the title and the axes.
+fn legend(sheet: &mut Sheet, keys: &[(String, f64, Rgb)]) -> Result<()> {
+    const KEY: f64 = 20.0;
+    const SPACE: f64 = 5.0;
+    const APART: f64 = 18.0;
+    let mut widths = Vec::new();
+    for (text, ..) in keys {
+        widths.push(KEY + SPACE + sheet.text_width(text, TEXT)?);
+    }
+    let whole = widths.iter().sum::<f64>() + APART * (keys.len() as f64 - 1.0);
+    let mut x = f64::midpoint(BOX[0], BOX[2]) - whole / 2.0;
+    for ((text, width, rgb), wide) in keys.iter().zip(widths) {
+        sheet.line([[x, LEGEND], [x + KEY, LEGEND]], width.max(1.5), *rgb, 1.0)?;
+        sheet.text(&Label::plain(text), [x + KEY + SPACE, LEGEND], TEXT, Align::Begin, Run::Right)?;
+        x += wide + APART;
+    }
+    Ok(())
+}

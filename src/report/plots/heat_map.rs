@@ -1,0 +1,149 @@
+//! The likelihood matrix L as a picture with logarithmic colours.
+
+use super::axis::{Label, LogRange, count_ticks, grouped};
+use super::colour::{INK, ZERO, colour};
+use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
+use crate::error::{Error, Result};
+
+const INCHES: [f64; 2] = [6.4, 5.6];
+/// Upper left corner and side of the matrix, points.
+const CORNER: [f64; 2] = [54.0, 34.0];
+const SIDE: f64 = 318.0;
+/// Gap before the colour bar, and its width, points.
+const BAR: [f64; 2] = [18.0, 13.0];
+const TICK: f64 = 4.0;
+/// The smallest mark of a vessel, points: a lone vessel among thousands of nodes stays visible.
+const MARK: f64 = 1.0;
+
+/// A symmetric matrix over the nodes, of which only the non-zero cells are given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matrix<'a> {
+    /// N, the number of rows and columns, at most 2³² - 1; rows are 0-based.
+    pub nodes: usize,
+    /// One entry a vessel: its two nodes in either order, and its likelihood L in W/m³, finite and not negative.
+    ///
+    /// Each vessel is given once, so that an entry stands for both its cells, (a, b) and (b, a). Entries of the same two
+    /// nodes add up, as parallel vessels do in the matrix.
+    pub entries: &'a [(usize, usize, f64)],
+}
+
+impl Matrix<'_> {
+    /// The positive cells of the upper triangle in rising order of their value, W/m³.
+    fn cells(&self) -> Result<Vec<([usize; 2], f64)>> {
+        if u32::try_from(self.nodes).is_err() {
+            return Err(Error::parameter("nodes", self.nodes, format!("expected at most {}", u32::MAX)));
+        }
+        let mut cells: Vec<([usize; 2], f64)> = Vec::with_capacity(self.entries.len());
+        for &(a, b, value) in self.entries {
+            if a >= self.nodes || b >= self.nodes {
+                let accepted = format!("expected two nodes below {}", self.nodes);
+                return Err(Error::parameter("matrix entry", format!("({a}, {b})"), accepted));
+            }
+            if !value.is_finite() || value < 0.0 {
+                let name = format!("likelihood of ({a}, {b})");
+                return Err(Error::parameter(name, value, "expected a finite number from 0 up, in W/m\u{b3}"));
+            }
+            cells.push(([a.min(b), a.max(b)], value));
+        }
+        cells.sort_by_key(|cell| cell.0);
+        cells.dedup_by(|next, sum| {
+            let parallel = next.0 == sum.0;
+            if parallel {
+                sum.1 = (sum.1 + next.1).min(f64::MAX);
+            }
+            parallel
+        });
+        cells.retain(|cell| cell.1 > 0.0);
+        cells.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(cells)
+    }
+}
+
+/// Draws the likelihood matrix L (W/m³), 6.4 by 5.6 inches at `dpi` pixels per inch (36 to 1200), as PNG.
+///
+/// Row 0 is at the top, column 0 at the left. The colour is that of log10 L from the smallest to the largest positive
+/// value, over at least one decade and at most twelve: what is smaller takes the lowest colour, and the bar says `≤`. Zero
+/// is light grey ([`ZERO`](super::ZERO)). A cell is at least 1 point wide; where cells share a pixel the largest is drawn,
+/// so that no vessel vanishes.
+///
+/// # Errors
+///
+/// When an entry names a node that does not exist, when a value is negative or not finite, and when `dpi` is out of range.
+pub fn heat_map(matrix: &Matrix<'_>, dpi: u32) -> Result<Vec<u8>> {
+    let cells = matrix.cells()?;
+    let range = LogRange::of(cells.iter().map(|cell| cell.1));
+    let mut sheet = Sheet::new("likelihood.png", INCHES, dpi)?;
+
+    let nodes = matrix.nodes;
+    let room = sheet.pixels(SIDE);
+    // Cells of four pixels or more are all of one size.
+    let side = if nodes > 0 && room / nodes >= 4 { room / nodes * nodes } else { room };
+    let corner = CORNER.map(|c| sheet.pixels(c) + (room - side) / 2);
+    sheet.fill(corner, [side, side], ZERO)?;
+    if let Some(range) = range {
+        let mark = sheet.pixels(MARK).max(1);
+        let extent = |node: usize| {
+            let (low, high) = (node * side / nodes, (node + 1) * side / nodes);
+            let size = (high - low).max(mark);
+            (low.min(side - size), size)
+        };
+        for ([a, b], value) in cells {
+            let rgb = colour(range.share(value));
+            let (a, b) = (extent(a), extent(b));
+            for (x, y) in [(a, b), (b, a)] {
+                sheet.fill([corner[0] + x.0, corner[1] + y.0], [x.1, y.1], rgb)?;
+            }
+        }
+    }
+
+    let [left, top] = corner.map(|c| sheet.points(c));
+    let span = sheet.points(side);
+    sheet.frame([left, top], [span, span])?;
+    node_axes(&mut sheet, [left, top], span, nodes)?;
+    let title = Label::plain(format!("Likelihood matrix ({} nodes)", grouped(nodes as u64)));
+    let middle = CORNER[0] + SIDE / 2.0;
+    sheet.text(&title, [middle, CORNER[1] / 2.0], TITLE, Align::Middle, Run::Right)?;
+    if let Some(range) = range {
+        bar(&mut sheet, range)?;
+    } else {
+        let note = Label::plain("no likelihood above zero");
+        sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)?;
+    }
+    sheet.png()
+}
+
+fn node_axes(sheet: &mut Sheet, [left, top]: [f64; 2], span: f64, nodes: usize) -> Result<()> {
+    let bottom = top + span;
+    if nodes > 0 {
+        for tick in count_ticks(nodes as u64 - 1, 6) {
+            let at = (tick.at + 0.5) / nodes as f64 * span;
+            sheet.line([[left + at, bottom], [left + at, bottom + TICK]], HAIR, INK, 1.0)?;
+            sheet.line([[left, top + at], [left - TICK, top + at]], HAIR, INK, 1.0)?;
+            sheet.text(&tick.label, [left + at, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
+            sheet.text(&tick.label, [left - TICK - 3.0, top + at], TEXT, Align::End, Run::Right)?;
+        }
+    }
+    let name = Label::plain("node");
+    sheet.text(&name, [left + span / 2.0, bottom + TICK + 24.0], TEXT, Align::Middle, Run::Right)?;
+    sheet.text(&name, [9.0, top + span / 2.0], TEXT, Align::Middle, Run::Up)
+}
+
+fn bar(sheet: &mut Sheet, range: LogRange) -> Result<()> {
+    let left = sheet.pixels(CORNER[0] + SIDE + BAR[0]);
+    let (top, width, height) = (sheet.pixels(CORNER[1]), sheet.pixels(BAR[1]), sheet.pixels(SIDE));
+    for y in 0..height {
+        let share = 1.0 - y as f64 / (height - 1).max(1) as f64;
+        sheet.fill([left, top + y], [width, 1], colour(share))?;
+    }
+    let [left, top, width, height] = [left, top, width, height].map(|p| sheet.points(p));
+    sheet.frame([left, top], [width, height])?;
+    let right = left + width;
+    for (row, tick) in range.ticks().into_iter().enumerate() {
+        let y = top + (1.0 - range.share_of_log(tick.at)) * height;
+        sheet.line([[right, y], [right + TICK, y]], HAIR, INK, 1.0)?;
+        let label = if row == 0 && range.clipped { tick.label.after("\u{2264}") } else { tick.label };
+        sheet.text(&label, [right + TICK + 3.0, y], TEXT, Align::Begin, Run::Right)?;
+    }
+    let name = Label::plain("L (W/m\u{b3})");
+    sheet.text(&name, [INCHES[0] * 72.0 - 9.0, top + height / 2.0], TEXT, Align::Middle, Run::Up)
+}

@@ -1,0 +1,230 @@
+//! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
+
+use willis::report::plots::{DEFAULT_DPI, Matrix, ZERO, colour, convergence, heat_map};
+
+struct Picture {
+    size: [usize; 2],
+    per_metre: u32,
+    rgb: Vec<u8>,
+}
+
+impl Picture {
+    fn read(file: &[u8]) -> Self {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG header");
+        let mut rgb = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut rgb).expect("an image");
+        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+        let per_metre = reader.info().pixel_dims.expect("a resolution").xppu;
+        Self { size: [info.width as usize, info.height as usize], per_metre, rgb }
+    }
+
+    fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        let start = (y * self.size[0] + x) * 3;
+        [self.rgb[start], self.rgb[start + 1], self.rgb[start + 2]]
+    }
+
+    /// The places of a colour left of the colour bar.
+    fn places(&self, rgb: [u8; 3]) -> Vec<[usize; 2]> {
+        let places = (0..self.size[1]).flat_map(|y| (0..self.size[0] * 82 / 100).map(move |x| [x, y]));
+        places.filter(|[x, y]| self.at(*x, *y) == rgb).collect()
+    }
+
+    fn count(&self, rgb: [u8; 3]) -> usize {
+        self.rgb.chunks_exact(3).filter(|pixel| *pixel == rgb).count()
+    }
+}
+
+const KEPT: [u8; 3] = [0x00, 0x72, 0xb2];
+
+fn map(nodes: usize, entries: &[(usize, usize, f64)]) -> Picture {
+    Picture::read(&heat_map(&Matrix { nodes, entries }, DEFAULT_DPI).expect("a heat map"))
+}
+
+/// The smallest box around places: first and last x, first and last y.
+fn bounds(places: &[[usize; 2]]) -> [[usize; 2]; 2] {
+    [0, 1].map(|axis| {
+        let along = || places.iter().map(|p| p[axis]);
+        [along().min().expect("a place"), along().max().expect("a place")]
+    })
+}
+
+#[test]
+fn the_size_and_the_resolution_follow_the_dpi() {
+    for dpi in [36, 72, 150, 301, 600] {
+        let heat = Picture::read(&heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)] }, dpi).expect("a heat map"));
+        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], &[1.5, 1.5], &[true], dpi).expect("a plot");
+        let curves = Picture::read(&curves);
+        let inches = |length: f64| (length * f64::from(dpi)).round() as usize;
+        assert_eq!(heat.size, [inches(6.4), inches(5.6)]);
+        assert_eq!(curves.size, [inches(6.4), inches(4.6)]);
+        assert_eq!(heat.per_metre, (f64::from(dpi) / 0.0254).round() as u32);
+    }
+    for dpi in [0, 35, 1201, u32::MAX] {
+        let error = heat_map(&Matrix { nodes: 2, entries: &[] }, dpi).expect_err("out of range").to_string();
+        assert!(error.contains(&dpi.to_string()) && error.contains("from 36 to 1200"), "{error}");
+        assert!(convergence(&[], &[], &[], &[], dpi).is_err());
+    }
+}
+
+/// The hot cells of nodes 1 and 3 of 5 lie at (3, 1) and (1, 3): together they span the middle 3 x 3 cells.
+#[test]
+fn the_hottest_cell_has_the_top_colour_and_a_zero_the_background() {
+    let entries = [(3, 1, 1e6), (0, 1, 1e3), (3, 4, 1.0), (0, 4, 0.0)];
+    let picture = map(5, &entries);
+    let hot = picture.places(colour(1.0));
+    let [[left, right], [top, bottom]] = bounds(&hot);
+    let cell = (right + 1 - left) / 3;
+    assert_eq!((right + 1 - left, bottom + 1 - top), (3 * cell, 3 * cell));
+    assert_eq!(hot.len(), 2 * cell * cell, "two whole squares of one colour");
+    let middle = |row: usize, column: usize| picture.at(left + (2 * column - 1) * cell / 2, top + (2 * row - 1) * cell / 2);
+    for (row, column, share) in [(1, 3, 1.0), (3, 1, 1.0), (3, 4, 0.0), (1, 2, f64::NAN), (2, 2, f64::NAN), (3, 3, f64::NAN)] {
+        assert_eq!(middle(row, column), if share.is_nan() { ZERO } else { colour(share) }, "({row}, {column})");
+    }
+    let half = picture.places(colour(0.5));
+    assert!(half.len() > cell * cell, "10³ is half way from 1 to 10⁶");
+}
+
+#[test]
+fn parallel_vessels_add_up_and_either_order_of_nodes_is_the_same() {
+    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)] }, 100).expect("a heat map");
+    let parts = [(2, 3, 350.0), (1, 0, 3.0), (3, 2, 350.0)];
+    assert_eq!(once, heat_map(&Matrix { nodes: 4, entries: &parts }, 100).expect("a heat map"));
+}
+
+#[test]
+fn one_vessel_among_forty_thousand_nodes_is_seen_and_the_largest_wins_a_pixel() {
+    let mut entries = vec![(20_000, 30_000, 1e9)];
+    entries.extend((1..50).map(|k| (20_000 + k % 7, 30_000 + k, 1.0)));
+    let picture = map(40_000, &entries);
+    let hot = picture.places(colour(1.0));
+    assert_eq!(hot.len(), 2 * 4, "two marks of a point, 2 x 2 pixels");
+    let [[left, right], [top, bottom]] = bounds(&hot);
+    assert_eq!(right - left, bottom - top, "symmetric");
+}
+
+#[test]
+fn every_cell_of_a_full_matrix_is_painted_whatever_the_number_of_nodes() {
+    for nodes in [1, 2, 3, 7, 60, 165, 166, 300, 663, 700] {
+        let entries: Vec<_> = (0..nodes).flat_map(|a| (a..nodes).map(move |b| (a, b, 5.0))).collect();
+        let picture = map(nodes, &entries);
+        let hot = picture.places(colour(1.0));
+        let [[left, right], [top, bottom]] = bounds(&hot);
+        assert_eq!(hot.len(), (right + 1 - left) * (bottom + 1 - top), "{nodes} nodes: no hole");
+        assert!((655..=663).contains(&(right + 1 - left)), "{nodes} nodes fill the axes");
+    }
+}
+
+#[test]
+fn the_map_darkens_steadily_and_takes_anything() {
+    let luminance = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
+    for k in 0..100 {
+        assert!(luminance(colour(f64::from(k + 1) / 100.0)) < luminance(colour(f64::from(k) / 100.0)));
+    }
+    assert_eq!((colour(-1.0), colour(f64::NAN), colour(7.0)), (colour(0.0), colour(0.0), colour(1.0)));
+}
+
+#[test]
+fn the_same_numbers_give_the_same_bytes_on_any_thread() {
+    let entries: Vec<_> = (0..900).map(|k| (k % 300, (k * 7 + 1) % 300, 1.7_f64.powi(k as i32 % 40))).collect();
+    let series: Vec<Vec<f64>> = (1..40).map(|k| (1..9).map(|n| f64::from(k * k) / f64::from(n)).collect()).collect();
+    let kept: Vec<bool> = (0..series.len()).map(|k| k > 20).collect();
+    let samples: Vec<u64> = (1..9).collect();
+    let both = || {
+        let heat = heat_map(&Matrix { nodes: 300, entries: &entries }, 110).expect("a heat map");
+        (heat, convergence(&samples, &series, &[3.0; 8], &kept, 110).expect("a plot"))
+    };
+    let first = both();
+    std::thread::scope(|scope| {
+        for other in [scope.spawn(both), scope.spawn(both)] {
+            assert!(other.join().expect("a thread") == first);
+        }
+    });
+}
+
+#[test]
+fn nothing_to_draw_is_a_picture_that_says_so() {
+    for nodes in [0, 1, 3] {
+        let picture = map(nodes, &[]);
+        assert_eq!(picture.count(colour(1.0)), 0);
+        assert!(picture.count(ZERO) > picture.size[0] * picture.size[1] / 3);
+    }
+    let blank = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
+        convergence(samples, series, threshold, kept, DEFAULT_DPI).expect("a plot")
+    };
+    let no_edge = blank(&[10, 20], &[], &[f64::NAN, f64::NAN], &[]);
+    let no_checkpoint = blank(&[], &[vec![]], &[], &[true]);
+    let no_value = blank(&[10], &[vec![0.0]], &[0.0], &[true]);
+    for picture in [&no_edge, &no_checkpoint, &no_value] {
+        assert_eq!(Picture::read(picture).count(KEPT), 0, "no legend either");
+    }
+    assert!(no_edge != no_checkpoint && no_checkpoint != no_value && no_edge != no_value);
+}
+
+/// Two edges, one far above the threshold and one far below it.
+#[test]
+fn kept_edges_are_blue_and_pruned_ones_vermilion() {
+    for checkpoints in [1, 20] {
+        let samples: Vec<u64> = (1..=checkpoints as u64).collect();
+        let series = [vec![50.0; checkpoints], vec![0.5; checkpoints]];
+        for kept in [[true, false], [false, true], [true, true]] {
+            let file = convergence(&samples, &series, &vec![5.0; checkpoints], &kept, DEFAULT_DPI).expect("a plot");
+            let picture = Picture::read(&file);
+            // Below the legend; the threshold is half way.
+            for (rows, kept) in [(110..300, kept[0]), (400..590, kept[1])] {
+                let pixels = || rows.clone().flat_map(|y| (0..picture.size[0]).map(move |x| (x, y)));
+                let more =
+                    |a: usize, b: usize| pixels().any(|(x, y)| picture.at(x, y)[a] > picture.at(x, y)[b].saturating_add(90));
+                assert_eq!((more(2, 0), more(0, 2)), (kept, !kept));
+            }
+        }
+    }
+}
+
+#[test]
+fn zeros_huge_ranges_and_single_checkpoints_are_drawn() {
+    let (tiny, huge) = (f64::MIN_POSITIVE, f64::MAX);
+    for series in [vec![0.0, tiny, huge], vec![0.0; 3], vec![huge; 3], vec![tiny / 1e3; 3]] {
+        Picture::read(
+            &convergence(&[1, 2, u64::MAX], std::slice::from_ref(&series), &[0.0, f64::NAN, 1.0], &[true], 72).expect("a plot"),
+        );
+        let entries: Vec<_> = series.iter().enumerate().map(|(k, v)| (k, 0, *v)).collect();
+        map(3, &entries);
+    }
+    map(2, &[(0, 1, huge), (1, 0, huge)]);
+}
+
+#[test]
+fn thousands_of_edges_are_drawn() {
+    let samples: Vec<u64> = (1..=50).map(|n| n * 20).collect();
+    let row = |k: u32| (0..50).map(|n| f64::from(k) * (1.0 + 0.3 * f64::from(n * k % 11) / f64::from(n + 1))).collect();
+    let series: Vec<Vec<f64>> = (0..4000).map(row).collect();
+    let kept: Vec<bool> = (0..4000).map(|k| k > 2000).collect();
+    Picture::read(&convergence(&samples, &series, &[2000.0; 50], &kept, DEFAULT_DPI).expect("a plot"));
+}
+
+#[test]
+fn wrong_numbers_are_errors_that_name_them() {
+    let heat = |entry| heat_map(&Matrix { nodes: 3, entries: &[entry] }, DEFAULT_DPI).expect_err("wrong").to_string();
+    assert_eq!(heat((0, 3, 1.0)), "matrix entry (0, 3): expected two nodes below 3");
+    for value in [-1.0, f64::NAN, f64::INFINITY] {
+        let accepted = "expected a finite number from 0 up, in W/m³";
+        assert_eq!(heat((0, 2, value)), format!("likelihood of (0, 2) {value}: {accepted}"));
+    }
+    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, usize::MAX - 1, 1.0)] }, DEFAULT_DPI).expect_err("too many");
+    assert!(error.to_string().starts_with("nodes 18446744073709551615: "), "{error}");
+    let plot = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
+        convergence(samples, series, threshold, kept, DEFAULT_DPI).expect_err("wrong").to_string()
+    };
+    let good = [vec![1.0, 2.0]];
+    for (error, part) in [
+        (plot(&[0, 1], &good, &[1.0; 2], &[true]), "samples at checkpoint 0 0"),
+        (plot(&[5, 5], &good, &[1.0; 2], &[true]), "samples at checkpoint 1 5"),
+        (plot(&[5, 6], &good, &[1.0], &[true]), "threshold of 1 values"),
+        (plot(&[5, 6], &good, &[1.0; 2], &[]), "kept of 0 values"),
+        (plot(&[5], &good, &[1.0], &[true]), "contribution of edge 0 of 2 values"),
+        (plot(&[5, 6], &[vec![1.0, -2.0]], &[1.0; 2], &[true]), "contribution of edge 0 -2"),
+        (plot(&[5, 6], &good, &[1.0, f64::INFINITY], &[true]), "threshold inf"),
+    ] {
+        assert!(error.starts_with(part), "{error}");
+    }
+}
