@@ -40,7 +40,13 @@ impl BoundaryArgs {
         let flow = |ml_per_min: f64| FoundOutlets::Murray { flow: cubic_metres_per_second(ml_per_min) };
         let usual = flow(CEREBRAL_FLOW_ML_PER_MIN);
         let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
-        let refused = || Error::parameter("--outlets", format!("\"{text}\""), "expected ground, murray or murray=FLOW with a positive flow in mL/min");
+        let refused = || {
+            Error::parameter(
+                "--outlets",
+                format!("\"{text}\""),
+                "expected ground, murray or murray=FLOW with a positive flow in mL/min",
+            )
+        };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
             None if text == "murray" => Ok(usual),
@@ -132,9 +138,15 @@ fn parse<'a>(option: &str, text: &'a str) -> Result<(&'a str, Role, Condition), 
 
 /// Says which conditions are used, and which of them were found.
 pub fn say_boundary(terminal: &Terminal, network: &Network, boundary: &Boundary) {
-    for (role, heading, found) in [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)] {
+    for (role, heading, found) in
+        [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
+    {
         let rows: Vec<usize> = (0..network.node_count()).filter(|n| boundary.roles[*n] == role).collect();
-        let words: Vec<String> = rows.iter().filter_map(|n| Some((*n, words(boundary.condition(*n)?)))).map(|(n, w)| format!("{} ({w})", network.node(n).id)).collect();
+        let words: Vec<String> = rows
+            .iter()
+            .filter_map(|n| Some((*n, words(boundary.condition(*n)?))))
+            .map(|(n, w)| format!("{} ({w})", network.node(n).id))
+            .collect();
         let how = match found.len() {
             0 => String::new(),
             n if n == rows.len() => match role {
@@ -144,7 +156,11 @@ pub fn say_boundary(terminal: &Terminal, network: &Network, boundary: &Boundary)
             n => format!(", {n} of them found at free ends"),
         };
         let most = 6;
-        let shown = if words.len() > most { format!("{}, and {} more", words[..most].join(", "), words.len() - most) } else { words.join(", ") };
+        let shown = if words.len() > most {
+            format!("{}, and {} more", words[..most].join(", "), words.len() - most)
+        } else {
+            words.join(", ")
+        };
         terminal.say(heading, format!("{}{how}: {shown}", plural(rows.len(), "node")));
         for word in words.iter().skip(most) {
             terminal.detail(heading, word);
@@ -160,4 +176,3 @@ fn words(condition: Condition) -> String {
         Condition::Flow(flow) => format!("{} mL/min", brief(ml_per_min(flow))),
     }
 }
-

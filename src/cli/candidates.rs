@@ -35,7 +35,7 @@ impl CandidatesArgs {
         let outlets = |fragments| self.boundary.found_outlets(fragments);
         outlets(true)?;
         let loaded = self.input.load(terminal)?;
-        let params = self.candidates.params(loaded.radius_rule)?;
+        let params = self.candidates.params(loaded.radius_rule, false)?;
         let boundary = self.boundary.resolve(&loaded.network, outlets(loaded.fragments)?, terminal)?;
         let graph = if loaded.fragments { build(&loaded.network, &params)? } else { loaded.network };
         let boundary = boundary.extended_to(graph.node_count());

@@ -9,7 +9,7 @@ use willis::candidates::{self, build};
 use willis::error::{Error, Result};
 use willis::formats::{Column, Values, write_csv};
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer};
+use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer, infer_until_stable};
 use willis::network::{Network, Origin};
 use willis::quantity::Dimension;
 use willis::report::summary::Built;
@@ -47,6 +47,17 @@ enum Contribution {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
+enum Until {
+    Stable,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Preset {
+    /// --prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground
+    Paper,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum SolverName {
     Auto,
     Lanes,
@@ -62,20 +73,33 @@ pub struct InferArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     /// Occlusion probability; several, with commas, make a folder each and a table of their agreement
-    #[arg(long, value_name = "P,...", value_delimiter = ',', default_value = "0.5", help_heading = "Sampling", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "P,...",
+        value_delimiter = ',',
+        default_value = "0.5",
+        help_heading = "Sampling",
+        allow_hyphen_values = true
+    )]
     epsilon: Vec<f64>,
     /// Samples
     #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, help_heading = "Sampling")]
     samples: u64,
+    /// Instead of --samples: double the samples until every decision is two standard errors from flipping, up to 2^20
+    #[arg(long, value_enum, value_name = "stable", conflicts_with = "samples", help_heading = "Sampling")]
+    until: Option<Until>,
+    /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
+    #[arg(long, value_enum, help_heading = "Sampling")]
+    preset: Option<Preset>,
     /// The seed; the same command with the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 0, help_heading = "Sampling")]
     seed: u64,
-    /// Which vessels may be occluded and pruned
-    #[arg(long, value_enum, default_value = "candidates", help_heading = "Sampling")]
-    uncertain: OnTrial,
-    /// The anatomical prior of each vessel
-    #[arg(long, value_enum, default_value = "none", help_heading = "Sampling")]
-    prior: Prior,
+    /// Which vessels may be occluded and pruned [default: candidates]
+    #[arg(long, value_enum, help_heading = "Sampling")]
+    uncertain: Option<OnTrial>,
+    /// The anatomical prior of each vessel [default: none]
+    #[arg(long, value_enum, help_heading = "Sampling")]
+    prior: Option<Prior>,
     /// What a vessel adds to its likelihood when it is in a sample's forest
     #[arg(long, value_enum, default_value = "resilience", help_heading = "Sampling")]
     weight: Contribution,
@@ -108,6 +132,8 @@ struct Job<'a> {
     provenance: &'a Provenance,
     built: Built<'a>,
     rule: Keep,
+    until_stable: bool,
+    paper: bool,
     dpi: u32,
     json: bool,
 }
@@ -122,8 +148,8 @@ impl InferArgs {
         StagedFolder::check(&self.output, force)?;
 
         let loaded = self.input.load(terminal)?;
-        let candidate_params = self.candidates.params(loaded.radius_rule)?;
-        let outlets = self.boundary.found_outlets(loaded.fragments)?;
+        let candidate_params = self.candidates.params(loaded.radius_rule, self.paper())?;
+        let outlets = self.boundary.found_outlets(loaded.fragments && !self.paper())?;
         let boundary = self.boundary.resolve(&loaded.network, outlets, terminal)?;
         let graph = if loaded.fragments { build(&loaded.network, &candidate_params)? } else { loaded.network };
         let boundary = boundary.extended_to(graph.node_count());
@@ -140,6 +166,8 @@ impl InferArgs {
             provenance: &loaded.provenance,
             built: if loaded.fragments { Built::Candidates(&candidate_params) } else { Built::Given },
             rule,
+            until_stable: self.until.is_some(),
+            paper: self.paper(),
             dpi: self.dpi,
             json: self.json,
         };
@@ -159,13 +187,18 @@ impl InferArgs {
         Ok(())
     }
 
+    fn paper(&self) -> bool {
+        self.preset == Some(Preset::Paper)
+    }
+
     fn params(&self, epsilon: f64) -> Result<Params> {
         let viscosity = Dimension::Viscosity.parse(&self.viscosity);
+        let paper = self.paper();
         let params = Params {
             epsilon,
             samples: self.samples,
             seed: self.seed,
-            uncertain: match self.uncertain {
+            uncertain: match self.uncertain.unwrap_or(if paper { OnTrial::All } else { OnTrial::Candidates }) {
                 OnTrial::Candidates => Uncertain::Candidates,
                 OnTrial::All => Uncertain::All,
             },
@@ -174,8 +207,9 @@ impl InferArgs {
                 Contribution::Count => Weight::Count,
                 Contribution::Global => Weight::Global,
             },
-            uniform_prior: matches!(self.prior, Prior::Uniform),
-            viscosity: viscosity.map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?,
+            uniform_prior: matches!(self.prior.unwrap_or(if paper { Prior::Uniform } else { Prior::None }), Prior::Uniform),
+            viscosity: viscosity
+                .map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?,
             solver: match self.solver {
                 SolverName::Auto => Solver::Auto,
                 SolverName::Lanes => Solver::Lanes,
@@ -192,10 +226,23 @@ impl Job<'_> {
         let start = Instant::now();
         let trial = params.uncertain.vessels(self.graph).iter().filter(|u| **u).count();
         let threads = rayon::current_num_threads();
-        let how = format!("epsilon {}, {} samples, seed {}, {}", params.epsilon, count(params.samples), params.seed, plural(threads, "thread"));
-        terminal.say("sampling", format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")));
+        let how = format!(
+            "epsilon {}, {} samples, seed {}, {}",
+            params.epsilon,
+            count(params.samples),
+            params.seed,
+            plural(threads, "thread")
+        );
+        terminal.say(
+            "sampling",
+            format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
+        );
         let mut progress = terminal.progress(params.samples);
-        let sampled = infer(self.graph, self.boundary, params, &mut progress);
+        let sampled = if self.until_stable {
+            infer_until_stable(self.graph, self.boundary, params, self.rule, &mut progress)
+        } else {
+            infer(self.graph, self.boundary, params, &mut progress)
+        };
         progress.finish();
         let (result, solver) = sampled?;
         let sampling = start.elapsed().as_secs_f64();
@@ -214,7 +261,10 @@ impl Job<'_> {
             viscosity: params.viscosity,
         };
         let mut summary = Summary::new(&outcome, self.provenance, params, self.built, self.outlets);
-        summary.time = json!({ "sampling_s": sampling, "samples_per_s": params.samples as f64 / sampling, "threads": threads });
+        if self.paper {
+            summary.follow_the_paper();
+        }
+        summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads });
         say_outcome(terminal, &outcome, sampling);
         for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
             terminal.say("note", note);
@@ -250,29 +300,62 @@ fn check_dpi(dpi: u32) -> Result<()> {
 
 fn say_built(terminal: &Terminal, graph: &Network, params: &candidates::Params) {
     let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
-    let size = format!("{} in a graph of {}, {}", plural(candidates, "candidate"), plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+    let size = format!(
+        "{} in a graph of {}, {}",
+        plural(candidates, "candidate"),
+        plural(graph.node_count(), "node"),
+        plural(graph.vessel_count(), "vessel")
+    );
     terminal.say("built", format!("{size} (k = {})", params.k));
     if candidates == 0 {
-        terminal.say("note", "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can");
+        terminal.say(
+            "note",
+            "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can",
+        );
     }
 }
 
 fn say_outcome(terminal: &Terminal, outcome: &Outcome<'_>, seconds: f64) {
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
-    terminal.say("sampled", format!("{} samples in {seconds:.2} s, {} a second, {} solver", count(outcome.result.samples), count(rate as u64), outcome.solver));
+    terminal.say(
+        "sampled",
+        format!(
+            "{} samples in {seconds:.2} s, {} a second, {} solver",
+            count(outcome.result.samples),
+            count(rate as u64),
+            outcome.solver
+        ),
+    );
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),
         (_, None) => "no vessel on trial has L > 0".into(),
     };
-    terminal.say("kept", format!("{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors", count(kept.kept as u64), plural(kept.kept + kept.pruned, "vessel"), count(kept.pruned as u64), count(answer.undecided.len() as u64)));
+    terminal.say(
+        "kept",
+        format!(
+            "{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors",
+            count(kept.kept as u64),
+            plural(kept.kept + kept.pruned, "vessel"),
+            count(kept.pruned as u64),
+            count(answer.undecided.len() as u64)
+        ),
+    );
     let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
     terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
     let same = answer.kept == answer.above_median;
     if !same {
         let median = &outcome.above_median;
-        terminal.say("median", format!("{} kept, {}, {}", count(median.kept as u64), plural(median.components, "component"), plural(median.cycles, "independent cycle")));
+        terminal.say(
+            "median",
+            format!(
+                "{} kept, {}, {}",
+                count(median.kept as u64),
+                plural(median.components, "component"),
+                plural(median.cycles, "independent cycle")
+            ),
+        );
     }
 }
 
@@ -288,6 +371,9 @@ fn agreement(decisions: &[(f64, Answer)]) -> Vec<Column> {
         real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0).collect()),
         real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0).collect()),
         Column { name: "decided_alike", values: Values::Integer(pairs.iter().map(|p| same(p) as i64).collect()) },
-        Column { name: "vessels", values: Values::Integer(pairs.iter().map(|(i, _)| decisions[*i].1.kept.len() as i64).collect()) },
+        Column {
+            name: "vessels",
+            values: Values::Integer(pairs.iter().map(|(i, _)| decisions[*i].1.kept.len() as i64).collect()),
+        },
     ]
 }

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use willis::candidates::{self, Attach, CandidateRadius};
 use willis::error::{Error, Result};
 use willis::formats::{Content, ReadOptions, read};
-use willis::geometry::{box_diagonal};
+use willis::geometry::box_diagonal;
 use willis::network::{Network, Origin, RadiusRule, contract, fragments};
 use willis::quantity::Dimension;
 use willis::report::Provenance;
@@ -90,12 +90,12 @@ pub struct CandidateArgs {
     /// The longest gap to bridge [default: 20 point spacings + 5 end diameters]
     #[arg(long, value_name = "LENGTH")]
     pub max_gap: Option<String>,
-    /// What a candidate may meet
-    #[arg(long, value_enum, default_value = "centerline")]
-    pub attach: AttachTo,
-    /// A candidate's radius from the radii at its two ends
-    #[arg(long, value_enum, default_value = "min")]
-    pub candidate_radius: RadiusOfCandidate,
+    /// What a candidate may meet [default: centerline]
+    #[arg(long, value_enum)]
+    pub attach: Option<AttachTo>,
+    /// A candidate's radius from the radii at its two ends [default: min]
+    #[arg(long, value_enum)]
+    pub candidate_radius: Option<RadiusOfCandidate>,
     /// The largest radius of a candidate
     #[arg(long, value_name = "LENGTH")]
     pub max_candidate_radius: Option<String>,
@@ -113,7 +113,8 @@ pub struct Loaded {
 /// A length given as an option, m.
 pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
     let parse = |text: &String| {
-        let length = Dimension::Length.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))?;
+        let length =
+            Dimension::Length.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))?;
         if length > 0.0 { Ok(length) } else { Err(Error::parameter(option, format!("\"{text}\""), "expected a positive length")) }
     };
     text.map(parse).transpose()
@@ -133,7 +134,11 @@ impl InputArgs {
             Some([s]) => Some([*s; 3]),
             Some([x, y, z]) => Some([*x, *y, *z]),
             Some(other) => {
-                return Err(Error::parameter("--spacing", format!("of {} numbers", other.len()), "expected one or three positive numbers, in mm"));
+                return Err(Error::parameter(
+                    "--spacing",
+                    format!("of {} numbers", other.len()),
+                    "expected one or three positive numbers, in mm",
+                ));
             }
         };
         let scale = Scale { unit, spacing };
@@ -163,12 +168,24 @@ impl InputArgs {
                 let made = contract(&lines, radius_rule, default_radius).map_err(|fault| fault.in_file(&self.input))?;
                 let parts = fragments(&made.network, |_, _| true).count;
                 let vessels = plural(made.network.vessel_count(), "vessel");
-                terminal.say("read", format!("{}: {heading}: {}, {vessels}, {} points{}", self.input.display(), plural(parts, "fragment"), count(points as u64), radii(&made.network)));
+                terminal.say(
+                    "read",
+                    format!(
+                        "{}: {heading}: {}, {vessels}, {} points{}",
+                        self.input.display(),
+                        plural(parts, "fragment"),
+                        count(points as u64),
+                        radii(&made.network)
+                    ),
+                );
                 if welded > 0 {
                     notes.push(format!("{} that coincide with another were made one with it", plural(welded, "point")));
                 }
                 if made.repaired_radii > 0 {
-                    notes.push(format!("{} without a positive finite radius: interpolated along the vessel", plural(made.repaired_radii, "point")));
+                    notes.push(format!(
+                        "{} without a positive finite radius: interpolated along the vessel",
+                        plural(made.repaired_radii, "point")
+                    ));
                 }
                 if made.default_radii > 0 {
                     notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
@@ -178,12 +195,26 @@ impl InputArgs {
             Content::Graph(network) => {
                 let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
                 let candidates = network.vessel_count() - observed;
-                terminal.say("read", format!("{}: {heading}: {}, {} observed and {} candidate vessels{}", self.input.display(), plural(network.node_count(), "node"), count(observed as u64), count(candidates as u64), radii(&network)));
+                terminal.say(
+                    "read",
+                    format!(
+                        "{}: {heading}: {}, {} observed and {} candidate vessels{}",
+                        self.input.display(),
+                        plural(network.node_count(), "node"),
+                        count(observed as u64),
+                        count(candidates as u64),
+                        radii(&network)
+                    ),
+                );
                 (network, true)
             }
         };
         if network.vessel_count() == 0 {
-            return Err(willis::error::Fault::file("no vessel", "expected centerlines with at least two linked points, or edges").in_file(&self.input));
+            return Err(willis::error::Fault::file(
+                "no vessel",
+                "expected centerlines with at least two linked points, or edges",
+            )
+            .in_file(&self.input));
         }
         notes.extend(implausible(&network, scale.unit));
         for note in &notes {
@@ -203,16 +234,18 @@ impl InputArgs {
 }
 
 impl CandidateArgs {
-    /// The parameters of the library.
-    pub fn params(&self, radius_rule: RadiusRule) -> Result<candidates::Params> {
+    /// The parameters of the library; `paper` changes what is used where no option is given.
+    pub fn params(&self, radius_rule: RadiusRule, paper: bool) -> Result<candidates::Params> {
+        let (attach, radius) =
+            if paper { (AttachTo::Ends, RadiusOfCandidate::Mean) } else { (AttachTo::Centerline, RadiusOfCandidate::Min) };
         let params = candidates::Params {
             k: self.k,
             max_gap: length("--max-gap", self.max_gap.as_ref())?,
-            attach: match self.attach {
+            attach: match self.attach.unwrap_or(attach) {
                 AttachTo::Centerline => Attach::Centerline,
                 AttachTo::Ends => Attach::Ends,
             },
-            radius: match self.candidate_radius {
+            radius: match self.candidate_radius.unwrap_or(radius) {
                 RadiusOfCandidate::Min => CandidateRadius::Min,
                 RadiusOfCandidate::Mean => CandidateRadius::Mean,
             },
@@ -244,5 +277,9 @@ fn implausible(network: &Network, unit: LengthUnit) -> Option<String> {
     let median = median(&radii).filter(|r| !PLAUSIBLE_RADIUS_MM.contains(r))?;
     let span = millimetres(box_diagonal(network.nodes().filter_map(|n| n.position)));
     let used = unit.symbol();
-    Some(format!("the median radius is {} mm and the extent {} mm, with lengths in {used}: implausible for vessels; see --units", brief(median), brief(span)))
+    Some(format!(
+        "the median radius is {} mm and the extent {} mm, with lengths in {used}: implausible for vessels; see --units",
+        brief(median),
+        brief(span)
+    ))
 }

@@ -77,13 +77,27 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
         let table = StagedFile::new(&beside(path, "loops.csv"), force)?;
         write_file(&table.path(), |out| write_loops(out, &loops))?;
         table.commit()?;
-        terminal.say("note", format!("SWC cannot hold {}: give them with --loops {}", plural(loops.len(), "link"), beside(path, "loops.csv").display()));
+        terminal.say(
+            "note",
+            format!(
+                "SWC cannot hold {}: give them with --loops {}",
+                plural(loops.len(), "link"),
+                beside(path, "loops.csv").display()
+            ),
+        );
     }
     answer.commit()?;
     file.commit()?;
     let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
     let spurious = truth.spurious.iter().filter(|s| **s).count();
-    terminal.say("written", format!("{}: {points} points in {fragments}, {spurious} of them spurious, {}", path.display(), plural(truth.breaks.len(), "gap")));
+    terminal.say(
+        "written",
+        format!(
+            "{}: {points} points in {fragments}, {spurious} of them spurious, {}",
+            path.display(),
+            plural(truth.breaks.len(), "gap")
+        ),
+    );
     terminal.say("truth", beside(path, "truth.json").display().to_string());
     Ok(())
 }
@@ -94,18 +108,30 @@ fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> R
     let file = StagedFile::new(path, force)?;
     match ending {
         "swc" if is_forest(network) => write_file(&file.path(), |out| write_swc(out, network))?,
-        "swc" => return Err(Error::parameter("--output", path.display(), "the phantom has loops, which SWC cannot hold; expected .vtp, .graphml or .csv, or --break")),
+        "swc" => {
+            return Err(Error::parameter(
+                "--output",
+                path.display(),
+                "the phantom has loops, which SWC cannot hold; expected .vtp, .graphml or .csv, or --break",
+            ));
+        }
         "vtp" => write_file(&file.path(), |out| write_vtp(out, network, &vessels))?,
         "graphml" => write_file(&file.path(), |out| write_graphml(out, network, &nodes, &vessels))?,
         "csv" => {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let table = if name.contains("edges") { path.with_file_name(name.replace("edges", "nodes")) } else { path.with_file_name("nodes.csv") };
+            let table = if name.contains("edges") {
+                path.with_file_name(name.replace("edges", "nodes"))
+            } else {
+                path.with_file_name("nodes.csv")
+            };
             let table = StagedFile::new(&table, force)?;
             write_file(&table.path(), |out| write_csv(out, &nodes))?;
             write_file(&file.path(), |out| write_csv(out, &vessels))?;
             table.commit()?;
         }
-        other => return Err(Error::parameter("--output", format!(".{other}"), "expected an ending .swc, .vtp, .graphml or .csv")),
+        other => {
+            return Err(Error::parameter("--output", format!(".{other}"), "expected an ending .swc, .vtp, .graphml or .csv"));
+        }
     }
     file.commit()
 }

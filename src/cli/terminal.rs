@@ -50,12 +50,19 @@ impl Terminal {
             }
         });
         let bar = if self.quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(total) };
-        let style = ProgressStyle::with_template("  {prefix:>8}  {bar:32} {human_pos}/{human_len} samples  {per_sec}  {eta} left");
+        let style =
+            ProgressStyle::with_template("  {prefix:>8}  {bar:32} {human_pos}/{human_len} samples  {per_sec}  {eta} left");
         if let Ok(style) = style {
             bar.set_style(style);
         }
         bar.set_prefix("sampling");
-        SampleProgress { bar, lines: !self.quiet && !std::io::stderr().is_terminal(), last: Instant::now(), start: Instant::now(), stop }
+        SampleProgress {
+            bar,
+            lines: !self.quiet && !std::io::stderr().is_terminal(),
+            last: Instant::now(),
+            start: Instant::now(),
+            stop,
+        }
     }
 }
 

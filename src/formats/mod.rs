@@ -1,6 +1,24 @@
 //! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
 
+mod attributes;
 mod column;
 pub mod conditions;
+mod csv_graph;
+mod document;
+mod graphml;
+mod numpy;
+mod swc;
+mod swc_points;
+mod table;
+mod vtp;
+mod xml;
 
 pub use column::{Column, Values};
+pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes};
+pub use document::{Content, Document, Format, ReadOptions, read};
+pub use graphml::{read_graphml, write_graphml};
+pub use numpy::{write_npy, write_npz};
+pub use swc::{add_loops, is_forest, read_swc, write_swc};
+pub use swc_points::{write_centerlines_swc, write_loops};
+pub use table::write_csv;
+pub use vtp::{read_vtp, write_vtp};

@@ -1,7 +1,7 @@
 //! The steady pressures of one network, all its vessels open or some of them closed.
 
-use super::circuit::Circuit;
 use super::cholesky::{self, Cholesky};
+use super::circuit::Circuit;
 use super::floating::{grounded, stranded};
 use super::star_mesh::{self, StarMesh};
 use crate::error::{Error, Result};

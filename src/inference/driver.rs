@@ -2,9 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::answer::decide;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 use super::sample::{Compiled, Sampler, Uncertain, Weight, Workspace};
+use super::threshold::Keep;
 use crate::error::{Error, Result};
 use crate::hemodynamics::cholesky::Cholesky;
 use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
@@ -14,6 +16,9 @@ use crate::network::Network;
 use crate::perturbation::Occlusion;
 use crate::rng::BLOCK;
 
+/// Samples that a run until stable begins and ends with.
+const FIRST_STABLE: u64 = 1 << 10;
+const LAST_STABLE: u64 = 1 << 20;
 /// Points of the convergence record, at the most.
 const SNAPSHOTS: u64 = 128;
 
@@ -122,6 +127,30 @@ pub fn infer(
     let sampler = Sampler::new(network, circuit, solver, Occlusion::new(keep), params.weight, params.seed);
     let (sums, trace) = run(&sampler, network.vessel_count(), params.samples, &uncertain, progress)?;
     Ok((Likelihood::new(sums, uncertain, trace), sampler.solver()))
+}
+
+/// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`.
+///
+/// The result is that of [`infer`] with the number of samples reached.
+///
+/// # Errors
+///
+/// As [`infer`].
+pub fn infer_until_stable(
+    network: &Network,
+    boundary: &Boundary,
+    params: &Params,
+    rule: Keep,
+    progress: &mut impl Progress,
+) -> Result<(Likelihood, &'static str)> {
+    let mut params = Params { samples: FIRST_STABLE, ..params.clone() };
+    loop {
+        let (result, solver) = infer(network, boundary, &params, progress)?;
+        if params.samples >= LAST_STABLE || decide(rule, &result).undecided.is_empty() {
+            return Ok((result, solver));
+        }
+        params.samples *= 2;
+    }
 }
 
 /// Compiles a circuit for the solver asked for.

@@ -8,7 +8,7 @@ mod sample;
 mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
-pub use driver::{Params, Progress, Solver, infer};
+pub use driver::{Params, Progress, Solver, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 pub use sample::{Sampler, Uncertain, Weight, Workspace};

@@ -112,7 +112,8 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let trial: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
     let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
     let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
-    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, &s.likelihood) / s.samples as f64).collect();
+    let threshold: Vec<f64> =
+        result.trace.iter().map(|s| running_threshold(outcome, &trial, &s.likelihood) / s.samples as f64).collect();
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
     let picture = convergence(&samples, &series, &threshold, &kept, dpi)?;
     write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))

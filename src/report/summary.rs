@@ -81,7 +81,8 @@ fn candidate_parameters(built: Built<'_>) -> Value {
 fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     let found = |node: &usize| boundary.found_inlets.contains(node) || boundary.found_outlets.contains(node);
     let each = boundary.conditions.iter().map(|(node, condition)| {
-        let mut value = json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found(node) });
+        let mut value =
+            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found(node) });
         match condition {
             Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
             Condition::Resistance { resistance, venous } => {
@@ -103,6 +104,12 @@ fn topology(t: &Topology) -> Value {
 }
 
 impl Summary {
+    /// Marks the preset of the paper, and what was chosen where the paper is silent.
+    pub fn follow_the_paper(&mut self) {
+        self.parameters["preset"] = json!("paper");
+        self.parameters["our_choice_where_the_paper_is_silent"] = json!(["k", "candidate_radius"]);
+    }
+
     /// Gathers the record of a run.
     pub fn new(outcome: &Outcome<'_>, provenance: &Provenance, params: &Params, built: Built<'_>, outlets: FoundOutlets) -> Self {
         let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);

@@ -46,8 +46,16 @@ pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> 
         (0..network.node_count()).map(move |node| boundary.condition(node).and_then(of).unwrap_or(f64::NAN))
     };
     let mut columns = vec![
-        real("resistance_mmHg_s_per_mL", figure(|c| if let Condition::Resistance { resistance, .. } = c { Some(mmhg_s_per_ml(resistance)) } else { None })),
-        real("venous_pressure_mmHg", figure(|c| if let Condition::Resistance { venous, .. } = c { Some(mmhg(venous)).filter(|p| *p != 0.0) } else { None })),
+        real(
+            "resistance_mmHg_s_per_mL",
+            figure(|c| if let Condition::Resistance { resistance, .. } = c { Some(mmhg_s_per_ml(resistance)) } else { None }),
+        ),
+        real(
+            "venous_pressure_mmHg",
+            figure(
+                |c| if let Condition::Resistance { venous, .. } = c { Some(mmhg(venous)).filter(|p| *p != 0.0) } else { None },
+            ),
+        ),
         real("flow_mL_per_min", figure(|c| if let Condition::Flow(flow) = c { Some(ml_per_min(flow)) } else { None })),
     ];
     columns.retain(|c| matches!(&c.values, Values::Real(v) if v.iter().any(|x| !x.is_nan())));
@@ -55,7 +63,8 @@ pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> 
 }
 
 fn vessel_places(network: &Network) -> Vec<Column> {
-    let end = |which: usize, of_axis: usize| network.vessels().map(move |(ends, _)| axis(network.node(ends[which]).position, of_axis));
+    let end =
+        |which: usize, of_axis: usize| network.vessels().map(move |(ends, _)| axis(network.node(ends[which]).position, of_axis));
     vec![
         whole("edge", 0..network.vessel_count()),
         whole("node_a", network.vessels().map(|(ends, _)| ends[0])),
