@@ -1,0 +1,202 @@
+//! The command as a person runs it: exit status, one-line errors that name the fault, untouched files, repeatable bytes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn willis(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_willis")).current_dir(folder).args(arguments).output().expect("the binary runs")
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn data(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name).display().to_string()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Every file below a folder with its bytes, run.json without its times.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(at) = open.pop() {
+        for entry in fs::read_dir(at).expect("a folder").map(|e| e.expect("an entry").path()) {
+            if entry.is_dir() {
+                open.push(entry);
+                continue;
+            }
+            let mut bytes = fs::read(&entry).expect("a file");
+            if entry.ends_with("run.json") {
+                let mut record: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+                record["time"] = serde_json::Value::Null;
+                bytes = record.to_string().into_bytes();
+            }
+            files.push((entry.strip_prefix(folder).expect("below").to_owned(), bytes));
+        }
+    }
+    files.sort();
+    files
+}
+
+/// A run on `input` must fail with status 2, one line that holds all `words`, and nothing written.
+fn refused(input: &[(&str, &[u8])], arguments: &[&str], words: &[&str]) {
+    let here = folder();
+    for (name, bytes) in input {
+        fs::write(here.path().join(name), bytes).expect("written");
+    }
+    let before = contents(here.path());
+    let output = willis(here.path(), arguments);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("willis: ")).collect();
+    assert_eq!(errors.len(), 1, "{said}");
+    for word in words {
+        assert!(errors[0].contains(word), "\"{word}\" is missing in: {}", errors[0]);
+    }
+    assert_eq!(contents(here.path()), before, "files were touched");
+}
+
+const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
+
+#[test]
+fn bad_centerlines_are_refused_by_line_and_value() {
+    let infer = ["infer", "a.swc", "-o", "out"];
+    refused(&[("a.swc", b"")], &infer, &["a.swc", "empty"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 1\n")], &infer, &["a.swc:2", "5 columns", "7"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 9\n")], &infer, &["a.swc:2", "9", "exist"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 nan 1\n")], &infer, &["a.swc:2", "radius", "nan"]);
+    refused(&[("a.swc", b"1 0 0 0 0 0 -1\n2 0 1 0 0 0 1\n")], &infer, &["a.swc", "no valid radius", "--default-radius"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n")], &infer, &["a.swc:2", "x"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 inf 0 0 1 1\n")], &infer, &["a.swc:2", "inf"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 2\n2 0 1 0 0 1 1\n")], &infer, &["a.swc:1", "ancestor", "--loops"]);
+    refused(&[], &infer, &["a.swc", "cannot be read"]);
+}
+
+#[test]
+fn a_graph_without_an_end_to_enter_by_is_refused() {
+    let ring = br#"<graphml xmlns="http://graphml.graphdrawing.org/xmlns"><key id="l" for="edge" attr.name="length_mm" attr.type="double"/>
+<key id="r" for="edge" attr.name="radius_mm" attr.type="double"/><graph edgedefault="undirected"><node id="a"/><node id="b"/><node id="c"/>
+<edge source="a" target="b"><data key="l">1</data><data key="r">1</data></edge><edge source="b" target="c"><data key="l">1</data>
+<data key="r">1</data></edge><edge source="c" target="a"><data key="l">1</data><data key="r">1</data></edge></graph></graphml>"#;
+    refused(&[("ring.graphml", ring)], &["infer", "ring.graphml", "-o", "out"], &["no inlet", "0 free ends", "--inlet"]);
+    let given = ["infer", "ring.graphml", "-o", "out", "--inlet", "a", "--outlet", "zz"];
+    refused(&[("ring.graphml", ring)], &given, &["--outlet", "zz", "expected an id"]);
+}
+
+#[test]
+fn arguments_out_of_range_are_refused_by_name_and_value() {
+    let cases: [(&[&str], &[&str]); 12] = [
+        (&["--epsilon", "1.5"], &["--epsilon", "1.5", "0 <= epsilon < 1"]),
+        (&["--epsilon", "-0.1"], &["--epsilon", "-0.1"]),
+        (&["-n", "0"], &["--samples", "0"]),
+        (&["--keep", "mode"], &["--keep", "mode", "median"]),
+        (&["--keep", "quantile=2"], &["--keep", "2"]),
+        (&["--viscosity", "3.5mm"], &["--viscosity", "3.5mm", "cP"]),
+        (&["--max-gap", "-3"], &["--max-gap", "-3"]),
+        (&["-k", "0"], &["-k", "0"]),
+        (&["--dpi", "1"], &["--dpi", "1"]),
+        (&["--units", "voxel"], &["--units", "--spacing"]),
+        (&["--outlets", "sea"], &["--outlets", "sea", "murray"]),
+        (&["--inlet", "1=3cP"], &["--inlet", "3cP", "mmHg"]),
+    ];
+    for (extra, words) in cases {
+        let joined: Vec<String> = match extra {
+            [name, value] if name.starts_with("--") => vec![format!("{name}={value}")],
+            other => other.iter().map(ToString::to_string).collect(),
+        };
+        let mut arguments = vec!["infer", "a.swc", "-o", "out"];
+        arguments.extend(joined.iter().map(String::as_str));
+        refused(&[("a.swc", LINE)], &arguments, words);
+    }
+}
+
+#[test]
+fn an_output_that_exists_is_left_alone() {
+    let here = folder();
+    fs::write(here.path().join("a.swc"), LINE).expect("written");
+    fs::create_dir(here.path().join("out")).expect("made");
+    fs::write(here.path().join("out/mine.txt"), "precious").expect("written");
+    for arguments in [&["infer", "a.swc", "-o", "out"][..], &["infer", "a.swc", "-o", "out", "--force"]] {
+        let output = willis(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).contains("out"), "{}", stderr(&output));
+        assert_eq!(fs::read(here.path().join("out/mine.txt")).expect("still there"), b"precious");
+    }
+    assert!(willis(here.path(), &["infer", "a.swc", "-o", "ours", "-q"]).status.success());
+    let again = willis(here.path(), &["infer", "a.swc", "-o", "ours", "-q", "--seed", "1"]);
+    assert!(stderr(&again).contains("--force"), "{}", stderr(&again));
+    assert!(willis(here.path(), &["infer", "a.swc", "-o", "ours", "-q", "--seed", "1", "--force"]).status.success());
+    let record = fs::read_to_string(here.path().join("ours/run.json")).expect("a record");
+    assert!(record.contains("\"seed\": 1"));
+    let left: Vec<_> = fs::read_dir(here.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
+    assert_eq!(left.len(), 3, "nothing temporary stays: {left:?}");
+}
+
+#[test]
+fn the_shipped_example_gives_every_file_and_the_same_bytes_at_any_thread_count() {
+    let here = folder();
+    let input = data("broken-circle-of-willis.swc");
+    let mut first = None;
+    for threads in ["1", "2", "8"] {
+        let out = format!("out{threads}");
+        let output = willis(here.path(), &["infer", &input, "-o", &out, "--threads", threads, "--epsilon", "0.3"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let files = contents(&here.path().join(out));
+        let names: Vec<String> = files.iter().map(|(name, _)| name.display().to_string()).collect();
+        for name in [
+            "convergence.png",
+            "edges.csv",
+            "likelihood.npy",
+            "likelihood.npz",
+            "likelihood.png",
+            "nodes.csv",
+            "run.json",
+            "topology-median.graphml",
+            "topology-median.vtp",
+            "topology.graphml",
+            "topology.vtp",
+        ] {
+            assert!(names.iter().any(|n| n == name), "{name} is missing among {names:?}");
+        }
+        assert_eq!(first.get_or_insert_with(|| files.clone()), &files, "{threads} threads");
+    }
+}
+
+#[test]
+fn the_candidate_graph_handed_back_gives_the_edges_of_the_direct_run() {
+    let here = folder();
+    let input = data("broken-circle-of-willis.swc");
+    assert!(willis(here.path(), &["infer", &input, "-o", "direct", "-q"]).status.success());
+    assert!(willis(here.path(), &["candidates", &input, "-o", "graph.graphml", "-q"]).status.success());
+    let output = willis(here.path(), &["infer", "graph.graphml", "-o", "handed", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let edges = |folder: &str| fs::read_to_string(here.path().join(folder).join("edges.csv")).expect("edges");
+    assert_eq!(edges("direct"), edges("handed"));
+}
+
+#[test]
+fn the_shipped_example_is_what_its_script_makes() {
+    let here = folder();
+    let made = willis(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "--spacing", "1mm", "-o", "a.swc"]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    let same = |made: &str, shipped: &str| fs::read(here.path().join(made)).expect("made") == fs::read(data(shipped)).expect("shipped");
+    assert!(same("a.swc", "broken-circle-of-willis.swc"));
+    assert!(same("a.truth.json", "broken-circle-of-willis.truth.json"));
+}
+
+#[test]
+fn several_occlusion_probabilities_make_a_folder_each_and_a_table() {
+    let here = folder();
+    let output = willis(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "out", "--epsilon", "0.2,0.5", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(here.path().join("out/epsilon-0.2/edges.csv").exists() && here.path().join("out/epsilon-0.5/edges.csv").exists());
+    let table = fs::read_to_string(here.path().join("out/agreement.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 2, "{table}");
+}
