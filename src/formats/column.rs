@@ -1,5 +1,7 @@
 //! Named columns over the nodes or vessels of a network: what every writer of tables and attributes is given.
 
+use std::io;
+
 /// A column with one value a row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
@@ -18,4 +20,51 @@ pub enum Values {
     Integer(Vec<i64>),
     /// Text.
     Text(Vec<String>),
+}
+
+impl Values {
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(values) => values.len(),
+            Self::Integer(values) => values.len(),
+            Self::Text(values) => values.len(),
+        }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value of a row as text; empty for a missing number.
+    pub(super) fn text(&self, row: usize) -> String {
+        match self {
+            Self::Real(values) => real(values[row]),
+            Self::Integer(values) => values[row].to_string(),
+            Self::Text(values) => values[row].clone(),
+        }
+    }
+}
+
+/// The shortest text that brings the same number back; empty for NaN.
+pub(super) fn real(x: f64) -> String {
+    if x.is_nan() {
+        String::new()
+    } else if x == 0.0 || x.is_infinite() || (1e-5..1e16).contains(&x.abs()) {
+        format!("{x}")
+    } else {
+        format!("{x:e}")
+    }
+}
+
+/// Refuses columns that do not have one value for each of `rows`.
+pub(super) fn check_rows(columns: &[Column], rows: usize) -> io::Result<()> {
+    for column in columns {
+        if column.values.len() != rows {
+            let found = format!("column {} has {} values for {rows} rows", column.name, column.values.len());
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, found));
+        }
+    }
+    Ok(())
 }
