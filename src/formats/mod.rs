@@ -2,8 +2,11 @@
 
 mod column;
 mod numpy;
+mod polyline;
+mod swc;
 mod table;
 
 pub use column::{Column, Values};
 pub use numpy::{write_npy, write_npz};
+pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use table::write_csv;

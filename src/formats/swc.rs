@@ -1,0 +1,242 @@
+//! SWC: one centerline point a line, each linked to its parent.
+
+use std::collections::{HashMap, hash_map::Entry};
+use std::io::{self, BufRead, Write};
+
+use super::column::real;
+use super::polyline::{between, node_points};
+use crate::centerline::{Centerlines, is_radius};
+use crate::error::Fault;
+use crate::network::{Network, PathPoint, Role, cycles};
+use crate::units::{Scale, millimetres};
+
+const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
+const ROW: &str = "expected 7 (id type x y z radius parent)";
+
+/// A parent yet to be found: the line that names it, and its id.
+type Parent = Option<(usize, u64)>;
+
+/// Reads SWC in any order of ids, with any number of roots; returns also what a person should know.
+///
+/// The columns are separated by blanks or tabs; a missing, zero or negative radius is kept as NaN, to be repaired
+/// along its vessel. The strand of a point is the number of its tree.
+///
+/// # Errors
+///
+/// A line with fewer than seven columns, a value that is no number, a coordinate that is not finite, an id that comes
+/// twice, a parent that does not exist or that descends from its child; a file without points.
+pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut lines = Centerlines::default();
+    let mut parents: Vec<Parent> = Vec::new();
+    let mut row_of = HashMap::new();
+    let mut line_of = Vec::new();
+    let mut wide = None;
+    for (at, line) in input.split(b'\n').enumerate() {
+        let (at, line) = (at + 1, line.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?);
+        let line = String::from_utf8_lossy(&line);
+        let text = line.trim_start_matches('\u{feff}').split('#').next().unwrap_or_default();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        if words.is_empty() {
+            continue;
+        }
+        let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
+            return Err(Fault::line(at, format!("{} columns", words.len()), ROW));
+        };
+        if words.len() > COLUMNS.len() {
+            wide.get_or_insert((at, words.len()));
+        }
+        let id = index(id, at, 0)?
+            .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
+        number(kind, at, 1)?;
+        let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
+        for (axis, value) in position.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
+            }
+        }
+        match row_of.entry(id) {
+            Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
+            Entry::Occupied(slot) => {
+                let first = line_of[*slot.get() as usize];
+                return Err(Fault::line(at, format!("id {id} is that of line {first} too"), "expected every id once"));
+            }
+        };
+        let radius = scale.length(number(radius, at, 5)?);
+        lines.ids.push(id);
+        lines.points.push(scale.position(position));
+        lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
+        parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
+        line_of.push(at);
+    }
+    if lines.points.is_empty() {
+        return Err(Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)"));
+    }
+    let mut up = Vec::with_capacity(parents.len());
+    for (row, parent) in parents.iter().enumerate() {
+        let Some((at, id)) = parent else {
+            up.push(None);
+            continue;
+        };
+        let Some(parent) = row_of.get(id) else {
+            return Err(Fault::line(*at, format!("parent {id} does not exist"), "expected the id of a point, or -1"));
+        };
+        lines.links.push([*parent, row as u32]);
+        up.push(Some(*parent as usize));
+    }
+    lines.strand = trees(&up).map_err(|row| {
+        let found = format!("point {} is its own ancestor", lines.ids[row]);
+        Fault::line(line_of[row], found, "expected a tree; put the links that close loops into a --loops file")
+    })?;
+    let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
+    Ok((lines, notes.into_iter().collect()))
+}
+
+/// The number of each point's tree, in the order of the first points; the row of a point on a cycle where there is one.
+fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
+    const NEW: u32 = u32::MAX;
+    const OPEN: u32 = u32::MAX - 1;
+    let mut tree = vec![NEW; up.len()];
+    let mut count = 0;
+    for start in 0..up.len() {
+        let mut way = Vec::new();
+        let mut at = Some(start);
+        let number = loop {
+            match at {
+                None => {
+                    count += 1;
+                    break count - 1;
+                }
+                Some(row) if tree[row] == OPEN => return Err(row),
+                Some(row) if tree[row] != NEW => break tree[row],
+                Some(row) => {
+                    tree[row] = OPEN;
+                    way.push(row);
+                    at = up[row];
+                }
+            }
+        };
+        for row in way {
+            tree[row] = number;
+        }
+    }
+    Ok(tree)
+}
+
+fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {
+    word.parse().map_err(|_| Fault::line(line, format!("{} \"{word}\"", COLUMNS[column]), "expected a number"))
+}
+
+/// A whole number, perhaps written as `1.0`; `None` for a negative one.
+fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
+    if let Ok(id) = word.parse() {
+        return Ok(Some(id));
+    }
+    match word.parse::<f64>() {
+        Ok(x) if x.fract() == 0.0 && x.abs() < 9e15 => Ok((x >= 0.0).then_some(x as u64)),
+        _ => Err(Fault::line(line, format!("{} \"{word}\"", COLUMNS[column]), "expected a whole number")),
+    }
+}
+
+/// Links the pairs of point ids of a CSV file (`id_a,id_b`, the header may be absent); returns how many.
+///
+/// # Errors
+///
+/// A line that is no pair of ids of different points.
+pub fn add_loops(input: impl BufRead, lines: &mut Centerlines) -> Result<usize, Fault> {
+    const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
+    let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
+    let mut added = 0;
+    let mut begun = false;
+    for (at, line) in input.lines().enumerate() {
+        let at = at + 1;
+        let line = line.map_err(|e| Fault::line(at, format!("cannot be read: {e}"), ACCEPTED))?;
+        let line = line.split('#').next().unwrap_or_default().trim();
+        let words: Vec<&str> = line.split(',').map(str::trim).collect();
+        if line.is_empty() {
+            continue;
+        }
+        let first = !std::mem::replace(&mut begun, true);
+        if first && words == ["id_a", "id_b"] {
+            continue;
+        }
+        let [a, b] = words[..] else {
+            return Err(Fault::line(at, format!("{} columns", words.len()), ACCEPTED));
+        };
+        let row = |word: &str| {
+            let id = word.parse::<u64>().map_err(|_| Fault::line(at, format!("\"{word}\""), ACCEPTED))?;
+            row_of.get(&id).copied().ok_or_else(|| Fault::line(at, format!("point {id} does not exist"), ACCEPTED))
+        };
+        let (a, b) = (row(a)?, row(b)?);
+        if a == b {
+            return Err(Fault::line(at, format!("point {} twice", words[0]), "expected two different points"));
+        }
+        lines.links.push([a, b]);
+        added += 1;
+    }
+    Ok(added)
+}
+
+/// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
+pub fn is_forest(network: &Network) -> bool {
+    cycles(network) == 0
+}
+
+/// Writes a forest as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres.
+///
+/// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
+/// its widest vessel; one that has none of either is written with 0.
+///
+/// # Errors
+///
+/// A network with a cycle or a node without position (`InvalidInput`), or the writer's own.
+pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
+    if !is_forest(network) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "SWC cannot hold a network with cycles"));
+    }
+    let at = node_points(network)?;
+    let mut around = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate() {
+        around[ends[0]].push((row, ends[1]));
+        around[ends[1]].push((row, ends[0]));
+    }
+    writeln!(out, "# centerlines; coordinates and radii in mm")?;
+    writeln!(out, "# id type x y z radius parent")?;
+    let mut used = 0_usize;
+    let mut write = |point: &PathPoint, parent: Option<usize>| -> io::Result<usize> {
+        used += 1;
+        let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+        let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
+        match parent {
+            None => writeln!(out, "{used} 0 {x} {y} {z} {radius} -1")?,
+            Some(parent) => writeln!(out, "{used} 0 {x} {y} {z} {radius} {parent}")?,
+        }
+        Ok(used)
+    };
+    let mut id_of = vec![None; network.node_count()];
+    let inlets = (0..network.node_count()).filter(|n| network.node(*n).role == Some(Role::Inlet));
+    for root in inlets.chain(0..network.node_count()) {
+        if id_of[root].is_some() {
+            continue;
+        }
+        let root_id = write(&at[root], None)?;
+        id_of[root] = Some(root_id);
+        let mut open = vec![(root, root_id)];
+        while let Some((node, node_id)) = open.pop() {
+            for (row, next) in &around[node] {
+                if id_of[*next].is_some() {
+                    continue;
+                }
+                let inner =
+                    between(&network.vessel(*row).path, at[node].position, at[*next].position, network.ends(*row)[0] == node);
+                let mut parent = node_id;
+                for point in &inner {
+                    parent = write(point, Some(parent))?;
+                }
+                parent = write(&at[*next], Some(parent))?;
+                id_of[*next] = Some(parent);
+                open.push((*next, parent));
+            }
+        }
+    }
+    out.flush()
+}
