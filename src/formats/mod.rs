@@ -5,8 +5,11 @@ mod numpy;
 mod polyline;
 mod swc;
 mod table;
+mod vtp;
+mod xml;
 
 pub use column::{Column, Values};
 pub use numpy::{write_npy, write_npz};
 pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use table::write_csv;
+pub use vtp::{read_vtp, write_vtp};

@@ -1,0 +1,66 @@
+//! What the XML formats share: the name of the root element, parse errors in one line, escaping.
+
+use crate::error::Fault;
+
+/// The local name of the root element and the text of its start tag, if the bytes look like XML.
+pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
+    let mut rest = bytes.trim_ascii_start();
+    loop {
+        let end: &[u8] = match rest {
+            [b'<', b'?', ..] => b"?>",
+            [b'<', b'!', b'-', b'-', ..] => b"-->",
+            [b'<', b'!', ..] => b">",
+            [b'<', ..] => break,
+            _ => return None,
+        };
+        rest = rest.get(find(rest, end)? + end.len()..)?.trim_ascii_start();
+    }
+    let tag = rest.get(1..find(rest, b">").unwrap_or(rest.len()))?;
+    let name = tag.split(|b| b.is_ascii_whitespace() || *b == b'/').next()?;
+    let name = name.rsplit(|b| *b == b':').next()?;
+    Some((std::str::from_utf8(name).ok()?, std::str::from_utf8(tag).ok()?))
+}
+
+/// Where `needle` starts first.
+pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
+    bytes.windows(needle.len()).position(|w| w == needle)
+}
+
+/// Parses a document; an error is one line with its place.
+pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
+    roxmltree::Document::parse(text).map_err(|error| {
+        let line = match error.pos().row as usize {
+            // Errors without a place of their own are those of a text that ends too early.
+            1 if matches!(error, roxmltree::Error::UnclosedRootNode) => text.lines().count(),
+            row => row,
+        };
+        Fault::line(line, format!("not well-formed XML: {error}"), "expected a complete XML file")
+    })
+}
+
+/// The text of bytes that must be UTF-8.
+pub(super) fn utf8(bytes: &[u8]) -> Result<&str, Fault> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
+        Fault::line(line, format!("byte {} is not UTF-8", error.valid_up_to()), "expected UTF-8 text")
+    })
+}
+
+/// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
+pub(super) fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\t' => out.push_str("&#9;"),
+            '\n' => out.push_str("&#10;"),
+            '\r' => out.push_str("&#13;"),
+            '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
