@@ -1,6 +1,9 @@
 //! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
 
+mod attributes;
 mod column;
+mod csv_graph;
+mod graphml;
 mod numpy;
 mod polyline;
 mod swc;
@@ -9,6 +12,8 @@ mod vtp;
 mod xml;
 
 pub use column::{Column, Values};
+pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes};
+pub use graphml::{read_graphml, write_graphml};
 pub use numpy::{write_npy, write_npz};
 pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use table::write_csv;

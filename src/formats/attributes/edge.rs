@@ -1,0 +1,132 @@
+//! Edges of a ready graph: each is a vessel as it stands, never merged, contracted or put in another order.
+
+use super::{Item, Record};
+use crate::centerline::is_radius;
+use crate::error::Fault;
+use crate::geometry::distance;
+use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use crate::units::{Scale, metres};
+
+/// Adds the edges, in their order, to the network that has the nodes; returns what a person should know.
+pub(in super::super) fn vessels(
+    network: &mut Network,
+    edges: &[([usize; 2], Record)],
+    scale: &Scale,
+) -> Result<Vec<String>, Fault> {
+    let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
+    for (row, (ends, record)) in edges.iter().enumerate() {
+        let [a, b] = ends.map(|end| network.node(end));
+        let item = Item { record, name: format!("edge {row} ({} - {})", a.id, b.id) };
+        let path = path(&item, [a, b])?;
+        let length = match length(&item, scale, *ends)? {
+            Some(length) => length,
+            None if path.is_empty() => {
+                straight += 1;
+                gap(&item, [a, b], *ends)?
+            }
+            None => path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
+        };
+        let radius = match item.length("radius", scale)? {
+            Some((_, radius)) if is_radius(radius) => radius,
+            Some((key, _)) => {
+                let value = item.text(&key).unwrap_or_default();
+                return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
+            }
+            None if path.is_empty() => {
+                from_nodes += 1;
+                let (Some(p), Some(q)) = (a.radius, b.radius) else {
+                    return Err(item.fault("no radius_mm", "expected radius_mm on the edge, or on both of its nodes"));
+                };
+                p.min(q)
+            }
+            None => RadiusRule::Mean.radius(&path),
+        };
+        let origin = match item.text("origin") {
+            None => None,
+            Some("observed") => Some(Origin::Observed),
+            Some("candidate") => Some(Origin::Candidate),
+            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed or candidate")),
+        };
+        origins += usize::from(origin.is_some());
+        let vessel = Vessel {
+            length,
+            radius,
+            label: item.text("label").unwrap_or_default().to_owned(),
+            origin: origin.unwrap_or(Origin::Candidate),
+            prior: prior(&item)?,
+            certain: item.boolean("certain")?.unwrap_or(false),
+            path,
+        };
+        network.add_vessel(*ends, vessel);
+    }
+    let mut notes = Vec::new();
+    if origins == 0 && !edges.is_empty() {
+        notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
+    }
+    if straight > 0 {
+        notes.push(format!("{straight} edges without length_mm have the distance between their nodes"));
+    }
+    if from_nodes > 0 {
+        notes.push(format!("{from_nodes} edges without radius_mm have the smaller radius of their nodes"));
+    }
+    Ok(notes)
+}
+
+/// The length that the edge states, m. A self-loop carries no flow, so it alone may have none.
+fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
+    let Some((key, length)) = item.length("length", scale)? else { return Ok(None) };
+    if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
+        return Ok(Some(length));
+    }
+    Err(item.fault(format!("{key} {}", item.text(&key).unwrap_or_default()), "expected a positive number"))
+}
+
+/// The distance between the nodes, m.
+fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
+    let [Some(p), Some(q)] = nodes.map(|node| node.position) else {
+        return Err(item.fault("no length_mm", "expected length_mm, or the positions of both nodes"));
+    };
+    match distance(p, q) {
+        length if (length > 0.0 || ends[0] == ends[1]) && length.is_finite() => Ok(length),
+        _ => Err(item.fault("no length_mm and both nodes in one place", "expected length_mm")),
+    }
+}
+
+fn prior(item: &Item) -> Result<f64, Fault> {
+    match item.real("prior")? {
+        None => Ok(1.0),
+        Some(prior) if (0.0..=1.0).contains(&prior) => Ok(prior),
+        Some(prior) => Err(item.fault(format!("prior {prior}"), "expected a number from 0 to 1")),
+    }
+}
+
+/// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs
+/// write the two ends of an edge in either order.
+fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
+    let Some(text) = item.text("points") else { return Ok(Vec::new()) };
+    let mut path = Vec::new();
+    for (n, point) in text.split(';').map(str::trim).filter(|point| !point.is_empty()).enumerate() {
+        let wrong = || item.fault(format!("points: point {n} \"{point}\""), "expected x y z r in mm, r positive");
+        let mut figures = [0.0; 4];
+        let mut words = point.split_whitespace();
+        for figure in &mut figures {
+            *figure = words.next().and_then(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).ok_or_else(wrong)?;
+        }
+        let [x, y, z, radius] = figures.map(metres);
+        if words.next().is_some() || !is_radius(radius) {
+            return Err(wrong());
+        }
+        path.push(PathPoint { position: [x, y, z], radius, id: None });
+    }
+    let length: f64 = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r"));
+    }
+    if let ([Some(a), Some(b)], Some(first), Some(last)) = (nodes.map(|n| n.position), path.first(), path.last()) {
+        let stay = distance(first.position, a) + distance(last.position, b);
+        if distance(first.position, b) + distance(last.position, a) < stay {
+            path.reverse();
+        }
+    }
+    Ok(path)
+}

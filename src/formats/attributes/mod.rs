@@ -1,0 +1,67 @@
+//! What the attributes of a ready graph mean, whichever format carried them.
+
+mod edge;
+mod node;
+
+pub(super) use edge::vessels;
+pub(super) use node::nodes;
+
+use std::collections::HashMap;
+
+use crate::error::Fault;
+use crate::units::{Scale, metres};
+
+/// The attributes of a node or edge as text, and the line they stand on. An empty text is as good as none.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Record {
+    pub(super) line: usize,
+    pub(super) values: HashMap<String, String>,
+}
+
+/// A record that knows what to call itself in a message.
+struct Item<'a> {
+    record: &'a Record,
+    name: String,
+}
+
+impl<'a> Item<'a> {
+    fn text(&self, key: &str) -> Option<&'a str> {
+        self.record.values.get(key).map(|text| text.trim()).filter(|text| !text.is_empty())
+    }
+
+    fn fault(&self, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
+        Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
+    }
+
+    /// A number, infinite or NaN ones included.
+    fn real(&self, key: &str) -> Result<Option<f64>, Fault> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        text.parse().map(Some).map_err(|_| self.fault(format!("{key} \"{text}\""), "expected a number"))
+    }
+
+    /// A finite number; NaN is a missing one, as graphs hold it where other nodes have the attribute.
+    fn finite(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.real(key)? {
+            Some(x) if x.is_infinite() => Err(self.fault(format!("{key} {x}"), "expected a finite number")),
+            other => Ok(other.filter(|x| !x.is_nan())),
+        }
+    }
+
+    /// The first of a length in millimetres (`name_mm`) or in the unit of the file (`name`): its key and value in m.
+    fn length(&self, name: &str, scale: &Scale) -> Result<Option<(String, f64)>, Fault> {
+        let key = format!("{name}_mm");
+        if let Some(mm) = self.real(&key)? {
+            return Ok(Some((key, metres(mm))));
+        }
+        Ok(self.real(name)?.map(|x| (name.to_owned(), scale.length(x))))
+    }
+
+    fn boolean(&self, key: &str) -> Result<Option<bool>, Fault> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        match text.to_ascii_lowercase().as_str() {
+            "true" | "1" | "1.0" => Ok(Some(true)),
+            "false" | "0" | "0.0" => Ok(Some(false)),
+            _ => Err(self.fault(format!("{key} \"{text}\""), "expected true or false")),
+        }
+    }
+}

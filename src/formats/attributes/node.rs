@@ -1,0 +1,89 @@
+//! Nodes of a ready graph: position, radius, label, role and boundary condition.
+
+use super::{Item, Record};
+use crate::centerline::is_radius;
+use crate::error::Fault;
+use crate::geometry::Point;
+use crate::network::{Condition, Node, Role};
+use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
+
+/// The pressure of an inlet that states none, mmHg.
+const INLET_MMHG: f64 = 100.0;
+
+/// The nodes of records with their ids, which must be unique.
+pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Result<Vec<Node>, Fault> {
+    let items = || records.iter().map(|(id, record)| (id, Item { record, name: format!("node {id}") }));
+    let has_roles = items().any(|(_, item)| item.text("role").is_some());
+    let mut seen = std::collections::HashSet::new();
+    let mut nodes = Vec::with_capacity(records.len());
+    for (id, item) in items() {
+        if !seen.insert(id) {
+            return Err(item.fault("the id comes twice", "expected every node id once"));
+        }
+        let role = match item.text("role") {
+            None => None,
+            Some("inlet") => Some(Role::Inlet),
+            Some("outlet") => Some(Role::Outlet),
+            Some("inner") => Some(Role::Inner),
+            Some(other) => return Err(item.fault(format!("role \"{other}\""), "expected inlet, outlet or inner")),
+        };
+        nodes.push(Node {
+            id: id.clone(),
+            position: position(&item, scale)?,
+            radius: item.length("radius", scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
+            label: item.text("label").unwrap_or_default().to_owned(),
+            role,
+            condition: condition(&item, role, has_roles)?,
+        });
+    }
+    Ok(nodes)
+}
+
+/// The first of x_mm y_mm z_mm (always mm), x y z and X Y Z (in the unit of the file) that is there at all.
+fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
+    for keys in [["x_mm", "y_mm", "z_mm"], ["x", "y", "z"], ["X", "Y", "Z"]] {
+        match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
+            [None, None, None] => {}
+            [Some(x), Some(y), Some(z)] if keys[0] == "x_mm" => return Ok(Some([x, y, z].map(metres))),
+            [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
+            some => {
+                let missing = keys.iter().zip(some).find(|(_, value)| value.is_none()).map_or("", |(key, _)| *key);
+                return Err(item.fault(format!("no {missing}"), format!("expected all of {} or none", keys.join(", "))));
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
+/// stands over a pressure, which is then the result of an earlier run.
+fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
+    const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
+    const FLOW: &str = "flow_mL_per_min";
+    let pressure = item.finite("pressure_mmHg")?;
+    let resistance = item.finite(RESISTANCE)?;
+    let venous = item.finite("venous_pressure_mmHg")?;
+    let flow = item.finite(FLOW)?;
+    if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
+        return Ok(None);
+    }
+    if let Some(resistance) = resistance.filter(|r| *r <= 0.0) {
+        return Err(item.fault(format!("{RESISTANCE} {resistance}"), "expected a positive number"));
+    }
+    Ok(match (resistance, flow, pressure) {
+        (Some(_), Some(_), _) => {
+            return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
+        }
+        (Some(resistance), None, _) => Some(Condition::Resistance {
+            resistance: pascal_seconds_per_cubic_metre(resistance),
+            venous: pascals(venous.unwrap_or(0.0)),
+        }),
+        (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
+        (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
+        (None, None, None) => match role {
+            Some(Role::Inlet) => Some(Condition::Pressure(pascals(INLET_MMHG))),
+            Some(Role::Outlet) => Some(Condition::Pressure(0.0)),
+            Some(Role::Inner) | None => None,
+        },
+    })
+}

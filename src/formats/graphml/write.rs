@@ -1,0 +1,81 @@
+//! Writes a network as GraphML for NetworkX, igraph and Gephi.
+
+use std::io::{self, Write};
+
+use super::super::column::{Column, Values, check_rows, real};
+use super::super::xml::escape;
+use crate::network::{Network, PathPoint};
+use crate::units::millimetres;
+
+/// Writes the nodes with their ids, the vessels in their order, and the columns as attributes.
+///
+/// NaN and empty text are left out, and so is a column `id`, which is the node's own. A vessel with a path has it as
+/// the attribute `points`: `x y z r;x y z r` in mm.
+///
+/// # Errors
+///
+/// A column without one value for each row (`InvalidInput`), or the writer's own.
+pub fn write_graphml(
+    mut out: impl Write,
+    network: &Network,
+    node_columns: &[Column],
+    vessel_columns: &[Column],
+) -> io::Result<()> {
+    check_rows(node_columns, network.node_count())?;
+    check_rows(vessel_columns, network.vessel_count())?;
+    let with_points = network.vessels().any(|(_, v)| !v.path.is_empty()) && vessel_columns.iter().all(|c| c.name != "points");
+    writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    writeln!(out, r#"<graphml xmlns="http://graphml.graphdrawing.org/xmlns">"#)?;
+    keys(&mut out, "node", node_columns)?;
+    keys(&mut out, "edge", vessel_columns)?;
+    if with_points {
+        writeln!(out, r#"  <key id="points" for="edge" attr.name="points" attr.type="string"/>"#)?;
+    }
+    writeln!(out, r#"  <graph edgedefault="undirected">"#)?;
+    for (row, node) in network.nodes().enumerate() {
+        writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
+        data(&mut out, "node", node_columns, row)?;
+        writeln!(out, "    </node>")?;
+    }
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        let [a, b] = ends.map(|end| escape(&network.node(end).id));
+        writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
+        data(&mut out, "edge", vessel_columns, row)?;
+        if with_points && !vessel.path.is_empty() {
+            writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
+        }
+        writeln!(out, "    </edge>")?;
+    }
+    writeln!(out, "  </graph>\n</graphml>")?;
+    out.flush()
+}
+
+fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
+    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
+        let kind = match column.values {
+            Values::Real(_) => "double",
+            Values::Integer(_) => "long",
+            Values::Text(_) => "string",
+        };
+        writeln!(out, r#"  <key id="{on}{n}" for="{on}" attr.name="{}" attr.type="{kind}"/>"#, escape(column.name))?;
+    }
+    Ok(())
+}
+
+fn data(out: &mut impl Write, on: &str, columns: &[Column], row: usize) -> io::Result<()> {
+    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
+        let text = column.values.text(row);
+        if !text.is_empty() {
+            writeln!(out, r#"      <data key="{on}{n}">{}</data>"#, escape(&text))?;
+        }
+    }
+    Ok(())
+}
+
+fn points(path: &[PathPoint]) -> String {
+    let point = |p: &PathPoint| {
+        let [x, y, z] = p.position.map(|x| real(millimetres(x)));
+        format!("{x} {y} {z} {}", real(millimetres(p.radius)))
+    };
+    path.iter().map(point).collect::<Vec<_>>().join(";")
+}
