@@ -3,6 +3,7 @@
 mod attributes;
 mod column;
 mod csv_graph;
+mod document;
 mod graphml;
 mod numpy;
 mod polyline;
@@ -13,6 +14,7 @@ mod xml;
 
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes};
+pub use document::{Content, Document, Format, ReadOptions, read};
 pub use graphml::{read_graphml, write_graphml};
 pub use numpy::{write_npy, write_npz};
 pub use swc::{add_loops, is_forest, read_swc, write_swc};

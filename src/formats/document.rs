@@ -1,0 +1,162 @@
+//! The one place that decides which format a file has, by its content first and by its ending then.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::{add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, xml};
+use crate::centerline::Centerlines;
+use crate::error::{Error, Fault, Result};
+use crate::network::Network;
+use crate::units::Scale;
+
+/// The formats that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// SWC: one centerline point a line.
+    Swc,
+    /// VTK XML PolyData.
+    Vtp,
+    /// GraphML.
+    GraphMl,
+    /// A table of edges, with a table of nodes beside it or not.
+    Csv,
+}
+
+impl Format {
+    /// The usual name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Swc => "SWC",
+            Self::Vtp => "VTP",
+            Self::GraphMl => "GraphML",
+            Self::Csv => "CSV",
+        }
+    }
+}
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// Points and links, to be contracted.
+    Centerlines(Centerlines),
+    /// A ready graph, whose edges are vessels as they stand.
+    Graph(Network),
+}
+
+/// A file that has been read.
+#[derive(Debug, Clone)]
+pub struct Document {
+    /// Its format.
+    pub format: Format,
+    /// Its content.
+    pub content: Content,
+    /// What a person should know about how it was read, one line each.
+    pub notes: Vec<String>,
+    /// The SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// How a file is to be read.
+#[derive(Debug, Clone, Default)]
+pub struct ReadOptions {
+    /// The unit of its coordinates, lengths and radii.
+    pub scale: Scale,
+    /// The VTP point array that holds the radius, where it is not one of the usual names.
+    pub radius_array: Option<String>,
+    /// A CSV file of pairs of point ids to link, which SWC cannot.
+    pub loops: Option<PathBuf>,
+}
+
+/// Reads centerlines or a graph.
+///
+/// # Errors
+///
+/// A file that cannot be read, is in none of the formats, or has a fault in its content; a loops file with a graph.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let all = bytes_of(path)?;
+    let bytes = without_mark(&all);
+    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let here = |fault: Fault| fault.in_file(path);
+    let (mut content, mut notes) = match format {
+        Format::Swc => {
+            let (lines, notes) = read_swc(bytes, &options.scale).map_err(here)?;
+            (Content::Centerlines(lines), notes)
+        }
+        Format::Vtp => {
+            let (lines, notes) = read_vtp(bytes, &options.scale, options.radius_array.as_deref()).map_err(here)?;
+            (Content::Centerlines(lines), notes)
+        }
+        Format::GraphMl => {
+            let (network, notes) = read_graphml(bytes, &options.scale).map_err(here)?;
+            (Content::Graph(network), notes)
+        }
+        Format::Csv => {
+            let beside = csv_graph::nodes_beside(path);
+            let nodes = (beside.as_deref())
+                .map(|nodes| {
+                    let bytes = bytes_of(nodes)?;
+                    read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
+                })
+                .transpose()?;
+            let (network, mut notes) = read_csv_edges(bytes, nodes, &options.scale).map_err(here)?;
+            notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
+            (Content::Graph(network), notes)
+        }
+    };
+    if let Some(loops) = &options.loops {
+        let Content::Centerlines(lines) = &mut content else {
+            let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
+            return Err(Error::parameter("--loops", loops.display(), accepted));
+        };
+        let bytes = bytes_of(loops)?;
+        let added = add_loops(without_mark(&bytes), lines).map_err(|fault| fault.in_file(loops))?;
+        notes.push(format!("{added} links are those of {}", loops.display()));
+    }
+    Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+/// The bytes after a byte order mark.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
+    Sha256::digest(bytes).iter().flat_map(digits).collect()
+}
+
+const ACCEPTED: &str = "expected SWC (.swc), VTK PolyData (.vtp), GraphML (.graphml) or a CSV table of edges (.csv)";
+
+fn format_of(path: &Path, bytes: &[u8]) -> std::result::Result<Format, Fault> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(Fault::file("the file is empty", ACCEPTED));
+    }
+    match xml::root(bytes) {
+        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
+            return Ok(Format::Vtp);
+        }
+        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", ACCEPTED)),
+        Some(("graphml", _)) => return Ok(Format::GraphMl),
+        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), ACCEPTED)),
+        None => {}
+    }
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("swc") => return Ok(Format::Swc),
+        Some("csv") => return Ok(Format::Csv),
+        _ => {}
+    }
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
+    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    match lines.next() {
+        Some(line) if csv_graph::is_header(line) => Ok(Format::Csv),
+        Some(line) if line.split_whitespace().count() == 7 && line.split_whitespace().all(|w| w.parse::<f64>().is_ok()) => {
+            Ok(Format::Swc)
+        }
+        _ => Err(Fault::file("the format is not known", ACCEPTED)),
+    }
+}
