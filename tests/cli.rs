@@ -186,7 +186,8 @@ fn the_shipped_example_is_what_its_script_makes() {
     let here = folder();
     let made = willis(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "--spacing", "1mm", "-o", "a.swc"]);
     assert!(made.status.success(), "{}", stderr(&made));
-    let same = |made: &str, shipped: &str| fs::read(here.path().join(made)).expect("made") == fs::read(data(shipped)).expect("shipped");
+    let same =
+        |made: &str, shipped: &str| fs::read(here.path().join(made)).expect("made") == fs::read(data(shipped)).expect("shipped");
     assert!(same("a.swc", "broken-circle-of-willis.swc"));
     assert!(same("a.truth.json", "broken-circle-of-willis.truth.json"));
 }

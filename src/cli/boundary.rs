@@ -59,16 +59,16 @@ impl BoundaryArgs {
     }
 
     /// The conditions of a network, given and found.
-    pub fn resolve(&self, network: &Network, outlets: FoundOutlets, terminal: &Terminal) -> Result<Boundary> {
+    pub fn resolve(&self, network: &Network, outlets: FoundOutlets, terminal: Terminal) -> Result<Boundary> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
-        for source in [self.from_file(network, terminal)?, self.from_command_line(network, terminal)?] {
+        for source in [self.file_conditions(network, terminal)?, self.typed_conditions(network, terminal)?] {
             given.extend(source);
         }
         let given: Vec<Given> = given.into_values().collect();
         Boundary::resolve(network, &given, outlets)
     }
 
-    fn from_file(&self, network: &Network, terminal: &Terminal) -> Result<BTreeMap<usize, Given>> {
+    fn file_conditions(&self, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {
         let Some(path) = &self.bc else { return Ok(BTreeMap::new()) };
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.clone(), source })?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
@@ -85,7 +85,7 @@ impl BoundaryArgs {
         Ok(given)
     }
 
-    fn from_command_line(&self, network: &Network, terminal: &Terminal) -> Result<BTreeMap<usize, Given>> {
+    fn typed_conditions(&self, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {
         let inlets = self.inlet.iter().map(|text| ("--inlet", text));
         let outlets = self.outlet.iter().map(|text| ("--outlet", text));
         let flows = self.flow.iter().map(|text| ("--flow", text));
@@ -137,7 +137,7 @@ fn parse<'a>(option: &str, text: &'a str) -> Result<(&'a str, Role, Condition), 
 }
 
 /// Says which conditions are used, and which of them were found.
-pub fn say_boundary(terminal: &Terminal, network: &Network, boundary: &Boundary) {
+pub fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
     for (role, heading, found) in
         [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
     {

@@ -30,7 +30,7 @@ pub struct CandidatesArgs {
 }
 
 impl CandidatesArgs {
-    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         StagedFile::check(&self.output, force)?;
         let outlets = |fragments| self.boundary.found_outlets(fragments);
         outlets(true)?;

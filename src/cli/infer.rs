@@ -139,7 +139,7 @@ struct Job<'a> {
 }
 
 impl InferArgs {
-    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let rule = parse_rule(&self.keep)?;
         let runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
@@ -222,7 +222,7 @@ impl InferArgs {
 }
 
 impl Job<'_> {
-    fn run(&self, params: &Params, folder: &Path, terminal: &Terminal) -> Result<Answer> {
+    fn run(&self, params: &Params, folder: &Path, terminal: Terminal) -> Result<Answer> {
         let start = Instant::now();
         let trial = params.uncertain.vessels(self.graph).iter().filter(|u| **u).count();
         let threads = rayon::current_num_threads();
@@ -298,7 +298,7 @@ fn check_dpi(dpi: u32) -> Result<()> {
     if (36..=1200).contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, "expected a number from 36 to 1200")) }
 }
 
-fn say_built(terminal: &Terminal, graph: &Network, params: &candidates::Params) {
+fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params) {
     let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
     let size = format!(
         "{} in a graph of {}, {}",
@@ -315,7 +315,7 @@ fn say_built(terminal: &Terminal, graph: &Network, params: &candidates::Params) 
     }
 }
 
-fn say_outcome(terminal: &Terminal, outcome: &Outcome<'_>, seconds: f64) {
+fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
     terminal.say(

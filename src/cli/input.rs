@@ -147,7 +147,7 @@ impl InputArgs {
     }
 
     /// Reads the input and says what was found in it.
-    pub fn load(&self, terminal: &Terminal) -> Result<Loaded> {
+    pub fn load(&self, terminal: Terminal) -> Result<Loaded> {
         let scale = self.scale()?;
         let default_radius = length("--default-radius", self.default_radius.as_ref())?;
         let radius_rule = match self.radius {
@@ -179,7 +179,7 @@ impl InputArgs {
                     ),
                 );
                 if welded > 0 {
-                    notes.push(format!("{} that coincide with another were made one with it", plural(welded, "point")));
+                    notes.push(format!("{} coinciding with another: made one with it", plural(welded, "point")));
                 }
                 if made.repaired_radii > 0 {
                     notes.push(format!(

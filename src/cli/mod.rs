@@ -33,7 +33,8 @@ enum Command {
     Candidates(Box<candidates::CandidatesArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
-    Man(shell::ManArgs),
+    /// Print the manual page
+    Man,
 }
 
 #[derive(Debug, Args)]
@@ -66,11 +67,11 @@ impl Cli {
         let terminal = Terminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
         match self.command {
-            Command::Infer(args) => args.run(&terminal, force),
-            Command::Candidates(args) => args.run(&terminal, force),
-            Command::Phantom(args) => args.run(&terminal, force),
+            Command::Infer(args) => args.run(terminal, force),
+            Command::Candidates(args) => args.run(terminal, force),
+            Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
-            Command::Man(args) => args.run(),
+            Command::Man => shell::man(),
         }
     }
 }

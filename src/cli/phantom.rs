@@ -38,7 +38,7 @@ pub struct PhantomArgs {
 }
 
 impl PhantomArgs {
-    pub fn run(self, terminal: &Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
         let spacing = length("--spacing", Some(&self.spacing))?.unwrap_or_default();
         let network = kind.network(spacing)?;
@@ -64,7 +64,7 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     path.with_extension(ending)
 }
 
-fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: &Terminal) -> Result<()> {
+fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: Terminal) -> Result<()> {
     let answer = StagedFile::new(&beside(path, "truth.json"), force)?;
     write_file(&answer.path(), |out| truth.write_json(out))?;
     let file = StagedFile::new(path, force)?;

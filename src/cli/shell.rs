@@ -14,10 +14,6 @@ pub struct CompletionsArgs {
     shell: clap_complete::Shell,
 }
 
-/// Print the manual page
-#[derive(Debug, Args)]
-pub struct ManArgs {}
-
 /// Prints and takes a closed pipe for what it is.
 fn print(text: &[u8]) -> Result<()> {
     match std::io::stdout().write_all(text) {
@@ -34,13 +30,12 @@ impl CompletionsArgs {
     }
 }
 
-impl ManArgs {
-    pub fn run(self) -> Result<()> {
-        let mut text = Vec::new();
-        let page = clap_mangen::Man::new(Cli::command());
-        page.render(&mut text).map_err(|source| Error::Write { path: "standard output".into(), source })?;
-        print(&text)
-    }
+/// `willis man`.
+pub fn man() -> Result<()> {
+    let mut text = Vec::new();
+    let page = clap_mangen::Man::new(Cli::command());
+    page.render(&mut text).map_err(|source| Error::Write { path: "standard output".into(), source })?;
+    print(&text)
 }
 
 /// Prints a line of data on standard output.

@@ -24,7 +24,7 @@ impl Terminal {
     }
 
     /// Tells a fact under a heading.
-    pub fn say(&self, heading: &str, fact: impl AsRef<str>) {
+    pub fn say(self, heading: &str, fact: impl AsRef<str>) {
         if !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
@@ -33,14 +33,14 @@ impl Terminal {
     }
 
     /// Tells a fact that only some want to know.
-    pub fn detail(&self, heading: &str, fact: impl AsRef<str>) {
+    pub fn detail(self, heading: &str, fact: impl AsRef<str>) {
         if self.verbose {
             self.say(heading, fact);
         }
     }
 
     /// Progress over so many samples, stopped by Ctrl-C or SIGTERM.
-    pub fn progress(&self, total: u64) -> SampleProgress {
+    pub fn progress(self, total: u64) -> SampleProgress {
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
         // A second run in one process finds a handler in place; it then cannot be stopped gently, only at once.

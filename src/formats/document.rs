@@ -126,7 +126,8 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
+    Sha256::digest(bytes).iter().flat_map(digits).collect()
 }
 
 const ACCEPTED: &str = "expected SWC (.swc), VTK PolyData (.vtp), GraphML (.graphml) or a CSV table of edges (.csv)";

@@ -7,6 +7,7 @@ mod csv_graph;
 mod document;
 mod graphml;
 mod numpy;
+mod polyline;
 mod swc;
 mod swc_points;
 mod table;

@@ -59,7 +59,7 @@ pub fn write_npz(out: impl Write + Seek, n: usize, entries: &[(u32, u32, f64)]) 
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated).large_file(data.len() >= 1 << 28);
     let mut npz = NpzWriter::new_with_options(out, options);
     // scipy takes 32-bit indices where they suffice.
-    if n.max(data.len()) <= i32::MAX as usize {
+    if i32::try_from(n.max(data.len())).is_ok() {
         npz.add_array("indices", &indices.iter().map(|i| *i as i32).collect::<Array1<_>>()).map_err(io::Error::other)?;
         npz.add_array("indptr", &starts.iter().map(|i| *i as i32).collect::<Array1<_>>()).map_err(io::Error::other)?;
     } else {

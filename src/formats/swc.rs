@@ -4,6 +4,7 @@ use std::collections::{HashMap, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
 use super::column::real;
+use super::polyline::{between, node_points};
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::{Network, PathPoint, Role, cycles};
@@ -17,12 +18,12 @@ type Parent = Option<(usize, u64)>;
 
 /// Reads SWC in any order of ids, with any number of roots; returns also what a person should know.
 ///
-/// The columns are separated by blanks or tabs; a missing, zero or negative radius is kept as NaN, to be repaired
+/// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be repaired
 /// along its vessel. The strand of a point is the number of its tree.
 ///
 /// # Errors
 ///
-/// A line with fewer than seven columns, a value that is no number, a coordinate that is not finite, an id that comes
+/// A line with fewer than seven columns, a value that is no number, a coordinate or radius that is not finite, an id that comes
 /// twice, a parent that does not exist or that descends from its child; a file without points.
 pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut lines = Centerlines::default();
@@ -60,7 +61,11 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
                 return Err(Fault::line(at, format!("id {id} is that of line {first} too"), "expected every id once"));
             }
         };
-        let radius = scale.length(number(radius, at, 5)?);
+        let number_of_radius = number(radius, at, 5)?;
+        if !number_of_radius.is_finite() {
+            return Err(Fault::line(at, format!("radius {radius}"), "expected a finite number (0 for a missing radius)"));
+        }
+        let radius = scale.length(number_of_radius);
         lines.ids.push(id);
         lines.points.push(scale.position(position));
         lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
@@ -151,9 +156,11 @@ pub fn add_loops(input: impl BufRead, lines: &mut Centerlines) -> Result<usize, 
         let line = line.map_err(|e| Fault::line(at, format!("cannot be read: {e}"), ACCEPTED))?;
         let line = line.split('#').next().unwrap_or_default().trim();
         let words: Vec<&str> = line.split(',').map(str::trim).collect();
-        let first = !begun;
-        begun = begun || !line.is_empty();
-        if line.is_empty() || (first && words == ["id_a", "id_b"]) {
+        if line.is_empty() {
+            continue;
+        }
+        let first = !std::mem::replace(&mut begun, true);
+        if first && words == ["id_a", "id_b"] {
             continue;
         }
         let [a, b] = words[..] else {
@@ -180,21 +187,17 @@ pub fn is_forest(network: &Network) -> bool {
 
 /// Writes a forest as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres.
 ///
-/// The roots are the inlets, then the first node of every tree without one. A missing radius is written as 0.
+/// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
+/// its widest vessel; one that has none of either is written with 0.
 ///
 /// # Errors
 ///
 /// A network with a cycle or a node without position (`InvalidInput`), or the writer's own.
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
-    let refuse = |why: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     if !is_forest(network) {
-        return refuse("SWC cannot hold a network with cycles");
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "SWC cannot hold a network with cycles"));
     }
-    let mut at = Vec::with_capacity(network.node_count());
-    for node in network.nodes() {
-        let Some(position) = node.position else { return refuse("SWC needs the position of every node") };
-        at.push(PathPoint { position, radius: node.radius.unwrap_or(f64::NAN), id: None });
-    }
+    let at = node_points(network)?;
     let mut around = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
         around[ends[0]].push((row, ends[1]));
@@ -240,19 +243,4 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
         }
     }
     out.flush()
-}
-
-/// The points of a path without those that its two nodes are, in the sense asked for.
-pub(super) fn between(path: &[PathPoint], from: [f64; 3], to: [f64; 3], forward: bool) -> Vec<PathPoint> {
-    let mut points = path.to_vec();
-    if !forward {
-        points.reverse();
-    }
-    if points.last().is_some_and(|p| p.position == to) {
-        points.pop();
-    }
-    if points.first().is_some_and(|p| p.position == from) {
-        points.remove(0);
-    }
-    points
 }

@@ -158,8 +158,8 @@ fn compile(circuit: &Circuit, solver: Solver) -> Result<Compiled> {
     let limit = if solver == Solver::Lanes { usize::MAX } else { LANES_LIMIT };
     let lanes = if solver == Solver::Cholesky { None } else { StarMesh::compile(circuit, limit) };
     match lanes {
-        Some(program) => Ok(Compiled::Lanes(program)),
-        None => Cholesky::compile(circuit).map(Compiled::Cholesky).ok_or(Error::Breakdown),
+        Some(program) => Ok(Compiled::Lanes(Box::new(program))),
+        None => Cholesky::compile(circuit).map(|c| Compiled::Cholesky(Box::new(c))).ok_or(Error::Breakdown),
     }
 }
 

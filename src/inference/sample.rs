@@ -45,9 +45,9 @@ pub enum Weight {
 #[derive(Debug)]
 pub enum Compiled {
     /// Star-mesh elimination in lanes.
-    Lanes(StarMesh),
+    Lanes(Box<StarMesh>),
     /// Sparse Cholesky, one sample at a time.
-    Cholesky(Cholesky),
+    Cholesky(Box<Cholesky>),
 }
 
 /// Everything about a graph that all its samples share.

@@ -1,6 +1,6 @@
 //! Reads a GraphML graph through its keys, defaults included.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use roxmltree::Node as Element;
 
@@ -17,7 +17,7 @@ struct Key<'a> {
     on: &'a str,
 }
 
-/// Counts the lines up to a place in the text, going forward from place to place.
+/// Counts the lines up to an element, going forward from one to the next.
 struct Lines<'a> {
     text: &'a str,
     at: usize,
@@ -27,9 +27,8 @@ struct Lines<'a> {
 impl Lines<'_> {
     fn of(&mut self, element: Element) -> usize {
         let to = element.range().start;
-        let passed = self.text.as_bytes().get(self.at.min(to)..to).unwrap_or_default();
-        self.line += passed.iter().filter(|b| **b == b'\n').count();
-        self.at = self.at.max(to);
+        self.line += self.text.get(self.at..to).map_or(0, |passed| passed.matches('\n').count());
+        self.at = to;
         self.line
     }
 }
@@ -109,8 +108,8 @@ fn text_of(element: Element) -> String {
     element.children().filter_map(|c| if c.is_text() { c.text() } else { None }).collect()
 }
 
-fn keys<'a>(root: Element<'a, '_>) -> Result<HashMap<&'a str, Key<'a>>, Fault> {
-    let mut keys = HashMap::new();
+fn keys<'a>(root: Element<'a, '_>) -> Result<BTreeMap<&'a str, Key<'a>>, Fault> {
+    let mut keys = BTreeMap::new();
     for element in children(root, "key") {
         let line = || element.document().text_pos_at(element.range().start).row as usize;
         let id = element.attribute("id").ok_or_else(|| Fault::line(line(), "a <key> has no id", "expected an id"))?;
@@ -127,7 +126,7 @@ fn keys<'a>(root: Element<'a, '_>) -> Result<HashMap<&'a str, Key<'a>>, Fault> {
 }
 
 /// The data of a node or edge by attribute name, over the defaults of their keys.
-fn record(element: Element, line: usize, keys: &HashMap<&str, Key>) -> Result<Record, Fault> {
+fn record(element: Element, line: usize, keys: &BTreeMap<&str, Key>) -> Result<Record, Fault> {
     let mut record = Record { line, ..Record::default() };
     for key in keys.values().filter(|key| key.on == "all" || key.on == element.tag_name().name()) {
         if let (Some(name), Some(default)) = (key.name, &key.default) {

@@ -1,10 +1,9 @@
-//! stub
-use super::Column;
-use crate::{centerline::Centerlines, error::Fault, network::Network, units::Scale};
-use std::io::{self, Write};
-pub fn read_vtp(_: &[u8], _: &Scale, _: Option<&str>) -> Result<(Centerlines, Vec<String>), Fault> {
-    Err(Fault::file("x", "y"))
-}
-pub fn write_vtp(_: impl Write, _: &Network, _: &[Column]) -> io::Result<()> {
-    Ok(())
-}
+//! VTK XML PolyData as VMTK, ParaView and this program write it.
+
+mod array;
+mod block;
+mod read;
+mod write;
+
+pub use read::read_vtp;
+pub use write::write_vtp;

@@ -1,0 +1,37 @@
+//! What the formats of polylines share: a network's nodes as points, and the points between them.
+
+use std::io;
+
+use crate::geometry::{Point, distance};
+use crate::network::{Network, PathPoint};
+
+/// Each node as a point; one without radius has that of its widest vessel, or NaN where it has no vessel.
+pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
+    let mut widest = vec![f64::NAN; network.node_count()];
+    for (ends, vessel) in network.vessels() {
+        for end in ends {
+            widest[end] = widest[end].max(vessel.radius);
+        }
+    }
+    let point = |(node, widest): (&crate::network::Node, f64)| {
+        let missing = || io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
+        let position = node.position.ok_or_else(missing)?;
+        Ok(PathPoint { position, radius: node.radius.unwrap_or(widest), id: None })
+    };
+    network.nodes().zip(widest).map(point).collect()
+}
+
+/// The points of a path without those that its two nodes are, in the sense asked for.
+pub(super) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
+    let mut points = path.to_vec();
+    if !forward {
+        points.reverse();
+    }
+    if points.last().is_some_and(|p| distance(p.position, to) <= 0.0) {
+        points.pop();
+    }
+    if points.first().is_some_and(|p| distance(p.position, from) <= 0.0) {
+        points.remove(0);
+    }
+    points
+}
