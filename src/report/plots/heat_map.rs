@@ -63,7 +63,7 @@ impl Matrix<'_> {
 ///
 /// Row 0 is at the top, column 0 at the left. The colour is that of log10 L from the smallest to the largest positive
 /// value, over at least one decade and at most twelve: what is smaller takes the lowest colour, and the bar says `≤`. Zero
-/// is light grey ([`ZERO`](super::ZERO)). A cell is at least 1 point wide; where cells share a pixel the largest is drawn,
+/// is light grey ([`ZERO`]). A cell is at least 1 point wide; where cells share a pixel the largest is drawn,
 /// so that no vessel vanishes.
 ///
 /// # Errors
