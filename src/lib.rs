@@ -35,9 +35,11 @@
 pub mod error;
 pub mod quantity;
 pub mod rng;
+pub mod simd;
 pub mod stats;
 pub mod units;
 
+pub mod elimination;
 pub mod geometry;
 
 pub mod centerline;

@@ -17,6 +17,12 @@ pub fn resilience_per_square_drop(conductance: f64, radius: f64, length: f64) ->
     resilience(1.0, conductance, radius, length)
 }
 
+/// ρ/Q² = 8µ/(π²r⁶), W s²/m⁹, of a vessel that obeys Poiseuille's law: the length cancels, so that vessels in series with
+/// one radius have one resilience.
+pub fn resilience_per_square_flow(viscosity: f64, radius: f64) -> f64 {
+    8.0 * viscosity / (PI * PI * radius.powi(6))
+}
+
 /// Whether a vessel between pressures `a` and `b` (Pa) with drop `drop` carries flow at all, beyond rounding.
 pub fn is_diffused(drop: f64, a: f64, b: f64) -> bool {
     drop.abs() > DROP_CUT * a.abs().max(b.abs())

@@ -88,6 +88,9 @@ pub struct InferArgs {
     /// Instead of --samples: double the samples until every decision is two standard errors from flipping, up to 2^20
     #[arg(long, value_enum, value_name = "stable", conflicts_with = "samples", help_heading = "Sampling")]
     until: Option<Until>,
+    /// Enumerate every occlusion pattern of up to 20 vessels on trial: the expectation, without Monte-Carlo error
+    #[arg(long, conflicts_with = "until", help_heading = "Sampling")]
+    exact: bool,
     /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
     #[arg(long, value_enum, help_heading = "Sampling")]
     preset: Option<Preset>,
@@ -215,6 +218,7 @@ impl InferArgs {
                 SolverName::Lanes => Solver::Lanes,
                 SolverName::Cholesky => Solver::Cholesky,
             },
+            exact: self.exact,
         };
         params.validate()?;
         Ok(params)
@@ -244,7 +248,7 @@ impl Job<'_> {
             infer(self.graph, self.boundary, params, &mut progress)
         };
         progress.finish();
-        let (result, solver) = sampled?;
+        let (result, method) = sampled?;
         let sampling = start.elapsed().as_secs_f64();
         let answer = decide(self.rule, &result);
         let topology = |kept: &[bool]| Topology::of(self.graph, &result.uncertain, kept, self.boundary);
@@ -257,14 +261,15 @@ impl Job<'_> {
             kept: topology(&answer.kept),
             above_median: topology(&answer.above_median),
             uniform_prior: params.uniform_prior,
-            solver,
+            method,
+            exact: params.exact,
             viscosity: params.viscosity,
         };
         let mut summary = Summary::new(&outcome, self.provenance, params, self.built, self.outlets);
         if self.paper {
             summary.follow_the_paper();
         }
-        summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads });
+        summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads, "instructions": method.instructions });
         say_outcome(terminal, &outcome, sampling);
         for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
             terminal.say("note", note);
@@ -318,15 +323,12 @@ fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params) {
 fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
-    terminal.say(
-        "sampled",
-        format!(
-            "{} samples in {seconds:.2} s, {} a second, {} solver",
-            count(outcome.result.samples),
-            count(rate as u64),
-            outcome.solver
-        ),
-    );
+    let took = if outcome.exact {
+        format!("every pattern in {seconds:.2} s")
+    } else {
+        format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
+    };
+    terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),

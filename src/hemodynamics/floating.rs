@@ -23,18 +23,18 @@ pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {
     label.iter().map(|part| of_part[*part]).collect()
 }
 
-/// The nodes whose injected flow has nowhere to go in some lanes, with those lanes as bits.
-pub fn stranded(circuit: &Circuit, present: &[u8], lanes: usize) -> Vec<(usize, u8)> {
-    let mut out = Vec::new();
+/// The nodes whose injected flow has nowhere to go in some samples of a block, with those samples as bits; bit i of
+/// `masks[e]` says whether vessel e is open in sample i. Empty for a circuit without injections.
+pub fn stranded(circuit: &Circuit, masks: &[u64], samples: usize) -> Vec<(usize, u64)> {
     if !circuit.injects {
-        return out;
+        return Vec::new();
     }
     let injected = (0..circuit.node_count()).filter(|n| circuit.source[*n] != 0.0 && !circuit.grounds(*n));
-    out.extend(injected.map(|n| (n, 0)));
-    for lane in 0..lanes {
-        let grounded = grounded(circuit, |vessel| present[vessel] >> lane & 1 == 1);
+    let mut out: Vec<(usize, u64)> = injected.map(|n| (n, 0)).collect();
+    for sample in 0..samples {
+        let grounded = grounded(circuit, |vessel| masks[vessel] >> sample & 1 == 1);
         for (node, bits) in &mut out {
-            *bits |= u8::from(!grounded[*node]) << lane;
+            *bits |= u64::from(!grounded[*node]) << sample;
         }
     }
     out

@@ -4,6 +4,7 @@ pub mod boundary;
 pub mod cholesky;
 pub mod circuit;
 pub mod floating;
+pub mod peel;
 pub mod poiseuille;
 pub mod star_mesh;
 pub mod steady;

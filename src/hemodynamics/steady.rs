@@ -3,7 +3,7 @@
 use super::cholesky::{self, Cholesky};
 use super::circuit::Circuit;
 use super::floating::{grounded, stranded};
-use super::star_mesh::{self, StarMesh};
+use super::star_mesh::StarMesh;
 use crate::error::{Error, Result};
 
 /// Mesh updates above which the sparse Cholesky solver takes over from star-mesh elimination.
@@ -17,10 +17,12 @@ pub const LANES_LIMIT: usize = 2_000_000;
 pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
     let mut above_level = vec![0.0; circuit.node_count()];
     if let Some(program) = StarMesh::compile(circuit, LANES_LIMIT) {
-        let present: Vec<u8> = (0..circuit.vessel_count()).map(|v| u8::from(open(v))).collect();
-        let (mut work, mut lanes) = (star_mesh::Workspace::default(), Vec::new());
-        program.solve(&present, &stranded(circuit, &present, 1), &mut work, &mut lanes);
-        above_level = lanes.iter().map(|p| p[0]).collect();
+        let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
+        let mut work = program.workspace::<1>();
+        program.solve(&masks, 0, &stranded(circuit, &masks, 1), &mut work);
+        for (node, p) in above_level.iter_mut().enumerate() {
+            *p = work.pressure[program.slot(node)][0];
+        }
     } else {
         let factor = Cholesky::compile(circuit).ok_or(Error::Breakdown)?;
         factor.solve(&open, &mut cholesky::Workspace::default(), |node, p| above_level[node] = p)?;

@@ -1,19 +1,19 @@
 //! The sampling run: fixed blocks over the worker threads, summed over the dyadic tree of block indices.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use rayon::prelude::*;
 
 use super::answer::decide;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
-use super::sample::{Compiled, Sampler, Uncertain, Weight, Workspace};
+use super::params::Params;
+use super::sampler::{Sampler, Workspace};
 use super::threshold::Keep;
 use crate::error::{Error, Result};
-use crate::hemodynamics::cholesky::Cholesky;
-use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
-use crate::hemodynamics::steady::LANES_LIMIT;
-use crate::hemodynamics::{Boundary, Circuit, StarMesh};
+use crate::hemodynamics::Boundary;
 use crate::network::Network;
-use crate::perturbation::Occlusion;
 use crate::rng::BLOCK;
 
 /// Samples that a run until stable begins and ends with.
@@ -22,87 +22,30 @@ const LAST_STABLE: u64 = 1 << 20;
 /// Points of the convergence record, at the most.
 const SNAPSHOTS: u64 = 128;
 
-/// The solver of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Solver {
-    /// Lanes, unless their program is too long.
-    #[default]
-    Auto,
-    /// Star-mesh elimination, eight samples at a time.
-    Lanes,
-    /// Sparse Cholesky factorisation.
-    Cholesky,
-}
-
-/// The parameters of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Params {
-    /// Occlusion probability ε in [0, 1).
-    pub epsilon: f64,
-    /// Samples, at least 1.
-    pub samples: u64,
-    /// The seed.
-    pub seed: u64,
-    /// Which vessels are on trial.
-    pub uncertain: Uncertain,
-    /// What a vessel of the forest contributes.
-    pub weight: Weight,
-    /// Whether A = 1 everywhere instead of the prior of each vessel.
-    pub uniform_prior: bool,
-    /// Blood viscosity µ, Pa s, positive.
-    pub viscosity: f64,
-    /// The solver.
-    pub solver: Solver,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Self {
-            epsilon: 0.5,
-            samples: 1000,
-            seed: 0,
-            uncertain: Uncertain::default(),
-            weight: Weight::default(),
-            uniform_prior: false,
-            viscosity: BLOOD_VISCOSITY,
-            solver: Solver::default(),
-        }
-    }
-}
-
-impl Params {
-    /// Checks every field.
-    ///
-    /// # Errors
-    ///
-    /// Names the option, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        if !(0.0..1.0).contains(&self.epsilon) {
-            return Err(Error::parameter("--epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
-        }
-        if self.samples == 0 || self.samples > 1 << 50 {
-            return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
-        }
-        if !(self.viscosity.is_normal() && self.viscosity > 0.0) {
-            return Err(Error::parameter("--viscosity", self.viscosity * 1e3, "expected a positive number of cP"));
-        }
-        Ok(())
-    }
+/// How a run computed its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// The solver: `lanes` or `cholesky`.
+    pub solver: &'static str,
+    /// The forest algorithm: `bottleneck` or `kruskal`.
+    pub forest: &'static str,
+    /// The instruction set.
+    pub instructions: &'static str,
 }
 
 /// Hears how far a run is and may stop it.
-pub trait Progress {
+pub trait Progress: Send {
     /// So many samples of the total are done; false stops the run.
     fn report(&mut self, done: u64, total: u64) -> bool;
 }
 
-impl<F: FnMut(u64, u64) -> bool> Progress for F {
+impl<F: FnMut(u64, u64) -> bool + Send> Progress for F {
     fn report(&mut self, done: u64, total: u64) -> bool {
         self(done, total)
     }
 }
 
-/// Samples an over-connected graph and returns what the samples say, with the name of the solver used.
+/// Samples an over-connected graph and returns what the samples say, with how they were computed.
 ///
 /// # Errors
 ///
@@ -112,21 +55,18 @@ pub fn infer(
     boundary: &Boundary,
     params: &Params,
     progress: &mut impl Progress,
-) -> Result<(Likelihood, &'static str)> {
+) -> Result<(Likelihood, Method)> {
     params.validate()?;
     if network.vessel_count() >= MAX_VESSELS {
         return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
     }
-    let circuit = Circuit::new(network, boundary, params.viscosity)?;
-    let solver = compile(&circuit, params.solver)?;
+    let sampler = Sampler::new(network, boundary, params)?;
     let uncertain = params.uncertain.vessels(network);
-    let keep = network.vessels().zip(&uncertain).map(|((_, vessel), uncertain)| {
-        let prior = if params.uniform_prior { 1.0 } else { vessel.prior };
-        if *uncertain { (1.0 - params.epsilon) * prior } else { 1.0 }
-    });
-    let sampler = Sampler::new(network, circuit, solver, Occlusion::new(keep), params.weight, params.seed);
-    let (sums, trace) = run(&sampler, network.vessel_count(), params.samples, &uncertain, progress)?;
-    Ok((Likelihood::new(sums, uncertain, trace), sampler.solver()))
+    let (sums, trace) = run(&sampler, network.vessel_count(), sampler.samples(params.samples), &uncertain, progress)?;
+    let method = Method { solver: sampler.solver(), forest: sampler.forest(), instructions: sampler.instructions().name() };
+    let likelihood =
+        if params.exact { Likelihood::exact(sums, uncertain, params.samples) } else { Likelihood::new(sums, uncertain, trace) };
+    Ok((likelihood, method))
 }
 
 /// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`.
@@ -142,26 +82,19 @@ pub fn infer_until_stable(
     params: &Params,
     rule: Keep,
     progress: &mut impl Progress,
-) -> Result<(Likelihood, &'static str)> {
+) -> Result<(Likelihood, Method)> {
     let mut params = Params { samples: FIRST_STABLE, ..params.clone() };
     loop {
-        let (result, solver) = infer(network, boundary, &params, progress)?;
+        let (result, method) = infer(network, boundary, &params, progress)?;
         if params.samples >= LAST_STABLE || decide(rule, &result).undecided.is_empty() {
-            return Ok((result, solver));
+            return Ok((result, method));
         }
         params.samples *= 2;
     }
 }
 
-/// Compiles a circuit for the solver asked for.
-fn compile(circuit: &Circuit, solver: Solver) -> Result<Compiled> {
-    let limit = if solver == Solver::Lanes { usize::MAX } else { LANES_LIMIT };
-    let lanes = if solver == Solver::Cholesky { None } else { StarMesh::compile(circuit, limit) };
-    match lanes {
-        Some(program) => Ok(Compiled::Lanes(Box::new(program))),
-        None => Cholesky::compile(circuit).map(|c| Compiled::Cholesky(Box::new(c))).ok_or(Error::Breakdown),
-    }
-}
+/// Workspaces that no task holds at the moment.
+type Spare = Mutex<Vec<(Workspace, Vec<Sums>)>>;
 
 fn run(
     sampler: &Sampler,
@@ -173,35 +106,48 @@ fn run(
     let blocks = samples.div_ceil(BLOCK);
     // A task is an aligned power of two of blocks, so that it is a node of the dyadic tree.
     let task = (blocks / SNAPSHOTS).max(1).next_power_of_two();
-    let wave = 4 * rayon::current_num_threads() as u64;
-    let (mut sum, mut trace) = (DyadicSum::default(), Vec::new());
-    let tasks = blocks.div_ceil(task);
-    for first in (0..tasks).step_by(wave as usize) {
-        let done: Vec<Result<Vec<(u64, Sums)>>> = (first..tasks.min(first + wave))
-            .into_par_iter()
-            .map_init(Workspace::default, |work, at| {
-                let mut parts = DyadicSum::default();
-                for block in at * task..blocks.min((at + 1) * task) {
-                    let mut sums = Sums::zero(vessels);
-                    sampler.block(block, samples - block * BLOCK, work, &mut sums)?;
-                    parts.push(1, sums);
-                }
-                Ok(parts.into_nodes())
-            })
-            .collect();
-        for nodes in done {
-            for (blocks, sums) in nodes? {
-                sum.push(blocks, sums);
+    let spare = Spare::default();
+    let stop = AtomicBool::new(false);
+    let heard = Mutex::new((0, progress));
+    let one_task = |at: u64| -> Result<Vec<(u64, Sums)>> {
+        let (first, last) = (at * task, blocks.min((at + 1) * task));
+        let (mut work, mut pool) = locked(&spare).pop().unwrap_or_else(|| (sampler.workspace(), Vec::new()));
+        let mut parts = DyadicSum::default();
+        for block in first..last {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(Vec::new());
             }
-            if let Some(total) = sum.total() {
-                let likelihood = total.likelihood.iter().zip(uncertain).filter(|(_, u)| **u).map(|(l, _)| *l);
-                trace.push(Snapshot { samples: total.samples, likelihood: likelihood.collect() });
-            }
+            let mut sums = pool.pop().unwrap_or_else(|| Sums::zero(vessels));
+            sampler.block(block, samples - block * BLOCK, &mut work, &mut sums)?;
+            parts.push(1, sums, &mut pool);
         }
-        let done = samples.min((first + wave) * task * BLOCK);
-        if !progress.report(done, samples) && done < samples {
-            return Err(Error::Stopped { done, total: samples });
+        locked(&spare).push((work, pool));
+        let (done, progress) = &mut *locked(&heard);
+        *done += samples.min(last * BLOCK) - first * BLOCK;
+        if !progress.report(*done, samples) {
+            stop.store(true, Ordering::Relaxed);
+        }
+        Ok(parts.into_nodes())
+    };
+    let tasks: Vec<Result<Vec<(u64, Sums)>>> = (0..blocks.div_ceil(task)).into_par_iter().map(one_task).collect();
+    let done = locked(&heard).0;
+    if done < samples && stop.load(Ordering::Relaxed) {
+        return Err(Error::Stopped { done, total: samples });
+    }
+    let (mut sum, mut trace, mut pool) = (DyadicSum::default(), Vec::new(), Vec::new());
+    for nodes in tasks {
+        for (blocks, sums) in nodes? {
+            sum.push(blocks, sums, &mut pool);
+        }
+        if let Some(total) = sum.total() {
+            let likelihood = total.likelihood.iter().zip(uncertain).filter(|(_, u)| **u).map(|(l, _)| *l);
+            trace.push(Snapshot { samples: total.samples, likelihood: likelihood.collect() });
         }
     }
     Ok((sum.total().unwrap_or_default(), trace))
+}
+
+/// The content of a lock; a panic elsewhere leaves it usable, for it is only memory and a count.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

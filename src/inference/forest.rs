@@ -7,7 +7,10 @@ pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
 /// The sort key of a diffused vessel: ρ rounded to 24 significant bits, then the lower row first.
 ///
 /// Vessels in series with one radius have exactly equal ρ; rounding makes them tie in the computer too, and the rule for
-/// ties then makes every algorithm find the same forest. Larger keys come first.
+/// ties then makes every algorithm find the same forest. Larger keys come first. Read as the bits of a double the keys
+/// are positive, finite and in the same order, for ρ below a quarter of the largest double.
+#[expect(clippy::inline_always, reason = "part of a lane loop")]
+#[inline(always)]
 pub fn key(resilience: f64, vessel: usize) -> u64 {
     let rounded = (resilience.to_bits() + (1 << (INDEX_BITS - 1))) >> INDEX_BITS;
     rounded << INDEX_BITS | (MAX_VESSELS - 1 - vessel) as u64
@@ -31,9 +34,9 @@ impl Forest {
         self.keys.clear();
     }
 
-    /// Adds a diffused vessel with its resilience (W/m³, positive).
-    pub fn add(&mut self, resilience: f64, vessel: usize) {
-        self.keys.push(key(resilience, vessel));
+    /// Adds a diffused vessel by its [`key`].
+    pub fn add(&mut self, key: u64) {
+        self.keys.push(key);
     }
 
     /// Calls `take` for each vessel of the maximum spanning forest, largest resilience first.

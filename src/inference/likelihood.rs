@@ -9,8 +9,8 @@ pub struct Sums {
     pub likelihood: Vec<f64>,
     /// Σ of the squared contributions.
     pub square: Vec<f64>,
-    /// Samples with the vessel in the forest.
-    pub count: Vec<u64>,
+    /// Samples with the vessel in the forest; their probability in an enumeration.
+    pub count: Vec<f64>,
     /// Σ ρ_G of the samples, W/m³.
     pub network_resilience: f64,
     /// How many samples.
@@ -20,7 +20,16 @@ pub struct Sums {
 impl Sums {
     /// Nothing yet, for so many vessels.
     pub fn zero(vessels: usize) -> Self {
-        Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0; vessels], ..Self::default() }
+        Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0.0; vessels], ..Self::default() }
+    }
+
+    /// Back to nothing.
+    pub fn clear(&mut self) {
+        self.likelihood.fill(0.0);
+        self.square.fill(0.0);
+        self.count.fill(0.0);
+        self.network_resilience = 0.0;
+        self.samples = 0;
     }
 
     /// These sums and those of the samples after them.
@@ -29,7 +38,7 @@ impl Sums {
         let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         add(&mut self.likelihood, &right.likelihood);
         add(&mut self.square, &right.square);
-        self.count.iter_mut().zip(&right.count).for_each(|(a, b)| *a += b);
+        add(&mut self.count, &right.count);
         self.network_resilience += right.network_resilience;
         self.samples += right.samples;
         self
@@ -56,11 +65,13 @@ pub struct DyadicSum {
 }
 
 impl DyadicSum {
-    /// Adds a subtree over the next `blocks` blocks, a power of two.
-    pub fn push(&mut self, mut blocks: u64, mut sums: Sums) {
+    /// Adds a subtree over the next `blocks` blocks, a power of two; memory that is no longer needed goes to `pool`.
+    pub fn push(&mut self, mut blocks: u64, mut sums: Sums, pool: &mut Vec<Sums>) {
         while self.nodes.last().is_some_and(|(size, _)| *size == blocks) {
             if let Some((_, left)) = self.nodes.pop() {
-                sums = left.plus(&sums);
+                let right = std::mem::replace(&mut sums, left);
+                sums = sums.plus(&right);
+                pool.push(right);
                 blocks *= 2;
             }
         }
@@ -117,12 +128,26 @@ impl Likelihood {
         let n = sums.samples.max(1) as f64;
         Self {
             std_error: sums.standard_errors(),
-            frequency: sums.count.iter().map(|c| *c as f64 / n).collect(),
+            frequency: sums.count.iter().map(|c| c / n).collect(),
             network_resilience: sums.network_resilience / n,
             samples: sums.samples,
             likelihood: sums.likelihood,
             uncertain,
             trace,
+        }
+    }
+
+    /// From the sums over all patterns, weighted by probability: the expectation of a run of `samples`, without error.
+    pub fn exact(sums: Sums, uncertain: Vec<bool>, samples: u64) -> Self {
+        let n = samples as f64;
+        Self {
+            std_error: vec![0.0; sums.likelihood.len()],
+            likelihood: sums.likelihood.iter().map(|e| n * e).collect(),
+            frequency: sums.count,
+            network_resilience: sums.network_resilience,
+            samples,
+            uncertain,
+            trace: Vec::new(),
         }
     }
 

@@ -1,15 +1,20 @@
 //! From an over-connected graph to its likelihood matrix and its plausible topology.
 
 mod answer;
+mod bottleneck;
 mod driver;
 mod forest;
+mod group;
 mod likelihood;
-mod sample;
+mod params;
+mod sampler;
 mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
-pub use driver::{Params, Progress, Solver, infer, infer_until_stable};
+pub use bottleneck::Bottleneck;
+pub use driver::{Method, Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
-pub use sample::{Sampler, Uncertain, Weight, Workspace};
+pub use params::{Params, Solver, Uncertain, Weight};
+pub use sampler::{Sampler, Workspace};
 pub use threshold::{Keep, threshold};

@@ -1,5 +1,7 @@
 //! Perturbations of a network: which vessels are open, and how they are changed.
 
+pub mod enumeration;
 pub mod occlusion;
 
+pub use enumeration::Enumeration;
 pub use occlusion::Occlusion;

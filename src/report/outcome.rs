@@ -10,7 +10,7 @@ use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
 use crate::formats::{Column, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp};
 use crate::hemodynamics::{Boundary, Circuit, steady};
-use crate::inference::{Answer, Keep, Likelihood, Topology, threshold};
+use crate::inference::{Answer, Keep, Likelihood, Method, Topology, threshold};
 use crate::network::{Network, fragments};
 
 /// The largest matrix written densely, in nodes.
@@ -35,8 +35,10 @@ pub struct Outcome<'a> {
     pub above_median: Topology,
     /// Whether A = 1 was used instead of the vessels' own priors.
     pub uniform_prior: bool,
-    /// The solver's name.
-    pub solver: &'static str,
+    /// Whether every pattern was enumerated.
+    pub exact: bool,
+    /// How the samples were computed.
+    pub method: Method,
     /// Blood viscosity, Pa s.
     pub viscosity: f64,
 }

@@ -41,7 +41,7 @@ pub struct Summary {
     convergence: Value,
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,
-    solver: &'static str,
+    solver: Value,
     notes: Vec<String>,
     /// What differs between two runs of one command.
     pub time: Value,
@@ -125,6 +125,7 @@ impl Summary {
             parameters: json!({
                 "epsilon": params.epsilon,
                 "samples": result.samples,
+                "exact": params.exact,
                 "prior": if params.uniform_prior { "uniform" } else { "none" },
                 "uncertain": match params.uncertain { Uncertain::Candidates => "candidates", Uncertain::All => "all" },
                 "weight": match params.weight { Weight::Resilience => "resilience", Weight::Count => "count", Weight::Global => "global" },
@@ -156,7 +157,7 @@ impl Summary {
                 "within_standard_errors": crate::inference::UNDECIDED_Z,
             }),
             network_resilience: result.network_resilience,
-            solver: outcome.solver,
+            solver: json!({ "flow": outcome.method.solver, "forest": outcome.method.forest }),
             notes: provenance.notes.clone(),
             time: Value::Null,
         }

@@ -1,0 +1,107 @@
+//! Elimination of the nodes of a graph, one after another, compiled to flat index lists.
+//!
+//! Eliminating node k joins its neighbours pairwise. What a join means is up to the user: the conductances of a star
+//! become those of a mesh, or the widest path between two neighbours may now lead through k. The order (least degree or
+//! least fill, whichever needs fewer joins) and the fill are worked out once.
+
+mod order;
+
+use order::{Star, least_degree, least_fill};
+
+/// The place of a node that is not eliminated.
+pub const NOWHERE: u32 = u32::MAX;
+
+/// A compiled elimination.
+///
+/// Node k in elimination order has the rays `star(k)`, each to a later node; ray r leads to place `ray_to[r]`. Its pairs of
+/// rays (i, j), i < j, in order, add to the rays `mesh(k)`, all of later stars.
+#[derive(Debug, Clone)]
+pub struct Elimination {
+    /// Per node its place in the order.
+    place: Vec<u32>,
+    star: Vec<u32>,
+    ray_to: Vec<u32>,
+    mesh_start: Vec<u32>,
+    mesh: Vec<u32>,
+}
+
+impl Elimination {
+    /// Orders and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
+    pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
+        let limit = limit.min(u32::MAX as usize / 2);
+        let stars = least_degree(nodes, links, limit)?;
+        let pairs = |stars: &[Star]| stars.iter().map(Star::pairs).sum::<usize>();
+        let filled = least_fill(nodes, links, pairs(&stars));
+        Some(Self::flatten(nodes, &filled.unwrap_or(stars)))
+    }
+
+    fn flatten(nodes: usize, stars: &[Star]) -> Self {
+        let mut place = vec![NOWHERE; nodes];
+        for (at, star) in stars.iter().enumerate() {
+            place[star.center] = at as u32;
+        }
+        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
+        for star in stars {
+            let mut to: Vec<u32> = star.neighbours.iter().map(|node| program.place[*node]).collect();
+            to.sort_unstable();
+            program.ray_to.extend(to);
+            program.star.push(program.ray_to.len() as u32);
+        }
+        for k in 0..stars.len() {
+            let to = program.star(k);
+            for i in to.clone() {
+                for j in i + 1..to.end {
+                    let target = program.ray(program.ray_to[i], program.ray_to[j]);
+                    program.mesh.push(target);
+                }
+            }
+            program.mesh_start.push(program.mesh.len() as u32);
+        }
+        program
+    }
+
+    /// The place of a node in the order.
+    pub fn place(&self, node: usize) -> u32 {
+        self.place[node]
+    }
+
+    /// How many nodes are eliminated.
+    pub fn nodes(&self) -> usize {
+        self.star.len() - 1
+    }
+
+    /// How many rays there are in all.
+    pub fn rays(&self) -> usize {
+        self.ray_to.len()
+    }
+
+    /// The joins of one sample: the length of the program.
+    pub fn joins(&self) -> usize {
+        self.mesh.len()
+    }
+
+    /// The ray between two different places that are neighbours when the earlier one is eliminated.
+    pub fn ray(&self, a: u32, b: u32) -> u32 {
+        let (low, high) = (a.min(b), a.max(b));
+        let star = self.star(low as usize);
+        (star.start + self.ray_to[star].partition_point(|to| *to < high)) as u32
+    }
+
+    /// The rays of the k-th node.
+    #[inline]
+    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
+        self.star[k] as usize..self.star[k + 1] as usize
+    }
+
+    /// The place each ray leads to.
+    #[inline]
+    pub fn ray_to(&self) -> &[u32] {
+        &self.ray_to
+    }
+
+    /// The rays that the pairs of the k-th star add to.
+    #[inline]
+    pub fn mesh(&self, k: usize) -> &[u32] {
+        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
+    }
+}

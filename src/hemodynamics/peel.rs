@@ -1,0 +1,110 @@
+//! Peeling: dead ends and certain chains are dealt with once, exactly, before any sample.
+//!
+//! A vessel to a free node without terminal that leads nowhere else carries no flow in any sample. Certain vessels in
+//! series share one flow: they become one resistance, and equal radii then have equal resilience to the last bit.
+
+use super::circuit::Circuit;
+
+/// A circuit with its dead ends and certain chains taken out.
+#[derive(Debug, Clone)]
+pub struct Peeled {
+    /// The same rows of nodes and vessels. The first vessel of a chain stands for all of it; the others, and dead ends,
+    /// are self-loops; nodes inside are fixed at zero.
+    pub circuit: Circuit,
+    /// Per vessel the chain that it is part of: the chain's ends and conductance (its own for most); `None` for dead
+    /// ends, which never carry flow.
+    pub chain: Vec<Option<Chain>>,
+}
+
+/// Vessels in series, or a single one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    /// The nodes at its two ends.
+    pub ends: [usize; 2],
+    /// 1 / Σ R, m³/(Pa s).
+    pub conductance: f64,
+    /// How many vessels it has.
+    pub vessels: usize,
+}
+
+struct Link {
+    ends: [usize; 2],
+    resistance: f64,
+    members: Vec<usize>,
+    certain: bool,
+}
+
+/// Peels a circuit whose `certain` vessels are open in every sample.
+pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
+    let mut links: Vec<Option<Link>> = Vec::with_capacity(circuit.vessel_count());
+    let mut around = vec![Vec::new(); circuit.node_count()];
+    for (vessel, ends) in circuit.ends.iter().enumerate() {
+        if ends[0] == ends[1] {
+            links.push(None);
+            continue;
+        }
+        around[ends[0]].push(vessel);
+        around[ends[1]].push(vessel);
+        let resistance = 1.0 / circuit.conductance[vessel];
+        links.push(Some(Link { ends: *ends, resistance, members: vec![vessel], certain: certain[vessel] }));
+    }
+    let inner = |node: usize| circuit.fixed[node].is_none() && circuit.shunt[node] == 0.0 && circuit.source[node] == 0.0;
+    let mut gone = vec![false; circuit.node_count()];
+    let mut open: Vec<usize> = (0..circuit.node_count()).rev().filter(|n| inner(*n)).collect();
+    while let Some(node) = open.pop() {
+        if gone[node] {
+            continue;
+        }
+        match around[node][..] {
+            [] => gone[node] = true,
+            [only] => {
+                gone[node] = true;
+                let far = links[only].take().map_or(node, |link| other(&link, node));
+                around[far].retain(|l| *l != only);
+                open.extend(Some(far).filter(|n| inner(*n)));
+            }
+            [a, b] if [a, b].iter().all(|l| links[*l].as_ref().is_some_and(|link| link.certain)) => {
+                let (Some(first), Some(second)) = (links[a].take(), links[b].take()) else { continue };
+                gone[node] = true;
+                let ends = [other(&first, node), other(&second, node)];
+                around[ends[1]].retain(|l| *l != b);
+                if ends[0] == ends[1] {
+                    // A ring at one node: no pressure difference drives it.
+                    around[ends[0]].retain(|l| *l != a);
+                } else {
+                    around[ends[1]].push(a);
+                    let members = [first.members, second.members].concat();
+                    links[a] = Some(Link { ends, resistance: first.resistance + second.resistance, members, certain: true });
+                }
+                open.extend(ends.into_iter().filter(|n| inner(*n)));
+            }
+            _ => {}
+        }
+    }
+    assemble(circuit, &links, &gone)
+}
+
+fn other(link: &Link, node: usize) -> usize {
+    if link.ends[0] == node { link.ends[1] } else { link.ends[0] }
+}
+
+fn assemble(circuit: &Circuit, links: &[Option<Link>], gone: &[bool]) -> Peeled {
+    let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.vessel_count()] };
+    for [a, b] in &mut peeled.circuit.ends {
+        *b = *a;
+    }
+    for link in links.iter().flatten() {
+        let single = link.members.len() == 1;
+        let conductance = if single { circuit.conductance[link.members[0]] } else { 1.0 / link.resistance };
+        let stand_in = link.members.iter().copied().min().unwrap_or_default();
+        peeled.circuit.ends[stand_in] = link.ends;
+        peeled.circuit.conductance[stand_in] = conductance;
+        for member in &link.members {
+            peeled.chain[*member] = Some(Chain { ends: link.ends, conductance, vessels: link.members.len() });
+        }
+    }
+    for (node, _) in gone.iter().enumerate().filter(|(_, gone)| **gone) {
+        peeled.circuit.fixed[node] = Some(0.0);
+    }
+    peeled
+}

@@ -1,0 +1,117 @@
+//! The parameters of a run.
+
+use crate::error::{Error, Result};
+use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use crate::network::{Network, Origin};
+
+/// Which vessels are on trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Uncertain {
+    /// The candidates; observed vessels are never occluded.
+    #[default]
+    Candidates,
+    /// Every vessel, as in the paper.
+    All,
+}
+
+impl Uncertain {
+    /// Per vessel whether it is on trial; one marked certain never is.
+    pub fn vessels(self, network: &Network) -> Vec<bool> {
+        network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin == Origin::Candidate)).collect()
+    }
+}
+
+/// What a vessel of the forest contributes to L.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weight {
+    /// Its resilience ρ, as in the paper.
+    #[default]
+    Resilience,
+    /// One.
+    Count,
+    /// The resilience ρ_G of the whole sample.
+    Global,
+}
+
+impl Weight {
+    /// The contribution of a vessel with resilience ρ in a sample with ρ_G, W/m³ or one.
+    pub fn of(self, resilience: f64, global: f64) -> f64 {
+        match self {
+            Self::Resilience => resilience,
+            Self::Count => 1.0,
+            Self::Global => global,
+        }
+    }
+}
+
+/// The solver of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Lanes, unless their program is too long.
+    #[default]
+    Auto,
+    /// Star-mesh elimination, many samples at a time.
+    Lanes,
+    /// Sparse Cholesky factorisation.
+    Cholesky,
+}
+
+/// The parameters of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Params {
+    /// Occlusion probability ε in [0, 1).
+    pub epsilon: f64,
+    /// Samples, at least 1.
+    pub samples: u64,
+    /// The seed.
+    pub seed: u64,
+    /// Which vessels are on trial.
+    pub uncertain: Uncertain,
+    /// What a vessel of the forest contributes.
+    pub weight: Weight,
+    /// Whether A = 1 everywhere instead of the prior of each vessel.
+    pub uniform_prior: bool,
+    /// Blood viscosity µ, Pa s, positive.
+    pub viscosity: f64,
+    /// The solver.
+    pub solver: Solver,
+    /// Whether every pattern is enumerated with its probability instead of samples drawn; for 20 uncertain vessels at the
+    /// most. `samples` then only scales L.
+    pub exact: bool,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            epsilon: 0.5,
+            samples: 1000,
+            seed: 0,
+            uncertain: Uncertain::default(),
+            weight: Weight::default(),
+            uniform_prior: false,
+            viscosity: BLOOD_VISCOSITY,
+            solver: Solver::default(),
+            exact: false,
+        }
+    }
+}
+
+impl Params {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if !(0.0..1.0).contains(&self.epsilon) {
+            return Err(Error::parameter("--epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
+        }
+        if self.samples == 0 || self.samples > 1 << 50 {
+            return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
+        }
+        if !(self.viscosity.is_normal() && self.viscosity > 0.0) {
+            return Err(Error::parameter("--viscosity", self.viscosity * 1e3, "expected a positive number of cP"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,232 @@
+//! A block of samples: mask, flow, resilience, forest. A serial step that allocates nothing after its first block.
+
+use super::bottleneck::Bottleneck;
+use super::group::{self, Flow, Group};
+use super::likelihood::Sums;
+use super::{Params, Solver, Weight};
+use crate::error::{Error, Result};
+use crate::hemodynamics::cholesky::Cholesky;
+use crate::hemodynamics::floating::stranded;
+use crate::hemodynamics::peel::{Peeled, peel};
+use crate::hemodynamics::{Boundary, Circuit, StarMesh};
+use crate::network::Network;
+use crate::perturbation::{Enumeration, Occlusion, enumeration::MOST_UNCERTAIN};
+use crate::resilience::{resilience_per_square_drop, resilience_per_square_flow};
+use crate::rng::BLOCK;
+use crate::simd::InstructionSet;
+
+/// Joins of a forest program, per vessel, above which Kruskal's algorithm is faster.
+const BOTTLENECK_JOINS_PER_VESSEL: usize = 60;
+
+/// How flows are solved.
+#[derive(Debug)]
+enum Solve {
+    Lanes(Box<StarMesh>),
+    Cholesky(Box<Cholesky>),
+}
+
+/// Where the patterns come from.
+#[derive(Debug)]
+enum Masks {
+    Drawn { occlusion: Occlusion, seed: u64 },
+    Enumerated(Enumeration),
+}
+
+/// Everything about a graph that all its samples share.
+#[derive(Debug)]
+pub struct Sampler {
+    circuit: Circuit,
+    solve: Solve,
+    bottleneck: Option<Bottleneck>,
+    flows: Vec<Flow>,
+    ends: Vec<[usize; 2]>,
+    masks: Masks,
+    weight: Weight,
+    instructions: InstructionSet,
+    lanes: usize,
+}
+
+/// The memory of one worker.
+pub struct Workspace {
+    masks: Vec<u64>,
+    probability: [f64; BLOCK as usize],
+    group: Group,
+}
+
+/// The variable that forces 8 or 16 samples side by side.
+pub const FORCE_LANES: &str = "WILLIS_LANES";
+
+impl Sampler {
+    /// Prepares the samples of a network.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance or resilience no double can hold; no memory for a factorisation.
+    pub fn new(network: &Network, boundary: &Boundary, params: &Params) -> Result<Self> {
+        let circuit = Circuit::new(network, boundary, params.viscosity)?;
+        let uncertain = params.uncertain.vessels(network);
+        let keep: Vec<f64> = (network.vessels().zip(&uncertain))
+            .map(|((_, vessel), uncertain)| {
+                let prior = if params.uniform_prior { 1.0 } else { vessel.prior };
+                if *uncertain { (1.0 - params.epsilon) * prior } else { 1.0 }
+            })
+            .collect();
+        let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
+        let ends = circuit.ends.clone();
+        let Peeled { circuit, chain } = peel(&circuit, &certain);
+        let solve = compile(&circuit, params.solver)?;
+        let slot = |node: usize| match &solve {
+            Solve::Lanes(program) => program.slot(node) as u32,
+            Solve::Cholesky(_) => node as u32,
+        };
+        let mut flows = Vec::with_capacity(chain.len());
+        for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
+            flows.push(match chain {
+                None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
+                Some(chain) => {
+                    let factor = if chain.vessels > 1 {
+                        chain.conductance * chain.conductance * resilience_per_square_flow(params.viscosity, vessel.radius)
+                    } else {
+                        resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length)
+                    };
+                    if !factor.is_normal() {
+                        let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);
+                        return Err(Error::parameter(
+                            network.vessel_name(row),
+                            size,
+                            "expected a resilience that a double can hold",
+                        ));
+                    }
+                    Flow { slots: chain.ends.map(slot), factor }
+                }
+            });
+        }
+        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
+        let limit = BOTTLENECK_JOINS_PER_VESSEL * network.vessel_count();
+        let lanes =
+            if matches!(solve, Solve::Lanes(_)) { Bottleneck::compile(network.node_count(), &in_forest, limit) } else { None };
+        let instructions = InstructionSet::detect();
+        Ok(Self {
+            bottleneck: lanes,
+            masks: patterns(keep, params)?,
+            weight: params.weight,
+            lanes: group::lanes(instructions, std::env::var(FORCE_LANES).ok().as_deref()),
+            circuit,
+            solve,
+            flows,
+            ends,
+            instructions,
+        })
+    }
+
+    /// How many samples a run of `asked` takes: all patterns in an enumeration.
+    pub fn samples(&self, asked: u64) -> u64 {
+        match &self.masks {
+            Masks::Drawn { .. } => asked,
+            Masks::Enumerated(patterns) => patterns.patterns(),
+        }
+    }
+
+    /// The solver's name.
+    pub fn solver(&self) -> &'static str {
+        match self.solve {
+            Solve::Lanes(_) => "lanes",
+            Solve::Cholesky(_) => "cholesky",
+        }
+    }
+
+    /// The forest algorithm's name.
+    pub fn forest(&self) -> &'static str {
+        if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" }
+    }
+
+    /// The instruction set in use.
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// Memory for one worker.
+    pub fn workspace(&self) -> Workspace {
+        let rays = self.bottleneck.as_ref().map_or(0, Bottleneck::rays);
+        let group = match &self.solve {
+            Solve::Lanes(program) if self.lanes == 16 => {
+                Group::Sixteen(group::Memory::new(program.workspace(), self.flows.len(), rays))
+            }
+            Solve::Lanes(program) => Group::Eight(group::Memory::new(program.workspace(), self.flows.len(), rays)),
+            Solve::Cholesky(_) => Group::One(Box::default()),
+        };
+        Workspace { masks: Vec::with_capacity(self.flows.len()), probability: [0.0; BLOCK as usize], group }
+    }
+
+    /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
+    ///
+    /// # Errors
+    ///
+    /// The Cholesky factorisation breaks down.
+    pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
+        let samples = samples.min(BLOCK);
+        let probability = match &self.masks {
+            Masks::Drawn { occlusion, seed } => {
+                occlusion.draw(*seed, block, &mut work.masks);
+                None
+            }
+            Masks::Enumerated(patterns) => {
+                patterns.fill(block, &mut work.masks, &mut work.probability);
+                Some(&work.probability)
+            }
+        };
+        let valid = u64::MAX >> (BLOCK - samples);
+        for mask in &mut work.masks {
+            *mask &= valid;
+        }
+        let stranded = stranded(&self.circuit, &work.masks, samples as usize);
+        let job = group::Job {
+            masks: &work.masks,
+            stranded: &stranded,
+            probability,
+            samples: samples as usize,
+            flows: &self.flows,
+            level: self.circuit.level,
+            ends: &self.ends,
+            nodes: self.circuit.node_count(),
+            weight: self.weight,
+            bottleneck: self.bottleneck.as_ref(),
+        };
+        match (&mut work.group, &self.solve) {
+            (Group::Eight(memory), Solve::Lanes(program)) => self.instructions.run(
+                #[inline(always)]
+                || job.lanes(program, memory, sums),
+            ),
+            (Group::Sixteen(memory), Solve::Lanes(program)) => self.instructions.run(
+                #[inline(always)]
+                || job.lanes(program, memory, sums),
+            ),
+            (Group::One(memory), Solve::Cholesky(factor)) => job.one_by_one(factor, memory, sums)?,
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// The patterns of a run: drawn, or all there are.
+fn patterns(keep: Vec<f64>, params: &Params) -> Result<Masks> {
+    if !params.exact {
+        return Ok(Masks::Drawn { occlusion: Occlusion::new(keep), seed: params.seed });
+    }
+    let uncertain = keep.iter().filter(|p| (f64::MIN_POSITIVE..1.0).contains(*p)).count();
+    let refused = || {
+        let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without --exact");
+        Error::parameter("--exact", format!("with {uncertain} uncertain vessels"), accepted)
+    };
+    Enumeration::new(&keep).map(Masks::Enumerated).ok_or_else(refused)
+}
+
+/// Compiles a circuit for the solver asked for.
+fn compile(circuit: &Circuit, solver: Solver) -> Result<Solve> {
+    let limit = if solver == Solver::Lanes { usize::MAX } else { crate::hemodynamics::steady::LANES_LIMIT };
+    let lanes = if solver == Solver::Cholesky { None } else { StarMesh::compile(circuit, limit) };
+    match lanes {
+        Some(program) => Ok(Solve::Lanes(Box::new(program))),
+        None => Cholesky::compile(circuit).map(|c| Solve::Cholesky(Box::new(c))).ok_or(Error::Breakdown),
+    }
+}
