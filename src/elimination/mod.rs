@@ -28,10 +28,9 @@ pub struct Elimination {
 impl Elimination {
     /// Orders and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
     pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
-        let limit = limit.min(u32::MAX as usize / 2);
-        let stars = least_degree(nodes, links, limit)?;
-        let pairs = |stars: &[Star]| stars.iter().map(Star::pairs).sum::<usize>();
-        let filled = least_fill(nodes, links, pairs(&stars));
+        let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
+        let pairs = stars.iter().map(Star::pairs).sum();
+        let filled = least_fill(nodes, links, pairs);
         Some(Self::flatten(nodes, &filled.unwrap_or(stars)))
     }
 

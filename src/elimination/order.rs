@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-/// Least fill is tried on programs up to this many joins; finding it costs about the square of the degrees each step.
-const FILL_LIMIT: usize = 60_000;
+/// Least fill is tried on graphs of so many nodes and programs of so many joins; finding it takes longer than least degree.
+const FILL_NODES: usize = 4096;
+const FILL_JOINS: usize = 60_000;
 
 /// A node at the moment of its elimination.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,13 +46,6 @@ impl Remaining {
         }
         Star { center, neighbours }
     }
-
-    /// The pairs of neighbours of a node that are not joined yet.
-    fn fill(&self, node: usize) -> usize {
-        let around: Vec<usize> = self.neighbours[node].iter().copied().collect();
-        let missing = |(i, a): (usize, &usize)| around[i + 1..].iter().filter(|b| !self.neighbours[*a].contains(b)).count();
-        around.iter().enumerate().map(missing).sum()
-    }
 }
 
 /// Eliminates the node of least degree, ties to the lower number, until none is left.
@@ -79,36 +73,109 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
 
 /// Eliminates the node whose elimination joins the fewest pairs anew, ties to the lower degree, then the lower number.
 ///
-/// `None` when it does not end below `limit` pairs, or is not tried because `limit` is large.
+/// `None` when it does not end below `limit` pairs, or is not tried because the graph or `limit` is large.
 pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    if limit > FILL_LIMIT {
+    if limit > FILL_JOINS || nodes > FILL_NODES {
         return None;
     }
-    let mut graph = Remaining::new(nodes, links);
-    let figure = |graph: &Remaining, node: usize| (graph.fill(node), graph.neighbours[node].len(), node);
-    let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| figure(&graph, node)).collect();
+    let mut graph = Joined::new(nodes, links);
+    let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| graph.figure(node)).collect();
     let mut queue: BTreeSet<(usize, usize, usize)> = figures.iter().copied().collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
-    while let Some((_, _, center)) = queue.pop_first() {
-        let star = graph.eliminate(center);
+    while let Some((fill, _, center)) = queue.pop_first() {
+        let star = Star { center, neighbours: graph.neighbours(center) };
         pairs += star.pairs();
         if pairs >= limit {
             return None;
         }
-        // A join changes the fill of its two ends and of everything next to them both.
-        let mut touched: BTreeSet<usize> = star.neighbours.iter().copied().collect();
-        for i in &star.neighbours {
-            touched.extend(&graph.neighbours[*i]);
-        }
+        // A join changes the figure of its two ends and of whatever is next to them both.
+        let touched = graph.eliminate(&star, fill > 0);
         for node in touched {
-            queue.remove(&figures[node]);
-            figures[node] = figure(&graph, node);
-            queue.insert(figures[node]);
+            let figure = graph.figure(node);
+            if figure != figures[node] {
+                queue.remove(&figures[node]);
+                queue.insert(figure);
+                figures[node] = figure;
+            }
         }
         stars.push(star);
     }
     Some(stars)
+}
+
+/// A graph as a matrix of bits.
+struct Joined {
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl Joined {
+    fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
+        let words = nodes.div_ceil(64);
+        let mut graph = Self { words, bits: vec![0; nodes * words] };
+        for [a, b] in links.iter().filter(|[a, b]| a != b) {
+            graph.join(*a, *b);
+        }
+        graph
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        self.bits[a * self.words + b / 64] |= 1 << (b % 64);
+        self.bits[b * self.words + a / 64] |= 1 << (a % 64);
+    }
+
+    fn row(&self, node: usize) -> &[u64] {
+        &self.bits[node * self.words..(node + 1) * self.words]
+    }
+
+    fn neighbours(&self, node: usize) -> Vec<usize> {
+        ones(self.row(node))
+    }
+
+    /// The pairs of neighbours not joined yet, the degree, and the node.
+    fn figure(&self, node: usize) -> (usize, usize, usize) {
+        let around = self.neighbours(node);
+        let shared = |other: &usize| {
+            let both = self.row(node).iter().zip(self.row(*other)).map(|(a, b)| (a & b).count_ones() as usize);
+            both.sum::<usize>()
+        };
+        let joined: usize = around.iter().map(shared).sum();
+        let pairs = around.len() * around.len().saturating_sub(1);
+        ((pairs - joined) / 2, around.len(), node)
+    }
+
+    /// Takes out the center of a star and joins its neighbours; returns the nodes whose figure may have changed.
+    fn eliminate(&mut self, star: &Star, joins: bool) -> Vec<usize> {
+        for (i, a) in star.neighbours.iter().enumerate() {
+            self.bits[a * self.words + star.center / 64] &= !(1 << (star.center % 64));
+            for b in &star.neighbours[i + 1..] {
+                self.join(*a, *b);
+            }
+        }
+        let mut touched = vec![0; self.words];
+        for node in &star.neighbours {
+            touched[node / 64] |= 1 << (node % 64);
+            if joins {
+                touched.iter_mut().zip(self.row(*node)).for_each(|(t, row)| *t |= row);
+            }
+        }
+        self.bits[star.center * self.words..(star.center + 1) * self.words].fill(0);
+        ones(&touched)
+    }
+}
+
+/// The numbers of the bits that are set.
+fn ones(words: &[u64]) -> Vec<usize> {
+    let mut out = Vec::new();
+    for (at, word) in words.iter().enumerate() {
+        let mut rest = *word;
+        while rest != 0 {
+            out.push(at * 64 + rest.trailing_zeros() as usize);
+            rest &= rest - 1;
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -123,7 +190,7 @@ mod tests {
 
     #[test]
     fn both_orders_eliminate_every_node_once_and_join_neighbours() {
-        for stars in [least_degree(16, &grid(), usize::MAX), least_fill(16, &grid(), FILL_LIMIT)] {
+        for stars in [least_degree(16, &grid(), usize::MAX), least_fill(16, &grid(), FILL_JOINS)] {
             let stars = stars.expect("below the limit");
             let mut seen: Vec<usize> = stars.iter().map(|s| s.center).collect();
             let place: Vec<usize> = (0..16).map(|n| seen.iter().position(|s| *s == n).expect("each node")).collect();
