@@ -48,7 +48,7 @@ fn without_text(source: &str) -> String {
     let ident = |c: char| c.is_alphanumeric() || c == '_';
     while i < s.len() {
         let before = i.checked_sub(1).map_or(' ', at);
-        let hashes = (i + 1..).take_while(|j| at(*j) == '#').count();
+        let hashes = (i + 1..s.len()).take_while(|j| at(*j) == '#').count();
         let end = if at(i) == '/' && at(i + 1) == '/' {
             (i..s.len()).find(|j| s[*j] == '\n').unwrap_or(s.len())
         } else if at(i) == '/' && at(i + 1) == '*' {
@@ -102,7 +102,7 @@ fn without_tests(code: &str) -> String {
                 '}' => depth -= 1,
                 _ => {}
             }
-            if (c == '}' && depth == 0) || (c == ';' && depth == 0) {
+            if depth == 0 && (c == '}' || c == ';') {
                 end = i + 1;
                 break;
             }
@@ -170,7 +170,7 @@ fn used(file: &str, code: &str) -> BTreeSet<String> {
             at += 2;
             continue;
         }
-        let supers = (0..).take_while(|n| follows(at + 2 * n, "super")).count();
+        let supers = (0..tokens.len()).take_while(|n| follows(at + 2 * n, "super")).count();
         if supers >= depth {
             found.extend(heads(&tokens, at + 2 * supers));
         }

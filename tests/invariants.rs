@@ -6,7 +6,7 @@ use common::textbook::{conductance, rank};
 use common::{Draw, VISCOSITY, boundary, log_radii, network, pressure, radii, random_conditions, random_network, run, tube};
 use willis::hemodynamics::steady::pressures;
 use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, Given};
-use willis::inference::{Likelihood, Params, Solver, Uncertain, Weight};
+use willis::inference::{Likelihood, Params, Solver, Uncertain, Weight, key};
 use willis::network::{Condition, Network, Role, Vessel};
 use willis::perturbation::Occlusion;
 use willis::resilience::{is_diffused, resilience};
@@ -193,6 +193,20 @@ fn the_forest_spans_the_diffused_vessels() {
         assert_eq!(forest.len(), rank(&network, &diffused), "seed {seed}");
         assert_eq!(forest.len(), rank(&network, &forest), "seed {seed}: a cycle");
         assert!((0..32).all(|row| result.likelihood[row] == result.frequency[row]));
+    }
+}
+
+/// 24 significant bits, to the nearest: rounding on either side of a short figure ties and the lower row comes first;
+/// 2^-22 of it does not tie.
+#[test]
+fn nearly_equal_resiliences_tie_and_larger_ones_come_first() {
+    let mut draw = Draw::new(2);
+    for _ in 0..1000 {
+        let x = f64::from(draw.below(1 << 24) as u32 + 1) * 2_f64.powi(draw.below(80) as i32 - 40);
+        let (below, above) = (x * (1.0 - 1e-12), x * (1.0 + 1e-12));
+        assert_eq!(key(below, 7), key(above, 7));
+        assert!(key(below, 3) > key(above, 4));
+        assert!(key(x * (1.0 + 2_f64.powi(-22)), 4) > key(x, 3));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Sampled figures against their theoretical spread: occlusion against the binomial, standard errors and L over 200 seeds
+//! Sampled figures against their theoretical spread: occlusion against the binomial, standard errors and L over 1000 seeds
 //! against enumeration.
 
 mod common;
@@ -10,7 +10,7 @@ use willis::perturbation::Occlusion;
 
 const EDGES: usize = 40;
 const BLOCKS: u64 = 2500;
-const SEEDS: u64 = 200;
+const SEEDS: u64 = 1000;
 
 /// A mean of `n` independent figures of deviation `deviation`, five standard errors wide: one in two million is outside.
 fn within(got: f64, expected: f64, deviation: f64, n: f64, what: &str) {
@@ -108,12 +108,12 @@ fn masks_spread_as_the_binomial() {
     }
 }
 
-/// L of 200 seeds on two graphs: its spread against the standard errors that the runs state, and its z-scores against the
+/// L of 1000 seeds on two graphs: its spread against the standard errors that the runs state, and its z-scores against the
 /// standard normal.
 ///
-/// The variance over 200 seeds is off by sqrt(2/199) = 10 % of itself; 5 of these, and 5 % for the vessel that is in few
-/// forests. z-scores: mean 0 within 5/sqrt(200) and variance 1 within 50 %, and pooled over the vessels the shares
-/// beyond 1 and 2 near 31.7 % and 4.6 %: vessels share samples, so as if two vessels in three said nothing new.
+/// The variance over 1000 seeds is off by sqrt(2/1000) = 4.5 % of itself; 5 of these, and 5 % for the vessel that is in few
+/// forests. Pooled over the vessels the z-scores have mean square 1, and the shares beyond 1 and 2 are near 31.7 % and
+/// 4.6 %; vessels share samples, so these count as if two vessels in three said nothing new.
 #[test]
 fn standard_errors_and_z_scores_over_seeds() {
     for (graph, weight) in [(1, Weight::Resilience), (2, Weight::Resilience), (2, Weight::Global)] {
@@ -140,6 +140,8 @@ fn standard_errors_and_z_scores_over_seeds() {
         assert!(pooled.len() >= 5 * SEEDS as usize);
         let share = |beyond: f64| pooled.iter().filter(|z| z.abs() > beyond).count() as f64 / pooled.len() as f64;
         let independent = pooled.len() as f64 / 3.0;
+        let square = pooled.iter().map(|z| z * z).sum::<f64>() / pooled.len() as f64;
+        within(square, 1.0, 2_f64.sqrt(), independent, "mean square");
         within(share(1.0), 0.3173, (0.3173_f64 * 0.6827).sqrt(), independent, "beyond 1");
         within(share(2.0), 0.0455, (0.0455_f64 * 0.9545).sqrt(), independent, "beyond 2");
         let positive = pooled.iter().filter(|z| **z > 0.0).count() as f64 / pooled.len() as f64;

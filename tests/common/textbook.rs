@@ -11,11 +11,10 @@ pub fn gauss(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         let pivot = (p..n).max_by(|i, j| a[*i][p].abs().total_cmp(&a[*j][p].abs())).unwrap();
         a.swap(p, pivot);
         b.swap(p, pivot);
+        let pivot_row = a[p].clone();
         for row in p + 1..n {
-            let factor = a[row][p] / a[p][p];
-            for column in p..n {
-                a[row][column] -= factor * a[p][column];
-            }
+            let factor = a[row][p] / pivot_row[p];
+            a[row].iter_mut().zip(&pivot_row).for_each(|(x, y)| *x -= factor * y);
             b[row] -= factor * b[p];
         }
     }
