@@ -1,0 +1,313 @@
+//! The layers of design.md section 10: no `crate::` path points sideways or up, and each outside library stays where it
+//! belongs.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// From the bottom: a module may use those of earlier rows, and itself.
+const LAYERS: &[&[&str]] = &[
+    &["error"],
+    &["units", "rng", "stats"],
+    &["quantity"],
+    &["geometry"],
+    &["centerline"],
+    &["network"],
+    &["formats", "candidates", "hemodynamics", "perturbation"],
+    &["resilience"],
+    &["inference"],
+    &["phenotype", "phantom"],
+    &["experiments"],
+    &["report"],
+];
+
+/// Outside libraries with the files or folders that may name them.
+const CONFINED: &[(&str, &[&str])] = &[
+    ("clap", &["main.rs", "cli/"]),
+    ("clap_complete", &["cli/"]),
+    ("clap_mangen", &["cli/"]),
+    ("ctrlc", &["main.rs", "cli/"]),
+    ("indicatif", &["main.rs", "cli/"]),
+    ("rayon", &["inference/driver.rs", "cli/mod.rs", "cli/infer.rs"]),
+    ("kiddo", &["candidates/knn.rs"]),
+    ("plotters", &["report/plots.rs", "report/plots/"]),
+    ("faer", &["hemodynamics/cholesky.rs"]),
+];
+
+const MOST_LINES: usize = 400;
+
+/// The code of a source file: comments, string contents and what `#[cfg(test)]` guards left out, lines kept.
+fn code(source: &str) -> String {
+    without_tests(&without_text(source))
+}
+
+/// Comments and the contents of strings and characters left out.
+fn without_text(source: &str) -> String {
+    let s: Vec<char> = source.chars().collect();
+    let (mut out, mut i) = (String::new(), 0);
+    let at = |i: usize| s.get(i).copied().unwrap_or('\0');
+    let ident = |c: char| c.is_alphanumeric() || c == '_';
+    while i < s.len() {
+        let before = i.checked_sub(1).map_or(' ', at);
+        let hashes = (i + 1..s.len()).take_while(|j| at(*j) == '#').count();
+        let end = if at(i) == '/' && at(i + 1) == '/' {
+            (i..s.len()).find(|j| s[*j] == '\n').unwrap_or(s.len())
+        } else if at(i) == '/' && at(i + 1) == '*' {
+            let (mut depth, mut j) = (1, i + 2);
+            while depth > 0 && j < s.len() {
+                match (at(j), at(j + 1)) {
+                    ('/', '*') => (depth, j) = (depth + 1, j + 2),
+                    ('*', '/') => (depth, j) = (depth - 1, j + 2),
+                    _ => j += 1,
+                }
+            }
+            j
+        } else if at(i) == 'r' && !ident(before) && at(i + 1 + hashes) == '"' {
+            let close: String = std::iter::once('"').chain(std::iter::repeat_n('#', hashes)).collect();
+            let from = i + 2 + hashes;
+            (from..s.len()).find(|j| s[*j..].iter().take(close.len()).eq(&close.chars().collect::<Vec<_>>())).unwrap_or(s.len())
+                + close.len()
+        } else if at(i) == '"' {
+            let mut j = i + 1;
+            while j < s.len() && s[j] != '"' {
+                j += if s[j] == '\\' { 2 } else { 1 };
+            }
+            j + 1
+        } else if at(i) == '\'' && at(i + 1) == '\\' {
+            (i + 3..s.len()).find(|j| s[*j] == '\'').unwrap_or(s.len()) + 1
+        } else if at(i) == '\'' && at(i + 2) == '\'' {
+            i + 3
+        } else {
+            out.push(s[i]);
+            i += 1;
+            continue;
+        };
+        out.extend(s[i..end.min(s.len())].iter().filter(|c| **c == '\n'));
+        out.push(' ');
+        i = end;
+    }
+    out
+}
+
+/// Leaves out every item under `#[cfg(test)]`, up to its closing brace or semicolon.
+fn without_tests(code: &str) -> String {
+    let mut rest = code;
+    let mut out = String::new();
+    while let Some(start) = rest.find("#[cfg(test)]") {
+        out.push_str(&rest[..start]);
+        let item = &rest[start..];
+        let (mut depth, mut end) = (0, item.len());
+        for (i, c) in item.char_indices().skip("#[cfg(test)]".len()) {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 && (c == '}' || c == ';') {
+                end = i + 1;
+                break;
+            }
+        }
+        rest = &item[end..];
+    }
+    out + rest
+}
+
+/// The identifiers and other marks of some code; `::` is one mark.
+fn tokens(code: &str) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut inside = false;
+    for c in code.chars() {
+        let ident = c.is_alphanumeric() || c == '_';
+        match out.last_mut() {
+            Some(last) if ident && inside => last.push(c),
+            Some(last) if c == ':' && last == ":" => last.push(c),
+            _ if c.is_whitespace() => {}
+            _ => out.push(c.to_string()),
+        }
+        inside = ident;
+    }
+    out
+}
+
+/// The first segments named by a use tree that starts at `at`: one name, or those of a group.
+fn heads(tokens: &[String], at: usize) -> Vec<String> {
+    match tokens.get(at).map(String::as_str) {
+        Some("{") => {
+            let (mut depth, mut names, mut fresh) = (0, Vec::new(), true);
+            for token in &tokens[at..] {
+                match token.as_str() {
+                    "{" => depth += 1,
+                    "}" => depth -= 1,
+                    "," if depth == 1 => fresh = true,
+                    name if depth == 1 && fresh => {
+                        names.push(name.to_owned());
+                        fresh = false;
+                    }
+                    _ => {}
+                }
+                if depth == 0 {
+                    break;
+                }
+            }
+            names
+        }
+        Some(name) => vec![name.to_owned()],
+        None => Vec::new(),
+    }
+}
+
+/// The top-level modules that a file of the library names, by `crate::` or by enough `super::`.
+fn used(file: &str, code: &str) -> BTreeSet<String> {
+    let depth = file.split('/').count() - usize::from(file.ends_with("mod.rs"));
+    let tokens = tokens(code);
+    let mut found = BTreeSet::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        let follows =
+            |i: usize, word: &str| tokens.get(i).is_some_and(|t| t == word) && tokens.get(i + 1).is_some_and(|t| t == "::");
+        if follows(at, "crate") {
+            found.extend(heads(&tokens, at + 2));
+            at += 2;
+            continue;
+        }
+        let supers = (0..tokens.len()).take_while(|n| follows(at + 2 * n, "super")).count();
+        if supers >= depth {
+            found.extend(heads(&tokens, at + 2 * supers));
+        }
+        at += (2 * supers).max(1);
+    }
+    found
+}
+
+fn layer(module: &str) -> Option<usize> {
+    LAYERS.iter().position(|layer| layer.contains(&module))
+}
+
+/// What is wrong with a source file, given its path below src.
+fn violations(file: &str, source: &str) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if !source.starts_with("//! ") {
+        wrong.push(format!("{file}: the first line does not say what the file is for"));
+    }
+    let lines = source.lines().count();
+    if lines > MOST_LINES {
+        wrong.push(format!("{file}: {lines} lines, more than {MOST_LINES}"));
+    }
+    let code = code(source);
+    let words: BTreeSet<String> = tokens(&code).into_iter().collect();
+    for (library, homes) in CONFINED {
+        let home = homes.iter().any(|home| file == *home || (home.ends_with('/') && file.starts_with(home)));
+        if words.contains(*library) && !home {
+            wrong.push(format!("{file}: names {library}, which belongs to {}", homes.join(", ")));
+        }
+    }
+    let module = file.split('/').next().unwrap_or(file).trim_end_matches(".rs");
+    if ["lib", "main", "cli"].contains(&module) {
+        return wrong;
+    }
+    let Some(own) = layer(module) else {
+        wrong.push(format!("{file}: module {module} has no layer"));
+        return wrong;
+    };
+    for other in used(file, &code).into_iter().filter(|other| other != module) {
+        match layer(&other) {
+            None => wrong.push(format!("{file}: crate::{other} has no layer")),
+            Some(there) if there == own => wrong.push(format!("{file}: crate::{other} points sideways")),
+            Some(there) if there > own => wrong.push(format!("{file}: crate::{other} points up")),
+            Some(_) => {}
+        }
+    }
+    wrong
+}
+
+fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, out);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            out.push(path);
+        }
+    }
+}
+
+#[test]
+fn the_sources_keep_to_their_layers() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    files.sort();
+    assert!(files.len() > 40);
+    let mut wrong = Vec::new();
+    for path in files {
+        let file = path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+        wrong.extend(violations(&file, &std::fs::read_to_string(&path).unwrap()));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The library knows nothing of the command line: `cli` is a module of the binary.
+#[test]
+fn the_library_does_not_declare_the_command_line() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs");
+    let tokens = tokens(&code(&std::fs::read_to_string(root).unwrap()));
+    assert!(tokens.windows(2).all(|w| w[0] != "mod" || w[1] != "cli"));
+    for declared in tokens.windows(2).filter(|w| w[0] == "mod") {
+        assert!(layer(&declared[1]).is_some(), "module {} has no layer", declared[1]);
+    }
+}
+
+/// The checker itself, on sources made up to break each rule.
+#[test]
+fn every_kind_of_violation_is_caught() {
+    let caught = |file: &str, body: &str| violations(file, &format!("//! Made up.\n{body}"));
+    let one = |file: &str, body: &str, what: &str| {
+        let wrong = caught(file, body);
+        assert!(wrong.len() == 1 && wrong[0].contains(what), "{file}: {body}: {wrong:?}");
+    };
+    one("hemodynamics/steady.rs", "use crate::perturbation::Occlusion;", "points sideways");
+    one("hemodynamics/star_mesh/order.rs", "use super::super::super::formats::Column;", "points sideways");
+    one("candidates/mod.rs", "use super::formats::Column;", "points sideways");
+    one("network/mod.rs", "use crate::{geometry::{Point, resilience}, hemodynamics::Circuit};", "hemodynamics points up");
+    one("network/mod.rs", "fn f() -> crate :: inference\n::Params { todo!() }", "points up");
+    one("units.rs", "use super::stats::median;", "points sideways");
+    one("error.rs", "use crate::units::pascals;", "points up");
+    one("formats/mod.rs", "mod x { #[cfg(test)] mod tests { use crate::report; } use crate::report::Page; }", "points up");
+    one("formats/mod.rs", "const S: &str = \"// not a comment\"; use crate::report::Page;", "points up");
+    one("formats/mod.rs", "const Q: char = '\"'; use crate::report::Page; const R: char = '\"';", "points up");
+    one("formats/mod.rs", "const R: &str = r#\"a \" quote\"#; use crate::report::Page;", "points up");
+    one("formats/mod.rs", "/* /* nested */ */ use crate::report::Page;", "points up");
+    one("formats/mod.rs", "fn f<'a>(x: &'a str) {} use crate::report::Page;", "points up");
+    one("novelty.rs", "", "has no layer");
+    one("network/mod.rs", "use crate::novelty::X;", "has no layer");
+    one("inference/sample.rs", "use rayon::prelude::*;", "names rayon");
+    one("cli/candidates.rs", "fn f() { rayon::join(a, b); }", "names rayon");
+    one("inference/driver.rs", "#[derive(clap::Args)] struct A;", "names clap");
+    one("candidates/mod.rs", "use kiddo::ImmutableKdTree;", "names kiddo");
+    one("report/html.rs", "use plotters::prelude::*;", "names plotters");
+    one("rng.rs", &"\n".repeat(MOST_LINES), "lines");
+    assert_eq!(violations("rng.rs", "// no purpose\n").len(), 1);
+}
+
+#[test]
+fn what_is_allowed_is_not_caught() {
+    let fine = [
+        ("units.rs", "use crate::error::Error;"),
+        ("quantity.rs", "use crate::units::pascals;"),
+        (
+            "hemodynamics/steady.rs",
+            "use super::circuit::Circuit; use crate::hemodynamics::Boundary; use crate::network::Network;",
+        ),
+        ("hemodynamics/star_mesh/order.rs", "use super::super::boundary::Boundary;"),
+        ("hemodynamics/steady.rs", "// use crate::report::Page;\n/// [`crate::inference::infer`]\nfn f() {}"),
+        ("hemodynamics/steady.rs", "/* crate::report::Page */ const S: &str = \"crate::report::Page \\\" clap\";"),
+        ("hemodynamics/steady.rs", "fn f() {}\n#[cfg(test)]\nmod tests {\n use crate::inference::infer; fn g() { if a {} } }"),
+        ("hemodynamics/steady.rs", "#[cfg(test)]\nuse crate::inference::infer;\nfn f() {}"),
+        ("cli/infer.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
+        ("candidates/knn.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
+        ("report/plots.rs", "use plotters::prelude::*; use crate::inference::Answer; use crate::phantom::Kind;"),
+    ];
+    for (file, body) in fine {
+        assert_eq!(violations(file, &format!("//! Made up.\n{body}")), [""; 0], "{file}: {body}");
+    }
+}
