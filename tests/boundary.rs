@@ -1,4 +1,4 @@
-//! The rules of boundary conditions in design.md section 5, each on a network made for it.
+//! The rules of boundary conditions, each on a network made for it.
 
 mod common;
 

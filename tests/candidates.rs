@@ -1,4 +1,4 @@
-//! The rules of candidates in design.md section 4, on random fragments: what is joined, what never is, how long and wide.
+//! The rules of candidates, on random fragments: what is joined, what never is, how long and wide.
 
 mod common;
 

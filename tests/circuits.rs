@@ -11,7 +11,7 @@ use common::{MMHG, VISCOSITY, boundary, network, pressure, run, tube};
 use willis::hemodynamics::cholesky::{self, Cholesky};
 use willis::hemodynamics::floating::stranded;
 use willis::hemodynamics::steady::pressures;
-use willis::hemodynamics::{Circuit, StarMesh, star_mesh};
+use willis::hemodynamics::{Circuit, StarMesh};
 use willis::inference::{Likelihood, Params, Solver};
 use willis::network::{Condition, Network};
 
@@ -45,19 +45,16 @@ fn check_open(network: &Network, conditions: &[(usize, Condition)], open: &[bool
         }
     }
     // The solvers themselves give zero above the level where the pressure floats. All lanes but the last are closed.
-    let present: Vec<u8> = open.iter().map(|open| u8::from(*open) << 7).collect();
-    let mut lanes = Vec::new();
-    StarMesh::compile(&circuit, usize::MAX).unwrap().solve(
-        &present,
-        &stranded(&circuit, &present, 8),
-        &mut star_mesh::Workspace::default(),
-        &mut lanes,
-    );
+    let masks: Vec<u64> = open.iter().map(|open| u64::from(*open) << 7).collect();
+    let program = StarMesh::compile(&circuit, usize::MAX).unwrap();
+    let mut work = program.workspace::<8>();
+    program.solve(&masks, 0, &stranded(&circuit, &masks, 8), &mut work);
+    let lanes = |node: usize| work.pressure[program.slot(node)][7];
     let mut sparse = vec![f64::NAN; network.node_count()];
     let factor = Cholesky::compile(&circuit).unwrap();
     factor.solve(|v| open[v], &mut cholesky::Workspace::default(), |node, p| sparse[node] = p).unwrap();
     for (node, expected) in by_hand.iter().enumerate() {
-        for (solver, got) in [("lanes", lanes[node][7]), ("cholesky", sparse[node])] {
+        for (solver, got) in [("lanes", lanes(node)), ("cholesky", sparse[node])] {
             let right = expected.map_or(got == 0.0, |mmhg| close(got + circuit.level, mmhg));
             assert!(right, "{solver}, node {node}: {} for {expected:?}", (got + circuit.level) / MMHG);
         }

@@ -1,4 +1,4 @@
-//! The same bits whatever the number of threads, of samples asked for, and of shards (design.md section 8).
+//! The same bits whatever the number of threads, of samples asked for, and of shards.
 
 mod common;
 
@@ -91,7 +91,7 @@ fn block(draw: &mut Draw) -> Sums {
     for row in 0..3 {
         sums.likelihood[row] = draw.within(0.0, 1.0) * 10_f64.powf(draw.within(-8.0, 8.0));
         sums.square[row] = sums.likelihood[row].powi(2);
-        sums.count[row] = draw.bits() % 65;
+        sums.count[row] = (draw.bits() % 65) as f64;
     }
     sums.network_resilience = draw.within(0.0, 1e6);
     sums.samples = BLOCK;
@@ -99,7 +99,7 @@ fn block(draw: &mut Draw) -> Sums {
 }
 
 fn sums_bits(s: &Sums) -> (Vec<u64>, Vec<u64>, Vec<u64>, u64, u64) {
-    (bits(&s.likelihood), bits(&s.square), s.count.clone(), s.network_resilience.to_bits(), s.samples)
+    (bits(&s.likelihood), bits(&s.square), bits(&s.count), s.network_resilience.to_bits(), s.samples)
 }
 
 /// The dyadic tree by its definition: the largest aligned power of two to the left, the rest to the right.
@@ -136,7 +136,7 @@ fn dyadic_sums_are_the_same_from_any_split() {
         let whole = sums_bits(&tree(&blocks));
         let mut one_by_one = DyadicSum::default();
         for sums in &blocks {
-            one_by_one.push(1, sums.clone());
+            one_by_one.push(1, sums.clone(), &mut Vec::new());
         }
         assert_eq!(sums_bits(&one_by_one.total().unwrap()), whole, "{n}");
         assert_eq!(one_by_one.into_nodes().len() as u32, (n as u32).count_ones());
@@ -148,7 +148,7 @@ fn dyadic_sums_are_the_same_from_any_split() {
             let mut merged = DyadicSum::default();
             for range in cuts.windows(2) {
                 for (size, sums) in shard(&blocks, range[0], range[1]) {
-                    merged.push(size, sums);
+                    merged.push(size, sums, &mut Vec::new());
                 }
             }
             assert_eq!(sums_bits(&merged.total().unwrap()), whole, "{n} blocks cut at {cuts:?}");

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ends::{FreeEnd, point_spacing};
 use super::knn::PointIndex;
 use super::{Attach, Params, Place, Site};
-use crate::geometry::{distance, dot, sub};
+use crate::geometry::{Point, distance, dot, sub};
 use crate::network::{Network, Origin};
 
 /// Reach in point spacings and in end diameters: independent of any unit.
@@ -70,7 +70,7 @@ impl<'a> Surroundings<'a> {
         }
         if params.attach == Attach::Centerline {
             for (vessel, branch) in self.branches(&hits, end.vessel) {
-                let site = self.snapped(self.meet(&branch, end), vessel, end.node);
+                let site = self.snapped(self.meet(&branch, end), vessel, end, reach);
                 let nearest = found.entry(site).or_insert(branch[0].0);
                 *nearest = nearest.min(branch[0].0);
             }
@@ -111,20 +111,23 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The free end of the branch when the meeting point is near it.
-    fn snapped(&self, meeting: usize, vessel: usize, from: usize) -> usize {
+    fn snapped(&self, meeting: usize, vessel: usize, from: &FreeEnd, reach: f64) -> usize {
         // The sites begin with the nodes, in order.
-        let near =
-            |node: usize| distance(self.sites[node].position, self.sites[meeting].position) <= SNAP_SPACINGS * self.spacing;
+        let within = |node: usize, p: Point, most: f64| distance(self.sites[node].position, p) <= most;
+        let near = |node: usize| {
+            within(node, self.sites[meeting].position, SNAP_SPACINGS * self.spacing) && within(node, from.position, reach)
+        };
         let ends = self.network.ends(vessel).into_iter();
-        ends.filter(|node| self.is_free(*node) && *node != from).find(|node| near(*node)).unwrap_or(meeting)
+        ends.filter(|node| self.is_free(*node) && *node != from.node).find(|node| near(*node)).unwrap_or(meeting)
     }
 
     /// A free end's radius is the mean over its last points.
     fn with_end_radius(&self, mut site: Site) -> Site {
         if let Place::Node(node) = site.place
-            && let [vessel] = self.incident[node][..]
+            && (self.is_free(node) || self.network.node(node).radius.is_none())
         {
-            site.radius = self.network.vessel(vessel).end_radius(self.network.ends(vessel)[1] == node);
+            let ends = self.incident[node].iter().map(|v| self.network.vessel(*v).end_radius(self.network.ends(*v)[1] == node));
+            site.radius = ends.reduce(f64::min).unwrap_or(site.radius);
         }
         site
     }

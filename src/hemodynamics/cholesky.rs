@@ -10,6 +10,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
 use super::circuit::Circuit;
+use super::dead_end::{self, DeadEnds};
 use super::floating::grounded;
 use crate::error::{Error, Result};
 
@@ -25,6 +26,7 @@ pub struct Cholesky {
     /// Per row the place of its diagonal entry.
     diagonal: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
+    dead_ends: DeadEnds,
 }
 
 /// The memory of one worker.
@@ -34,6 +36,8 @@ pub struct Workspace {
     factor: Vec<f64>,
     right: Vec<f64>,
     memory: Option<MemBuffer>,
+    pressure: Vec<f64>,
+    dead_ends: dead_end::Workspace,
 }
 
 impl Cholesky {
@@ -68,7 +72,7 @@ impl Cholesky {
         let pattern = SymbolicSparseColMat::new_checked(free.len(), free.len(), starts, None, rows);
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO, ..Default::default() };
         let symbolic = factorize_symbolic_cholesky(pattern.as_ref(), Side::Lower, SymmetricOrdering::Amd, params).ok()?;
-        Some(Self { circuit: circuit.clone(), row, pattern, entry, diagonal, symbolic })
+        Some(Self { dead_ends: DeadEnds::new(circuit), circuit: circuit.clone(), row, pattern, entry, diagonal, symbolic })
     }
 
     /// The entries of the factor.
@@ -112,8 +116,11 @@ impl Cholesky {
             }
         }
         self.factorise_and_solve(work).ok_or(Error::Breakdown)?;
-        for (node, row) in self.row.iter().enumerate() {
-            pressure(node, if *row == usize::MAX { circuit.fixed[node].unwrap_or(0.0) } else { work.right[*row] });
+        work.pressure.clear();
+        work.pressure.extend(self.row.iter().zip(&circuit.fixed).map(|(row, fixed)| fixed.unwrap_or_else(|| work.right[*row])));
+        self.dead_ends.level(&open, &mut work.dead_ends, &mut work.pressure, &circuit.fixed);
+        for (node, p) in work.pressure.iter().enumerate() {
+            pressure(node, *p);
         }
         Ok(())
     }

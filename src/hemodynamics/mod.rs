@@ -3,6 +3,7 @@
 pub mod boundary;
 pub mod cholesky;
 pub mod circuit;
+mod dead_end;
 pub mod floating;
 pub mod peel;
 pub mod poiseuille;
