@@ -3,6 +3,7 @@
 use willis::hemodynamics::peel::peel;
 use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, Given, steady::pressures};
 use willis::inference::{Params, infer};
+use willis::network::Origin::{Candidate, Observed};
 use willis::network::{Condition, Network, Node, Origin, Role, Vessel};
 
 fn vessel(length: f64, radius: f64, origin: Origin) -> Vessel {
@@ -16,7 +17,6 @@ fn network() -> (Network, Boundary) {
     for id in 0..9 {
         network.add_node(Node { id: id.to_string(), ..Node::default() });
     }
-    use Origin::{Candidate, Observed};
     for (ends, length, radius, origin) in [
         ([0, 1], 0.010, 1e-3, Observed),
         ([1, 2], 0.013, 1e-3, Observed),
@@ -44,7 +44,7 @@ fn network() -> (Network, Boundary) {
 fn the_flow_of_a_chain_is_that_of_each_of_its_vessels() {
     let (network, boundary) = network();
     let circuit = Circuit::new(&network, &boundary, 3.5e-3).expect("a circuit");
-    let certain: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed).collect();
+    let certain: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Observed).collect();
     let peeled = peel(&circuit, &certain);
     let whole = pressures(&circuit, |_| true).expect("solved");
     let at = |node: usize| whole[node].expect("reached");
