@@ -9,6 +9,9 @@
 //! | link-15 | 5.9e-16 | 9.5e-16 | 1.0, and 3 of 6 break down | 1.0 |
 //! | floating | 3.6e-16 | 7.2e-16 | 3.1e-13 | 2.6e-14 |
 
+#[path = "accuracy/dead_ends.rs"]
+mod dead_ends;
+
 use std::collections::BTreeMap;
 
 use rand::{Rng, SeedableRng};
