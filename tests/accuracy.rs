@@ -19,8 +19,10 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 use willis::hemodynamics::cholesky::{self, Cholesky};
 use willis::hemodynamics::poiseuille::{BLOOD_VISCOSITY, resistance};
-use willis::hemodynamics::star_mesh::{LANES, Lanes, Workspace};
 use willis::hemodynamics::{Circuit, StarMesh, steady};
+
+/// Samples solved side by side.
+const LANES: usize = 8;
 use willis::resilience::{DROP_CUT, is_diffused};
 
 /// Relative error that a pressure may have: 18 ε.
@@ -108,11 +110,12 @@ fn numberings() -> impl Iterator<Item = impl Fn(usize) -> usize + Copy> {
     [1, 5, 7, 11, 13, 17, 19, 23].into_iter().flat_map(|factor| (0..24).map(move |shift| move |n| (factor * n + shift) % 24))
 }
 
-fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<Lanes> {
+fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
     let program = StarMesh::compile(circuit, usize::MAX).expect("no limit");
-    let mut pressure = Vec::new();
-    program.solve(present, &[], &mut Workspace::default(), &mut pressure);
-    pressure
+    let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
+    let mut work = program.workspace();
+    program.solve(&masks, 0, &[], &mut work);
+    (0..circuit.node_count()).map(|node| work.pressure[program.slot(node)]).collect()
 }
 
 /// The pressures with all vessels open.
@@ -120,10 +123,10 @@ fn star_mesh(circuit: &Circuit) -> Vec<f64> {
     lanes(circuit, &vec![1; circuit.vessel_count()]).iter().map(|p| p[0]).collect()
 }
 
-/// The pressures by Cholesky factorisation; `None` where it breaks down.
+/// The pressures by Cholesky factorisation; `None` where it is refused or breaks down.
 fn cholesky(circuit: &Circuit) -> Option<Vec<f64>> {
     let mut pressure = vec![0.0; circuit.node_count()];
-    let factor = Cholesky::compile(circuit).expect("memory");
+    let factor = Cholesky::compile(circuit)?;
     factor.solve(|_| true, &mut cholesky::Workspace::default(), |node, p| pressure[node] = p).ok()?;
     Some(pressure)
 }

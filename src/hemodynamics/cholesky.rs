@@ -14,6 +14,9 @@ use super::dead_end::{self, DeadEnds};
 use super::floating::grounded;
 use crate::error::{Error, Result};
 
+/// Conductances further apart than this leave a factorisation without a right digit behind the weakest.
+const SPAN: f64 = 1e14;
+
 /// The analysed pattern of a circuit.
 #[derive(Debug)]
 pub struct Cholesky {
@@ -41,8 +44,13 @@ pub struct Workspace {
 }
 
 impl Cholesky {
-    /// Analyses the pattern of a circuit; `None` when memory does not suffice.
+    /// Analyses the pattern of a circuit; `None` when its conductances lie further apart than a factorisation can tell,
+    /// or memory does not suffice.
     pub fn compile(circuit: &Circuit) -> Option<Self> {
+        let in_use = || circuit.ends.iter().zip(&circuit.conductance).filter(|(e, _)| e[0] != e[1]).map(|(_, c)| *c);
+        if in_use().fold(0.0, f64::max) > SPAN * in_use().fold(f64::INFINITY, f64::min) {
+            return None;
+        }
         let mut row = vec![usize::MAX; circuit.node_count()];
         let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
         for (i, node) in free.iter().enumerate() {

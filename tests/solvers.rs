@@ -1,0 +1,66 @@
+//! Star-mesh lanes and sparse Cholesky, two algorithms with nothing in common, against each other.
+
+mod common;
+
+use common::{Draw, radii, random_conditions, random_network, run};
+use std::path::Path;
+use willis::formats::{Content, ReadOptions, read};
+use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
+use willis::inference::{Likelihood, Params, Solver, Uncertain, infer};
+
+/// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so.
+fn agree(name: &str, a: &Likelihood, b: &Likelihood) {
+    assert_eq!(a.frequency, b.frequency, "{name}");
+    for (row, (x, y)) in a.likelihood.iter().zip(&b.likelihood).enumerate() {
+        assert!((x - y).abs() <= 1e-9 * x.abs().max(y.abs()), "{name}, vessel {row}: {x} and {y}");
+    }
+}
+
+#[test]
+fn on_two_hundred_random_graphs() {
+    for seed in 0..200 {
+        let mut draw = Draw::new(5000 + seed);
+        let nodes = 5 + draw.below(40);
+        let vessels = nodes + draw.below(nodes);
+        let network = random_network(&mut draw, nodes, vessels, radii(0.3, 2.0));
+        let conditions = random_conditions(&mut draw, nodes);
+        let of = |solver| {
+            let params = Params { solver, seed, samples: 200, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
+            run(&network, &conditions, &params)
+        };
+        agree(&format!("graph {seed}"), &of(Solver::Lanes), &of(Solver::Cholesky));
+    }
+}
+
+#[test]
+fn on_the_benchmark_graphs() {
+    for name in ["cow-30-80", "extraction-45-165", "brain-206-726", "brain-206-726-13-terminals"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bench").join(name).with_extension("graphml");
+        if !path.exists() {
+            eprintln!("skipped: no {}", path.display());
+            continue;
+        }
+        let Content::Graph(network) = read(&path, &ReadOptions::default()).expect("read").content else { panic!("a graph") };
+        let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground).expect("conditions");
+        let of = |solver| {
+            let params = Params { solver, samples: 2000, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
+            infer(&network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled").0
+        };
+        agree(name, &of(Solver::Lanes), &of(Solver::Cholesky));
+    }
+}
+
+/// A weak link that costs a factorisation all its digits is refused, not solved wrongly.
+#[test]
+fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
+    let weak = common::network(
+        4,
+        [([0, 1], common::tube(10.0, 1.0)), ([1, 2], common::tube(10.0, 1e-4)), ([2, 3], common::tube(10.0, 1.0))],
+    );
+    let conditions = [(0, common::pressure(100.0)), (3, common::pressure(0.0))];
+    let boundary = common::boundary(&weak, &conditions);
+    let of = |solver| infer(&weak, &boundary, &Params { solver, ..Params::default() }, &mut |_: u64, _: u64| true);
+    let refused = of(Solver::Cholesky).expect_err("sixteen orders").to_string();
+    assert!(refused.contains("--solver lanes"), "{refused}");
+    assert!(of(Solver::Lanes).is_ok());
+}
