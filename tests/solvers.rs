@@ -53,11 +53,12 @@ fn on_the_benchmark_graphs() {
 /// A weak link that costs a factorisation all its digits is refused, not solved wrongly.
 #[test]
 fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
+    let tube = common::tube;
     let weak = common::network(
-        4,
-        [([0, 1], common::tube(10.0, 1.0)), ([1, 2], common::tube(10.0, 1e-4)), ([2, 3], common::tube(10.0, 1.0))],
+        5,
+        [([0, 1], tube(10.0, 1.0)), ([1, 2], tube(10.0, 1e-4)), ([2, 3], tube(10.0, 1.0)), ([2, 4], tube(10.0, 1.0))],
     );
-    let conditions = [(0, common::pressure(100.0)), (3, common::pressure(0.0))];
+    let conditions = [(0, common::pressure(100.0)), (3, common::pressure(0.0)), (4, common::pressure(10.0))];
     let boundary = common::boundary(&weak, &conditions);
     let of = |solver| infer(&weak, &boundary, &Params { solver, ..Params::default() }, &mut |_: u64, _: u64| true);
     let refused = of(Solver::Cholesky).expect_err("sixteen orders").to_string();
