@@ -5,20 +5,21 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use willis::candidates::{self, build};
+use willis::candidates::build;
 use willis::error::{Error, Result};
-use willis::formats::{Column, Values, write_csv};
+use willis::formats::write_csv;
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer, infer_until_stable};
-use willis::network::{Network, Origin};
+use willis::network::Network;
 use willis::quantity::Dimension;
 use willis::report::summary::Built;
-use willis::report::{Outcome, Provenance, StagedFolder, Summary, staged::write_file, write_outcome};
+use willis::report::{Outcome, Provenance, StagedFolder, Summary, agreement, staged::write_file, write_outcome};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
 use super::shell::print_line;
-use super::terminal::{Terminal, brief, count, plural};
+use super::tell::{say_built, say_outcome};
+use super::terminal::{Terminal, count, plural};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Prior {
@@ -301,81 +302,4 @@ fn parse_rule(text: &str) -> Result<Keep> {
 
 fn check_dpi(dpi: u32) -> Result<()> {
     if (36..=1200).contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, "expected a number from 36 to 1200")) }
-}
-
-fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params) {
-    let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
-    let size = format!(
-        "{} in a graph of {}, {}",
-        plural(candidates, "candidate"),
-        plural(graph.node_count(), "node"),
-        plural(graph.vessel_count(), "vessel")
-    );
-    terminal.say("built", format!("{size} (k = {})", params.k));
-    if candidates == 0 {
-        terminal.say(
-            "note",
-            "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can",
-        );
-    }
-}
-
-fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
-    let (answer, kept) = (outcome.answer, &outcome.kept);
-    let rate = outcome.result.samples as f64 / seconds.max(1e-9);
-    let took = if outcome.exact {
-        format!("every pattern in {seconds:.2} s")
-    } else {
-        format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
-    };
-    terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
-    let cut = match (outcome.rule, answer.threshold) {
-        (Keep::Frequency(f), _) => format!("frequency >= {f}"),
-        (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),
-        (_, None) => "no vessel on trial has L > 0".into(),
-    };
-    terminal.say(
-        "kept",
-        format!(
-            "{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors",
-            count(kept.kept as u64),
-            plural(kept.kept + kept.pruned, "vessel"),
-            count(kept.pruned as u64),
-            count(answer.undecided.len() as u64)
-        ),
-    );
-    let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
-    terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
-    let same = answer.kept == answer.above_median;
-    if !same {
-        let median = &outcome.above_median;
-        terminal.say(
-            "median",
-            format!(
-                "{} kept, {}, {}",
-                count(median.kept as u64),
-                plural(median.components, "component"),
-                plural(median.cycles, "independent cycle")
-            ),
-        );
-    }
-}
-
-/// Per pair of occlusion probabilities the share of vessels decided alike.
-fn agreement(decisions: &[(f64, Answer)]) -> Vec<Column> {
-    let pairs: Vec<(usize, usize)> = (0..decisions.len()).flat_map(|i| (i + 1..decisions.len()).map(move |j| (i, j))).collect();
-    let same = |(i, j): &(usize, usize)| {
-        let (a, b) = (&decisions[*i].1.kept, &decisions[*j].1.kept);
-        a.iter().zip(b).filter(|(a, b)| a == b).count()
-    };
-    let real = |name, values: Vec<f64>| Column { name, values: Values::Real(values) };
-    vec![
-        real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0).collect()),
-        real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0).collect()),
-        Column { name: "decided_alike", values: Values::Integer(pairs.iter().map(|p| same(p) as i64).collect()) },
-        Column {
-            name: "vessels",
-            values: Values::Integer(pairs.iter().map(|(i, _)| decisions[*i].1.kept.len() as i64).collect()),
-        },
-    ]
 }

@@ -7,6 +7,7 @@ mod input;
 mod phantom;
 mod provenance;
 mod shell;
+mod tell;
 mod terminal;
 
 use clap::{Args, Parser, Subcommand};

@@ -1,11 +1,13 @@
 //! What a run leaves behind: tables, matrices, topologies, pictures and the record of how it was made.
 
+mod agreement;
 pub mod outcome;
 pub mod plots;
 pub mod staged;
 pub mod summary;
 mod tables;
 
+pub use agreement::agreement;
 pub use outcome::{Outcome, write_outcome};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary};

@@ -1,0 +1,68 @@
+//! What `willis infer` tells a person: what was built, what came out.
+
+use willis::candidates;
+use willis::inference::Keep;
+use willis::network::{Network, Origin};
+use willis::report::Outcome;
+
+use super::terminal::{Terminal, brief, count, plural};
+
+/// What the candidates make of the fragments.
+pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params) {
+    let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
+    let size = format!(
+        "{} in a graph of {}, {}",
+        plural(candidates, "candidate"),
+        plural(graph.node_count(), "node"),
+        plural(graph.vessel_count(), "vessel")
+    );
+    terminal.say("built", format!("{size} (k = {})", params.k));
+    if candidates == 0 {
+        terminal.say(
+            "note",
+            "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can",
+        );
+    }
+}
+
+/// What was kept, and what the kept graph looks like.
+pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
+    let (answer, kept) = (outcome.answer, &outcome.kept);
+    let rate = outcome.result.samples as f64 / seconds.max(1e-9);
+    let took = if outcome.exact {
+        format!("every pattern in {seconds:.2} s")
+    } else {
+        format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
+    };
+    terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    let cut = match (outcome.rule, answer.threshold) {
+        (Keep::Frequency(f), _) => format!("frequency >= {f}"),
+        (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),
+        (_, None) => "no vessel on trial has L > 0".into(),
+    };
+    terminal.say(
+        "kept",
+        format!(
+            "{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors",
+            count(kept.kept as u64),
+            plural(kept.kept + kept.pruned, "vessel"),
+            count(kept.pruned as u64),
+            count(answer.undecided.len() as u64)
+        ),
+    );
+    let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
+    terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
+    let same = answer.kept == answer.above_median;
+    if !same {
+        let median = &outcome.above_median;
+        terminal.say(
+            "median",
+            format!(
+                "{} kept, {}, {}",
+                count(median.kept as u64),
+                plural(median.components, "component"),
+                plural(median.cycles, "independent cycle")
+            ),
+        );
+    }
+}
