@@ -3,6 +3,7 @@
 //! `variance GRAPH` writes rows of CSV for one graph to standard output: `header`, `circle-20`, or the stem of a
 //! benchmark graph.
 
+mod array;
 mod cost;
 mod exact;
 mod masks;
@@ -18,6 +19,7 @@ use willis::network::Network;
 use willis::phantom::{cerebral, circle_of_willis};
 use willis::stats::{median, quantile};
 
+use array::Shape;
 use cost::Cost;
 use exact::Exact;
 use masks::{Masks, Scheme};
@@ -25,8 +27,6 @@ use model::{Model, Work};
 use moments::{Control, Moments, Shares, Totals, second_order};
 
 const EPSILON: f64 = 0.3;
-/// Blocks of one replicate: 1,024 samples.
-const BLOCKS: u64 = 16;
 /// Blocks of the long plain run: 2¹⁸ samples.
 const LONG: u64 = 1 << 12;
 /// Blocks of the run in pairs that bounds the second order, and the share of bits that a pair has in common.
@@ -38,12 +38,15 @@ const RARE: f64 = 0.01;
 const HEADER: &str = "graph,kind,scheme,vessels,q10,median,q90,near,wrong,cost,equal_cost,rms_z,max_z,reported";
 
 /// Masks and estimators in the order of the table.
-const TRIALS: [(Scheme, Control); 12] = [
+const TRIALS: [(Scheme, Control); 15] = [
     (Scheme::Plain, Control::None),
     (Scheme::Antithetic, Control::None),
     (Scheme::Stratified, Control::None),
     (Scheme::Latin, Control::None),
     (Scheme::Net, Control::None),
+    (Scheme::Array(Shape { levels: 3, digits: 7 }), Control::None),
+    (Scheme::Array(Shape { levels: 13, digits: 3 }), Control::None),
+    (Scheme::Array(Shape { levels: 7, digits: 5 }), Control::None),
     (Scheme::Plain, Control::Own),
     (Scheme::Plain, Control::Neighbours),
     (Scheme::Plain, Control::All),
@@ -112,24 +115,27 @@ impl Reference {
 
 fn study(name: &str, network: &Network, replicates: u64) -> Result<()> {
     let model = Model::new(name, network, EPSILON)?;
-    let cost = Cost::measure(&model);
+    let mut schemes: Vec<Scheme> = TRIALS.iter().filter(|t| t.1 == Control::None).map(|t| t.0).collect();
+    schemes.retain(|s| !matches!(s, Scheme::Array(shape) if shape.vessels() < model.vessels() as u64));
+    let cost = Cost::measure(&model, &schemes);
     let exact = Exact::of(&model);
     let long = Moments::of(&model, 0, LONG);
     let reference = Reference::new(&model, &long, exact.as_ref());
     eprintln!("{name}: {} vessels, {:.1} us a plain sample, {} replicates", model.vessels(), cost.plain_sample(), replicates);
     limits(&model, &long, &reference, exact.as_ref());
-    for scheme in Scheme::ALL {
+    for scheme in schemes {
         let controls: Vec<Control> = TRIALS.iter().filter(|t| t.0 == scheme).map(|t| t.1).collect();
-        let runs: Vec<Replicate> = (1..=replicates)
+        let long_enough = if scheme.samples() > 10_000 { replicates.min((1 << 20) / scheme.samples()) } else { replicates };
+        let runs: Vec<Replicate> = (1..=long_enough)
             .into_par_iter()
             .map_init(Work::default, |work, seed| replicate(&model, &long, scheme, &controls, seed, work))
             .collect();
         for (at, control) in controls.iter().enumerate() {
             let estimates: Vec<&[f64]> = runs.iter().map(|r| &r.estimates[at][..]).collect();
             let relative = cost.relative(scheme, *control);
-            let plain_error = *control == Control::None && scheme != Scheme::Net;
+            let plain_error = *control == Control::None && !matches!(scheme, Scheme::Net | Scheme::Array(_));
             let reported: Option<Vec<&[f64]>> = plain_error.then(|| runs.iter().map(|r| &r.variance[..]).collect());
-            report(name, &label(scheme, *control), &reference, &estimates, reported.as_deref(), relative);
+            report(name, &label(scheme, *control), &reference, (scheme.samples(), &estimates), reported.as_deref(), relative);
         }
     }
     Ok(())
@@ -137,7 +143,7 @@ fn study(name: &str, network: &Network, replicates: u64) -> Result<()> {
 
 fn label(scheme: Scheme, control: Control) -> String {
     match (scheme, control) {
-        (_, Control::None) => scheme.name().into(),
+        (_, Control::None) => scheme.name(),
         (Scheme::Plain, _) => format!("control: {}", control.name()),
         _ => format!("stratified; control: {}", control.name()),
     }
@@ -151,8 +157,8 @@ struct Replicate {
 
 fn replicate(model: &Model, long: &Moments, scheme: Scheme, controls: &[Control], seed: u64, work: &mut Work) -> Replicate {
     let pairs = controls.iter().any(|c| matches!(c, Control::OpenNeighbours | Control::OpenAll));
-    let totals = Totals::of(model, &mut Masks::new(scheme, &model.keep, seed), BLOCKS, pairs, work);
-    let blocks = BLOCKS as f64;
+    let totals = Totals::of(model, &mut Masks::new(scheme, &model.keep, seed), scheme.samples(), pairs, work);
+    let blocks = (scheme.samples() / 64) as f64;
     let spread = totals.sum.iter().zip(&totals.block_square);
     Replicate {
         estimates: controls
@@ -199,8 +205,15 @@ fn quantiles(ratios: &[f64], near: &[f64]) -> String {
 }
 
 /// One row: ratios of standard errors, decisions that differ from the reference's, cost, bias.
-fn report(graph: &str, scheme: &str, reference: &Reference, estimates: &[&[f64]], reported: Option<&[&[f64]]>, cost: f64) {
-    let (n, r) = ((BLOCKS * 64) as f64, estimates.len() as f64);
+fn report(
+    graph: &str,
+    scheme: &str,
+    reference: &Reference,
+    (n, estimates): (u64, &[&[f64]]),
+    reported: Option<&[&[f64]]>,
+    cost: f64,
+) {
+    let (n, r) = (n as f64, estimates.len() as f64);
     let mean: Vec<f64> = (0..reference.mean.len()).map(|e| estimates.iter().map(|x| x[e]).sum::<f64>() / r).collect();
     let variance = |e: usize| estimates.iter().map(|x| (x[e] - mean[e]).powi(2)).sum::<f64>() / (r - 1.0);
     let ratio = |e: &usize| (n * reference.variance[*e] / variance(*e)).sqrt();
@@ -213,13 +226,15 @@ fn report(graph: &str, scheme: &str, reference: &Reference, estimates: &[&[f64]]
     let z: Vec<f64> = reference.common.iter().map(z).collect();
     let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
     let most = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+    // Comparable at one number of samples only.
     let wrong = estimates.iter().map(|x| reference.wrong(x, n)).sum::<usize>() as f64 / r;
+    let wrong = if n == Scheme::Plain.samples() as f64 { format!("{wrong:.2}") } else { String::new() };
     let reported = reported.map_or_else(String::new, |reported| {
         let said = |e: &usize| (reported.iter().map(|v| v[*e]).sum::<f64>() / r / variance(*e)).sqrt();
         format!("{:.3}", median(&reference.common.iter().map(said).collect::<Vec<_>>()).unwrap_or(f64::NAN))
     });
     println!(
-        "{graph},scheme,{scheme},{},{},{wrong:.2},{cost:.2},{:.3},{rms:.2},{most:.2},{reported}",
+        "{graph},scheme,{scheme},{},{},{wrong},{cost:.2},{:.3},{rms:.2},{most:.2},{reported}",
         ratios.len(),
         quantiles(&ratios, &near),
         median(&ratios).unwrap_or(f64::NAN) / cost.sqrt(),

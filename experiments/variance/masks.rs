@@ -1,11 +1,13 @@
 //! Ways to draw the masks of the samples: bit i of word e says whether vessel e is open in sample i of a block of 64.
 //!
-//! Whatever the way, each bit alone is open with exactly the vessel's keep probability, so L stays unbiased. All but
-//! [`Scheme::Net`] need nothing but the block's own stream; the net needs the stream of its group of 16 blocks.
+//! Whatever the way, each bit alone is open with exactly the vessel's keep probability, so L stays unbiased. The net
+//! and the arrays need, besides the block's own stream, what their group of blocks shares.
 
 use rand::Rng;
 use willis::perturbation::Occlusion;
 use willis::rng::block_stream;
+
+use crate::array::{Array, Shape};
 
 /// Digits of a level of the net; its points come in groups of 2 to this power.
 const DIGITS: usize = 10;
@@ -24,19 +26,25 @@ pub enum Scheme {
     Latin,
     /// A digital net of 1,024 points: Sobol' sequences with random direction numbers, linear scrambling, random shift.
     Net,
+    /// An orthogonal array.
+    Array(Shape),
 }
 
 impl Scheme {
-    pub const ALL: [Self; 5] = [Self::Plain, Self::Antithetic, Self::Stratified, Self::Latin, Self::Net];
-
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Plain => "plain",
-            Self::Antithetic => "antithetic halves of a block",
-            Self::Stratified => "stratified counts in a block",
-            Self::Latin => "Latin hypercube of a block",
-            Self::Net => "scrambled net of 1024",
+            Self::Plain => "plain".into(),
+            Self::Antithetic => "antithetic halves of a block".into(),
+            Self::Stratified => "stratified counts in a block".into(),
+            Self::Latin => "Latin hypercube of a block".into(),
+            Self::Net => "scrambled net of 1024".into(),
+            Self::Array(shape) => format!("orthogonal array of {}^{}", shape.levels, shape.digits),
         }
+    }
+
+    /// Samples of one replicate.
+    pub fn samples(self) -> u64 {
+        if let Self::Array(shape) = self { shape.samples() } else { 1 << DIGITS }
     }
 }
 
@@ -48,6 +56,7 @@ pub struct Masks<'a> {
     seed: u64,
     group: Option<u64>,
     sequences: Vec<Sequence>,
+    array: Option<Array>,
 }
 
 /// One coordinate of the net.
@@ -61,13 +70,17 @@ struct Sequence {
 impl<'a> Masks<'a> {
     pub fn new(scheme: Scheme, keep: &'a [f64], seed: u64) -> Self {
         let occlusion = Occlusion::new(keep.iter().copied());
-        Self { scheme, keep, occlusion, seed, group: None, sequences: Vec::new() }
+        let array = if let Scheme::Array(shape) = scheme { Some(Array::new(shape, keep, seed)) } else { None };
+        Self { scheme, keep, occlusion, seed, group: None, sequences: Vec::new(), array }
     }
 
     /// Draws block `block`.
     pub fn draw(&mut self, block: u64, masks: &mut Vec<u64>) {
         if self.scheme == Scheme::Plain {
             return self.occlusion.draw(self.seed, block, masks);
+        }
+        if let Some(array) = &self.array {
+            return array.draw(self.seed, block, masks);
         }
         masks.clear();
         if self.scheme == Scheme::Net {

@@ -55,7 +55,7 @@ impl Moments {
             moments
         };
         let parts: Vec<Self> = (0..PARTS).into_par_iter().map(part).collect();
-        parts.into_iter().fold(Self::zero(model.vessels()), Self::plus)
+        parts.iter().fold(Self::zero(model.vessels()), Self::plus)
     }
 
     /// Adds the block in `work.masks`.
@@ -78,7 +78,7 @@ impl Moments {
         self.samples += 64.0;
     }
 
-    fn plus(mut self, other: Self) -> Self {
+    fn plus(mut self, other: &Self) -> Self {
         let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         self.samples += other.samples;
         add(&mut self.sum, &other.sum);
@@ -200,14 +200,16 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Of the first `blocks` blocks; with the pairs of bits only where they are asked for.
-    pub fn of(model: &Model, masks: &mut Masks, blocks: u64, with_pairs: bool, work: &mut Work) -> Self {
+    /// Of the first `samples` samples; with the pairs of bits only where they are asked for.
+    pub fn of(model: &Model, masks: &mut Masks, samples: u64, with_pairs: bool, work: &mut Work) -> Self {
         let m = model.vessels();
         let pairs = if with_pairs { vec![0.0; m * m] } else { Vec::new() };
         let mut totals = Self { samples: 0.0, sum: vec![0.0; m], block_square: vec![0.0; m], open: vec![0.0; m], pairs };
         let mut block_sum = vec![0.0; m];
-        for block in 0..blocks {
+        for block in 0..samples.div_ceil(64) {
             masks.draw(block, &mut work.masks);
+            let used = (samples - block * 64).min(64);
+            work.masks.iter_mut().for_each(|mask| *mask &= u64::MAX >> (64 - used));
             block_sum.fill(0.0);
             model.solve(work, |_, vessel, y| block_sum[vessel] += y);
             for (e, sum) in block_sum.iter().enumerate() {
@@ -215,7 +217,7 @@ impl Totals {
                 totals.block_square[e] += sum * sum;
             }
             totals.count_bits(&work.masks);
-            totals.samples += 64.0;
+            totals.samples += used as f64;
         }
         totals
     }
