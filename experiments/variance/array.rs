@@ -47,8 +47,7 @@ impl Array {
     pub fn new(shape: Shape, keep: &[f64], seed: u64) -> Self {
         let (s, mut rng) = (shape.levels, block_stream(seed, STREAM));
         let digits = |number: u64| (0..shape.digits).map(move |d| (number / u64::from(s).pow(d)) as u32 % s);
-        let mut points: Vec<u64> =
-            (1..shape.samples()).filter(|p| digits(*p).filter(|d| *d > 0).next_back() == Some(1)).collect();
+        let mut points: Vec<u64> = (1..shape.samples()).filter(|p| digits(*p).rfind(|d| *d > 0) == Some(1)).collect();
         let columns = keep.iter().enumerate().map(|(i, keep)| {
             let other = i + below(points.len() - i, &mut rng);
             points.swap(i, other);

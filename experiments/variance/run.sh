@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures every scheme on every graph, writes results.csv and the tables of README.md from it. Takes about three minutes.
+# Measures every scheme on every graph, writes results.csv and the tables of README.md from it. Takes about four minutes.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 here=experiments/variance
