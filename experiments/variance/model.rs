@@ -1,0 +1,109 @@
+//! A graph whose samples are solved for masks of any origin: the step of `willis infer` with its mask as an argument.
+
+use willis::error::Result;
+use willis::hemodynamics::boundary::stated;
+use willis::hemodynamics::floating::stranded;
+use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use willis::hemodynamics::star_mesh::{self, LANES, Lanes};
+use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
+use willis::inference::{Forest, Params, Sums, Uncertain, infer};
+use willis::network::Network;
+use willis::perturbation::Occlusion;
+use willis::resilience::{is_diffused, resilience_per_square_drop};
+
+pub struct Model {
+    pub name: String,
+    /// The keep probability of each vessel.
+    pub keep: Vec<f64>,
+    /// The vessels that share a node with each vessel.
+    pub neighbours: Vec<Vec<usize>>,
+    circuit: Circuit,
+    program: StarMesh,
+    per_square_drop: Vec<f64>,
+}
+
+/// The memory of one worker.
+#[derive(Default)]
+pub struct Work {
+    pub masks: Vec<u64>,
+    present: Vec<u8>,
+    lanes: star_mesh::Workspace,
+    pressure: Vec<Lanes>,
+    resilience: Vec<Lanes>,
+    forest: Forest,
+}
+
+impl Model {
+    /// A graph with the conditions that its nodes state, every vessel on trial, the priors of the file.
+    pub fn new(name: &str, network: &Network, epsilon: f64) -> Result<Self> {
+        let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
+        let circuit = Circuit::new(network, &boundary, BLOOD_VISCOSITY)?;
+        let program = StarMesh::compile(&circuit, usize::MAX).ok_or(willis::error::Error::Breakdown)?;
+        let on_trial = Uncertain::All.vessels(network);
+        let vessels = || network.vessels().map(|(_, v)| v).zip(&circuit.conductance);
+        let touch = |a: [usize; 2], b: [usize; 2]| a.iter().any(|node| b.contains(node));
+        let rows = 0..network.vessel_count();
+        let neighbours = circuit
+            .ends
+            .iter()
+            .enumerate()
+            .map(|(row, here)| rows.clone().filter(|other| *other != row && touch(*here, circuit.ends[*other])).collect());
+        let model = Self {
+            name: name.to_owned(),
+            keep: vessels().zip(on_trial).map(|((v, _), trial)| if trial { (1.0 - epsilon) * v.prior } else { 1.0 }).collect(),
+            neighbours: neighbours.collect(),
+            per_square_drop: vessels().map(|(v, c)| resilience_per_square_drop(*c, v.radius, v.length)).collect(),
+            circuit: circuit.clone(),
+            program,
+        };
+        model.check_against_library(network, &boundary, epsilon)?;
+        Ok(model)
+    }
+
+    pub fn vessels(&self) -> usize {
+        self.keep.len()
+    }
+
+    /// Solves the 64 samples of `work.masks`; calls `take` with sample, vessel and contribution for the vessels of each
+    /// sample's forest.
+    pub fn solve(&self, work: &mut Work, mut take: impl FnMut(usize, usize, f64)) {
+        for first in (0..64).step_by(LANES) {
+            work.present.clear();
+            work.present.extend(work.masks.iter().map(|mask| (mask >> first) as u8));
+            let stranded = stranded(&self.circuit, &work.present, LANES);
+            self.program.solve(&work.present, &stranded, &mut work.lanes, &mut work.pressure);
+            let level = self.circuit.level;
+            work.resilience.clear();
+            let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.present);
+            work.resilience.extend(vessels.map(|((ends, per_square_drop), present)| {
+                let (a, b) = (work.pressure[ends[0]], work.pressure[ends[1]]);
+                std::array::from_fn(|lane| {
+                    let drop = a[lane] - b[lane];
+                    let flows = present >> lane & 1 == 1 && is_diffused(drop, a[lane] + level, b[lane] + level);
+                    if flows { drop * drop * per_square_drop } else { 0.0 }
+                })
+            }));
+            for lane in 0..LANES {
+                work.forest.clear();
+                for (vessel, resilience) in work.resilience.iter().enumerate().filter(|(_, r)| r[lane] > 0.0) {
+                    work.forest.add(resilience[lane], vessel);
+                }
+                let resilience = &work.resilience;
+                work.forest.grow(self.circuit.node_count(), &self.circuit.ends, |vessel| {
+                    take(first + lane, vessel, resilience[vessel][lane]);
+                });
+            }
+        }
+    }
+
+    /// One block here is one block there, bit for bit: the experiment measures what the program does.
+    fn check_against_library(&self, network: &Network, boundary: &Boundary, epsilon: f64) -> Result<()> {
+        let params = Params { epsilon, samples: 64, seed: 3, uncertain: Uncertain::All, ..Params::default() };
+        let (there, _) = infer(network, boundary, &params, &mut |_: u64, _: u64| true)?;
+        let (mut work, mut here) = (Work::default(), Sums::zero(self.vessels()));
+        Occlusion::new(self.keep.iter().copied()).draw(3, 0, &mut work.masks);
+        self.solve(&mut work, |_, vessel, contribution| here.likelihood[vessel] += contribution);
+        assert_eq!(here.likelihood, there.likelihood, "{}: the step differs from the library's", self.name);
+        Ok(())
+    }
+}
