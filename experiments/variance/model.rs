@@ -4,12 +4,15 @@ use willis::error::Result;
 use willis::hemodynamics::boundary::stated;
 use willis::hemodynamics::floating::stranded;
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
-use willis::hemodynamics::star_mesh::{self, LANES, Lanes};
+use willis::hemodynamics::star_mesh;
 use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
-use willis::inference::{Forest, Params, Sums, Uncertain, infer};
+use willis::inference::{Forest, Params, Uncertain, infer, key};
 use willis::network::Network;
 use willis::perturbation::Occlusion;
 use willis::resilience::{is_diffused, resilience_per_square_drop};
+
+/// Samples solved side by side.
+const LANES: usize = 8;
 
 pub struct Model {
     pub name: String,
@@ -26,10 +29,8 @@ pub struct Model {
 #[derive(Default)]
 pub struct Work {
     pub masks: Vec<u64>,
-    present: Vec<u8>,
-    lanes: star_mesh::Workspace,
-    pressure: Vec<Lanes>,
-    resilience: Vec<Lanes>,
+    solver: Option<star_mesh::Workspace<LANES>>,
+    resilience: Vec<[f64; LANES]>,
     forest: Forest,
 }
 
@@ -67,26 +68,25 @@ impl Model {
     /// Solves the 64 samples of `work.masks`; calls `take` with sample, vessel and contribution for the vessels of each
     /// sample's forest.
     pub fn solve(&self, work: &mut Work, mut take: impl FnMut(usize, usize, f64)) {
+        let stranded = stranded(&self.circuit, &work.masks, 64);
+        let solver = work.solver.get_or_insert_with(|| self.program.workspace());
         for first in (0..64).step_by(LANES) {
-            work.present.clear();
-            work.present.extend(work.masks.iter().map(|mask| (mask >> first) as u8));
-            let stranded = stranded(&self.circuit, &work.present, LANES);
-            self.program.solve(&work.present, &stranded, &mut work.lanes, &mut work.pressure);
+            self.program.solve(&work.masks, first, &stranded, solver);
             let level = self.circuit.level;
             work.resilience.clear();
-            let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.present);
-            work.resilience.extend(vessels.map(|((ends, per_square_drop), present)| {
-                let (a, b) = (work.pressure[ends[0]], work.pressure[ends[1]]);
+            let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);
+            work.resilience.extend(vessels.map(|((ends, per_square_drop), mask)| {
+                let [a, b] = ends.map(|node| solver.pressure[self.program.slot(node)]);
                 std::array::from_fn(|lane| {
                     let drop = a[lane] - b[lane];
-                    let flows = present >> lane & 1 == 1 && is_diffused(drop, a[lane] + level, b[lane] + level);
+                    let flows = mask >> (first + lane) & 1 == 1 && is_diffused(drop, a[lane] + level, b[lane] + level);
                     if flows { drop * drop * per_square_drop } else { 0.0 }
                 })
             }));
             for lane in 0..LANES {
                 work.forest.clear();
                 for (vessel, resilience) in work.resilience.iter().enumerate().filter(|(_, r)| r[lane] > 0.0) {
-                    work.forest.add(resilience[lane], vessel);
+                    work.forest.add(key(resilience[lane], vessel));
                 }
                 let resilience = &work.resilience;
                 work.forest.grow(self.circuit.node_count(), &self.circuit.ends, |vessel| {
@@ -96,14 +96,20 @@ impl Model {
         }
     }
 
-    /// One block here is one block there, bit for bit: the experiment measures what the program does.
+    /// One block here is one block there, but for the order of the sums: the experiment measures what the program does.
     fn check_against_library(&self, network: &Network, boundary: &Boundary, epsilon: f64) -> Result<()> {
         let params = Params { epsilon, samples: 64, seed: 3, uncertain: Uncertain::All, ..Params::default() };
         let (there, _) = infer(network, boundary, &params, &mut |_: u64, _: u64| true)?;
-        let (mut work, mut here) = (Work::default(), Sums::zero(self.vessels()));
+        let (mut work, mut here) = (Work::default(), vec![(0.0, 0.0); self.vessels()]);
         Occlusion::new(self.keep.iter().copied()).draw(3, 0, &mut work.masks);
-        self.solve(&mut work, |_, vessel, contribution| here.likelihood[vessel] += contribution);
-        assert_eq!(here.likelihood, there.likelihood, "{}: the step differs from the library's", self.name);
+        self.solve(&mut work, |_, vessel, contribution| {
+            here[vessel].0 += contribution;
+            here[vessel].1 += 1.0 / 64.0;
+        });
+        for (row, (likelihood, frequency)) in here.into_iter().enumerate() {
+            assert_eq!(frequency, there.frequency[row], "{}: the step differs from the library's", self.name);
+            assert!((likelihood - there.likelihood[row]).abs() <= 1e-12 * likelihood, "{}: vessel {row}", self.name);
+        }
         Ok(())
     }
 }
