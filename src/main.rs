@@ -4,14 +4,15 @@ mod cli;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
-    let cli = cli::Cli::parse();
+    let cli = match cli::Cli::read() {
+        Ok(cli) => cli,
+        Err(status) => return ExitCode::from(status),
+    };
     match cli.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("willis: {error}");
+            cli::say_error(&error);
             ExitCode::from(if error.is_usage() { 2 } else { 1 })
         }
     }

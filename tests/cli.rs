@@ -92,7 +92,11 @@ fn a_graph_without_an_end_to_enter_by_is_refused() {
 
 #[test]
 fn arguments_out_of_range_are_refused_by_name_and_value() {
-    let cases: [(&[&str], &[&str]); 12] = [
+    let cases: [(&[&str], &[&str]); 16] = [
+        (&["--epsilon", "0.5,0.5"], &["--epsilon", "0.5", "twice"]),
+        (&["--epsilon", "abc"], &["--epsilon", "abc"]),
+        (&["--flow", "1=10", "--flow=3=-10"], &["flows only", "pressure"]),
+        (&["--observed"], &["--observed", "graph"]),
         (&["--epsilon", "1.5"], &["--epsilon", "1.5", "0 <= epsilon < 1"]),
         (&["--epsilon", "-0.1"], &["--epsilon", "-0.1"]),
         (&["-n", "0"], &["--samples", "0"]),
@@ -108,7 +112,7 @@ fn arguments_out_of_range_are_refused_by_name_and_value() {
     ];
     for (extra, words) in cases {
         let joined: Vec<String> = match extra {
-            [name, value] if name.starts_with("--") => vec![format!("{name}={value}")],
+            [name, value] if name.starts_with("--") && !value.starts_with("--") => vec![format!("{name}={value}")],
             other => other.iter().map(ToString::to_string).collect(),
         };
         let mut arguments = vec!["infer", "a.swc", "-o", "out"];
@@ -133,6 +137,18 @@ fn an_output_that_exists_is_left_alone() {
     let again = willis(here.path(), &["infer", "a.swc", "-o", "ours", "-q", "--seed", "1"]);
     assert!(stderr(&again).contains("--force"), "{}", stderr(&again));
     assert!(willis(here.path(), &["infer", "a.swc", "-o", "ours", "-q", "--seed", "1", "--force"]).status.success());
+    // A folder that holds a run and something else is not ours to replace, nor is a folder of runs with something else.
+    fs::create_dir(here.path().join("study")).expect("made");
+    fs::write(here.path().join("study/thesis.txt"), "precious").expect("written");
+    assert!(willis(here.path(), &["infer", "a.swc", "-o", "study/run", "-q"]).status.success());
+    fs::write(here.path().join("study/run/notes.txt"), "precious").expect("written");
+    for target in ["study", "study/run"] {
+        let output = willis(here.path(), &["infer", "a.swc", "-o", target, "--force"]);
+        assert_eq!(output.status.code(), Some(2), "{target}: {}", stderr(&output));
+        assert!(stderr(&output).contains(".txt"), "{}", stderr(&output));
+    }
+    assert!(here.path().join("study/thesis.txt").exists() && here.path().join("study/run/notes.txt").exists());
+    fs::remove_dir_all(here.path().join("study")).expect("removed");
     let record = fs::read_to_string(here.path().join("ours/run.json")).expect("a record");
     assert!(record.contains("\"seed\": 1"));
     let left: Vec<_> = fs::read_dir(here.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
@@ -200,4 +216,55 @@ fn several_occlusion_probabilities_make_a_folder_each_and_a_table() {
     assert!(here.path().join("out/epsilon-0.2/edges.csv").exists() && here.path().join("out/epsilon-0.5/edges.csv").exists());
     let table = fs::read_to_string(here.path().join("out/agreement.csv")).expect("a table");
     assert_eq!(table.lines().count(), 2, "{table}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_or_closed_standard_error_and_a_strange_file_name_are_no_reason_to_fail() {
+    use std::os::unix::ffi::OsStrExt;
+    let here = folder();
+    let name = std::ffi::OsStr::from_bytes(b"\xff.swc");
+    fs::write(here.path().join(name), LINE).expect("written");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
+    command.current_dir(here.path()).arg("infer").arg(name).args(["-o", "out"]);
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+    let status = command.stderr(full).status().expect("runs");
+    assert_eq!(status.code(), Some(0));
+    assert!(here.path().join("out/run.json").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_behind() {
+    let here = folder();
+    fs::write(here.path().join("a.swc"), LINE).expect("written");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
+    let arguments = ["infer", "a.swc", "-o", "out", "-n", "1000000000000", "--epsilon", "0.1,0.2"];
+    let child = command.current_dir(here.path()).args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(kill.success());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).lines().any(|l| l.starts_with("willis: stopped after")), "{}", stderr(&output));
+    let left: Vec<_> = fs::read_dir(here.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
+    assert_eq!(left, ["a.swc"]);
+}
+
+#[test]
+fn an_output_is_an_input_with_the_same_conditions() {
+    let here = folder();
+    let input = data("broken-circle-of-willis.swc");
+    assert!(willis(here.path(), &["infer", &input, "-o", "out", "-q"]).status.success());
+    let mut conditions = Vec::new();
+    for next in ["out/topology.graphml", "out/edges.csv"] {
+        assert!(willis(here.path(), &["infer", next, "-o", "again", "-q", "--force"]).status.success());
+        let record = fs::read_to_string(here.path().join("again/run.json")).expect("a record");
+        let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
+        let of = |c: &serde_json::Value| (c["node"].clone(), c["pressure_mmHg"].clone(), c["resistance_mmHg_s_per_mL"].clone());
+        let all = record["boundary_conditions"].as_array().expect("a list").iter().map(of).collect::<Vec<_>>();
+        assert!(all.len() > 10);
+        conditions.push(all);
+    }
+    assert_eq!(conditions[0], conditions[1]);
 }

@@ -92,7 +92,8 @@ impl BoundaryArgs {
         let mut given = BTreeMap::new();
         for (option, text) in inlets.chain(outlets).chain(flows) {
             let refused = |why: String| Error::parameter(option, format!("\"{text}\""), why);
-            let (spec, role, condition) = parse(option, text).map_err(refused)?;
+            let whole = option != "--flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
+            let (spec, role, condition) = parse(option, text, whole).map_err(refused)?;
             let found = locate(network, spec).map_err(refused)?;
             if found.distance.is_some() {
                 terminal.say("condition", format!("{spec} is node {}{}", network.node(found.node).id, found.note()));
@@ -105,9 +106,9 @@ impl BoundaryArgs {
     }
 }
 
-/// `SPEC[=VALUE]`: the value is what follows the last `=`, when it is one.
-fn parse<'a>(option: &str, text: &'a str) -> Result<(&'a str, Role, Condition), String> {
-    let split = text.rsplit_once('=');
+/// `SPEC[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.
+fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role, Condition), String> {
+    let split = text.rsplit_once('=').filter(|_| !whole);
     match option {
         "--inlet" => match split.map(|(spec, value)| (spec, Dimension::Pressure.parse(value))) {
             None => Ok((text, Role::Inlet, Condition::Pressure(pascals(INLET_PRESSURE_MMHG)))),

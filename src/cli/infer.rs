@@ -19,7 +19,7 @@ use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
 use super::shell::print_line;
 use super::tell::{say_built, say_outcome};
-use super::terminal::{Terminal, count, plural};
+use super::terminal::{Terminal, count, is_stopped, plural};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Prior {
@@ -147,6 +147,10 @@ impl InferArgs {
         let start = Instant::now();
         let rule = parse_rule(&self.keep)?;
         let runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
+        if let Some(epsilon) = (1..runs.len()).map(|i| self.epsilon[i]).enumerate().find(|(i, e)| self.epsilon[..=*i].contains(e))
+        {
+            return Err(Error::parameter("--epsilon", epsilon.1, "given twice; expected each probability once"));
+        }
         self.boundary.found_outlets(true)?;
         check_dpi(self.dpi)?;
         StagedFolder::check(&self.output, force)?;
@@ -185,6 +189,9 @@ impl InferArgs {
                 decisions.push((params.epsilon, job.run(params, &sub, terminal)?));
             }
             write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions)))?;
+        }
+        if is_stopped() {
+            return Err(Error::Stopped { done: self.samples, total: self.samples });
         }
         folder.commit()?;
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
@@ -263,6 +270,7 @@ impl Job<'_> {
             above_median: topology(&answer.above_median),
             uniform_prior: params.uniform_prior,
             method,
+            weight: params.weight,
             exact: params.exact,
             viscosity: params.viscosity,
         };

@@ -156,6 +156,14 @@ impl InputArgs {
         };
         let options = ReadOptions { scale, radius_array: self.radius_array.clone(), loops: self.loops.clone() };
         let document = read(&self.input, &options)?;
+        if matches!(document.content, Content::Graph(_)) {
+            let given = [("--radius-array", self.radius_array.as_ref()), ("--default-radius", self.default_radius.as_ref())];
+            if let Some((option, value)) = given.into_iter().find_map(|(option, value)| Some((option, value?))) {
+                return Err(Error::parameter(option, value, "goes with centerlines; this input is a graph"));
+            }
+        } else if self.observed {
+            return Err(Error::parameter("--observed", "", "goes with a graph; centerlines are observed anyway"));
+        }
         let mut notes = document.notes;
         if let Some([x, y, z]) = scale.spacing.filter(|[x, y, z]| x != y || y != z) {
             notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));

@@ -55,7 +55,30 @@ struct Common {
     force: bool,
 }
 
+/// Prints an error in one line.
+pub fn say_error(error: &Error) {
+    terminal::line(format_args!("willis: {error}"));
+}
+
 impl Cli {
+    /// The command line, or the exit status after its help or its one-line error has been printed.
+    pub fn read() -> Result<Self, u8> {
+        Self::try_parse().map_err(|error| {
+            if error.use_stderr() {
+                let text = error.render().to_string();
+                let lines: Vec<&str> = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:")).collect();
+                let said =
+                    lines.iter().filter(|l| !l.is_empty() && !l.starts_with("For more")).copied().collect::<Vec<_>>().join(" ");
+                terminal::line(format_args!("willis: {}; see willis help", said.trim_start_matches("error: ")));
+                2
+            } else {
+                // Help and version go to standard output; a closed pipe is no fault.
+                let _ = error.print();
+                0
+            }
+        })
+    }
+
     /// Runs the subcommand.
     pub fn run(self) -> Result<()> {
         if let Some(threads) = self.common.threads {

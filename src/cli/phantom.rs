@@ -124,6 +124,13 @@ fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> R
             } else {
                 path.with_file_name("nodes.csv")
             };
+            if table == path {
+                return Err(Error::parameter(
+                    "--output",
+                    path.display(),
+                    "is the table of nodes; expected another name for that of the vessels",
+                ));
+            }
             let table = StagedFile::new(&table, force)?;
             write_file(&table.path(), |out| write_csv(out, &nodes))?;
             write_file(&file.path(), |out| write_csv(out, &vessels))?;

@@ -16,7 +16,7 @@ const IMMATERIAL: [(&str, bool); 9] = [
 /// This process's command line without the options that change no result, quoted for a shell.
 pub fn command_line() -> String {
     let mut words = vec!["willis".to_owned()];
-    let mut rest = std::env::args().skip(1);
+    let mut rest = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = rest.next() {
         match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
             Some((name, true)) if word == *name => drop(rest.next()),

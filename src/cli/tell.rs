@@ -1,7 +1,7 @@
 //! What `willis infer` tells a person: what was built, what came out.
 
 use willis::candidates;
-use willis::inference::Keep;
+use willis::inference::{Keep, Weight};
 use willis::network::{Network, Origin};
 use willis::report::Outcome;
 
@@ -20,7 +20,10 @@ pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Param
     if candidates == 0 {
         terminal.say(
             "note",
-            "no free end has another vessel within reach; a larger --max-gap cannot help, only other centerlines can",
+            match params.max_gap {
+                Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
+                None => "no free end has another vessel within reach",
+            },
         );
     }
 }
@@ -37,7 +40,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
-        (_, Some(cut)) => format!("L > {} W/m³", brief(cut)),
+        (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no vessel on trial has L > 0".into(),
     };
     terminal.say(

@@ -1,7 +1,7 @@
 //! What a person sees while a command runs: one headed line a fact, progress with rate and time left.
 
-use std::io::IsTerminal;
-use std::sync::Arc;
+use std::io::{IsTerminal, Write};
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -13,6 +13,9 @@ pub struct Terminal {
     quiet: bool,
     verbose: bool,
 }
+
+static STOP: AtomicBool = AtomicBool::new(false);
+static HANDLER: Once = Once::new();
 
 /// Between two progress lines where there is no terminal.
 const QUIET_TIME: Duration = Duration::from_secs(10);
@@ -28,7 +31,7 @@ impl Terminal {
         if !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
-            eprintln!("{on}{heading:>10}{off}  {}", fact.as_ref());
+            line(format_args!("{on}{heading:>10}{off}  {}", fact.as_ref()));
         }
     }
 
@@ -41,13 +44,9 @@ impl Terminal {
 
     /// Progress over so many samples, stopped by Ctrl-C or SIGTERM.
     pub fn progress(self, total: u64) -> SampleProgress {
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
-        // A second run in one process finds a handler in place; it then cannot be stopped gently, only at once.
-        let _ = ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(1);
-            }
+        HANDLER.call_once(|| {
+            // Without a handler a signal ends the process at once, which leaves no output either.
+            let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
         });
         let bar = if self.quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(total) };
         let style =
@@ -61,9 +60,18 @@ impl Terminal {
             lines: !self.quiet && !std::io::stderr().is_terminal(),
             last: Instant::now(),
             start: Instant::now(),
-            stop,
         }
     }
+}
+
+/// Whether Ctrl-C or SIGTERM has come.
+pub fn is_stopped() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
+/// A line on standard error; one that is closed or full is no reason to stop.
+pub fn line(text: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// A progress bar on a terminal, plain lines elsewhere.
@@ -72,7 +80,6 @@ pub struct SampleProgress {
     lines: bool,
     last: Instant,
     start: Instant,
-    stop: Arc<AtomicBool>,
 }
 
 impl willis::inference::Progress for SampleProgress {
@@ -83,9 +90,9 @@ impl willis::inference::Progress for SampleProgress {
             self.last = Instant::now();
             let rate = done as f64 / self.start.elapsed().as_secs_f64();
             let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
-            eprintln!("{:>10}  {} of {} samples, {rate:.0}/s, {left:.0} s left", "sampling", count(done), count(total));
+            line(format_args!("{:>10}  {} of {} samples, {rate:.0}/s, {left:.0} s left", "sampling", count(done), count(total)));
         }
-        !self.stop.load(Ordering::Relaxed)
+        !is_stopped()
     }
 }
 

@@ -53,7 +53,7 @@ impl Boundary {
     ///
     /// # Errors
     ///
-    /// No inlet or no outlet is given and there is no free end to make one of.
+    /// No inlet or no outlet is given and there is no free end to make one of; nothing fixes a pressure.
     pub fn resolve(network: &Network, given: &[Given], outlets: FoundOutlets) -> Result<Self> {
         let mut boundary = Self {
             conditions: given.iter().map(|g| (g.node, g.condition)).collect(),
@@ -99,6 +99,16 @@ impl Boundary {
             boundary.found_outlets = found;
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
+        for (_, condition) in &mut boundary.conditions {
+            *condition = condition.as_stored();
+        }
+        if boundary.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_))) {
+            return Err(Error::parameter(
+                "conditions",
+                "are flows only",
+                "expected a pressure or a resistance at one node at least",
+            ));
+        }
         Ok(boundary)
     }
 
@@ -150,10 +160,10 @@ pub fn stated(network: &Network) -> Vec<Given> {
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
     let ends = ends.nodes.len();
-    let also = if other { "" } else { " and an outlet" };
+    let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
     Error::parameter(
-        format!("no {what}{also}"),
-        format!("is given and none can be found among {ends} free ends"),
+        what_is_missing,
+        format!("is given or can be found among {ends} free ends"),
         format!("give --{what} SPEC (a node id, a label or x,y,z in mm){}", if other { "" } else { " and --outlet SPEC" }),
     )
 }

@@ -51,6 +51,7 @@ pub fn decide(rule: Keep, result: &Likelihood) -> Answer {
         (_, Some(cut)) => figure[row] > cut,
         (_, None) => false,
     };
+    let flip = cut.and_then(|cut| flipping_point(rule, cut, result));
     let rows = 0..result.likelihood.len();
     let error = |row: usize| match rule {
         Keep::Frequency(_) => (figure[row] * (1.0 - figure[row]) / result.samples.max(1) as f64).sqrt(),
@@ -65,9 +66,26 @@ pub fn decide(rule: Keep, result: &Likelihood) -> Answer {
             .map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m))
             .collect(),
         undecided: rows
-            .filter(|row| result.uncertain[*row] && cut.is_some_and(|cut| (figure[*row] - cut).abs() < UNDECIDED_Z * error(*row)))
+            .filter(|row| result.uncertain[*row] && flip.is_some_and(|flip| !decided(figure[*row] - flip, error(*row))))
             .collect(),
     }
+}
+
+/// Whether a distance from the threshold is more than chance; never when the error is unknown.
+fn decided(distance: f64, error: f64) -> bool {
+    distance.abs() >= UNDECIDED_Z * error
+}
+
+/// The figure at which a decision would flip: a threshold that is itself one of the figures, as a median is, flips none
+/// until a rank changes, midway between the nearest figures on its two sides.
+fn flipping_point(rule: Keep, cut: f64, result: &Likelihood) -> Option<f64> {
+    if matches!(rule, Keep::Value(_) | Keep::Frequency(_)) {
+        return Some(cut);
+    }
+    let positive = || result.likelihood.iter().zip(&result.uncertain).filter(|(l, u)| **u && **l > 0.0).map(|(l, _)| *l);
+    let below = positive().filter(|l| *l <= cut).reduce(f64::max)?;
+    let above = positive().filter(|l| *l > cut).reduce(f64::min)?;
+    Some(0.5 * (below + above))
 }
 
 impl Topology {

@@ -19,6 +19,8 @@ use crate::rng::BLOCK;
 /// Samples that a run until stable begins and ends with.
 const FIRST_STABLE: u64 = 1 << 10;
 const LAST_STABLE: u64 = 1 << 20;
+/// Blocks between two reports of a worker.
+const REPORT_EVERY: u64 = 16;
 /// Points of the convergence record, at the most.
 const SNAPSHOTS: u64 = 128;
 
@@ -112,21 +114,24 @@ fn run(
     let one_task = |at: u64| -> Result<Vec<(u64, Sums)>> {
         let (first, last) = (at * task, blocks.min((at + 1) * task));
         let (mut work, mut pool) = locked(&spare).pop().unwrap_or_else(|| (sampler.workspace(), Vec::new()));
-        let mut parts = DyadicSum::default();
+        let (mut parts, mut fresh) = (DyadicSum::default(), 0);
         for block in first..last {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Vec::new());
             }
             let mut sums = pool.pop().unwrap_or_else(|| Sums::zero(vessels));
             sampler.block(block, samples - block * BLOCK, &mut work, &mut sums)?;
+            fresh += sums.samples;
             parts.push(1, sums, &mut pool);
+            if (block + 1) % REPORT_EVERY == 0 || block + 1 == last {
+                let (done, progress) = &mut *locked(&heard);
+                *done += std::mem::take(&mut fresh);
+                if !progress.report(*done, samples) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
         }
         locked(&spare).push((work, pool));
-        let (done, progress) = &mut *locked(&heard);
-        *done += samples.min(last * BLOCK) - first * BLOCK;
-        if !progress.report(*done, samples) {
-            stop.store(true, Ordering::Relaxed);
-        }
         Ok(parts.into_nodes())
     };
     let tasks: Vec<Result<Vec<(u64, Sums)>>> = (0..blocks.div_ceil(task)).into_par_iter().map(one_task).collect();

@@ -45,13 +45,15 @@ impl Sums {
     }
 
     /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
-    /// one contribution; zero for fewer than two samples.
+    /// one contribution; not a number for fewer than two samples.
     pub fn standard_errors(&self) -> Vec<f64> {
         let n = self.samples as f64;
         let each = self.likelihood.iter().zip(&self.square);
         each.map(|(sum, square)| {
-            let variance = (square - sum * sum / n) / (n - 1.0);
-            if n > 1.0 { (n * variance.max(0.0)).sqrt() } else { 0.0 }
+            let spread = square - sum * sum / n;
+            // What equal contributions leave is rounding.
+            let spread = if spread <= 8.0 * f64::EPSILON * square { 0.0 } else { spread };
+            if n > 1.0 { (n * spread / (n - 1.0)).sqrt() } else { f64::NAN }
         })
         .collect()
     }

@@ -11,6 +11,7 @@ pub use locate::{Located, locate, nearest, parse_position};
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 
 use crate::geometry::Point;
+use crate::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
 
 /// A junction, a free end or a landmark.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -65,6 +66,21 @@ pub enum Condition {
     },
     /// A fixed flow into the network, m³/s.
     Flow(f64),
+}
+
+impl Condition {
+    /// The condition that a file in mmHg and mL hands back.
+    #[must_use]
+    pub fn as_stored(self) -> Self {
+        match self {
+            Self::Pressure(p) => Self::Pressure(pascals(mmhg(p))),
+            Self::Resistance { resistance, venous } => Self::Resistance {
+                resistance: pascal_seconds_per_cubic_metre(mmhg_s_per_ml(resistance)),
+                venous: pascals(mmhg(venous)),
+            },
+            Self::Flow(flow) => Self::Flow(cubic_metres_per_second(ml_per_min(flow))),
+        }
+    }
 }
 
 /// Whether the image showed the vessel.

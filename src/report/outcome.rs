@@ -10,7 +10,7 @@ use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
 use crate::formats::{Column, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp};
 use crate::hemodynamics::{Boundary, Circuit, steady};
-use crate::inference::{Answer, Keep, Likelihood, Method, Topology, threshold};
+use crate::inference::{Answer, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
 use crate::network::{Network, fragments};
 
 /// The largest matrix written densely, in nodes.
@@ -35,6 +35,8 @@ pub struct Outcome<'a> {
     pub above_median: Topology,
     /// Whether A = 1 was used instead of the vessels' own priors.
     pub uniform_prior: bool,
+    /// What a vessel of the forest contributed.
+    pub weight: Weight,
     /// Whether every pattern was enumerated.
     pub exact: bool,
     /// How the samples were computed.
@@ -80,15 +82,17 @@ fn topology(
     vessels: &[Column],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
-    let (graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    for (node, role) in outcome.boundary.roles.iter().enumerate() {
+        graph.node_mut(node).role = Some(*role);
+    }
     let circuit = Circuit::new(&graph, outcome.boundary, outcome.viscosity)?;
     let pressure = steady::pressures(&circuit, |_| true)?;
-    let nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    let mut nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(&graph, outcome.boundary));
     let vessels = select(vessels, &rows);
-    let mut attributes = nodes.clone();
-    attributes.extend(condition_columns(&graph, outcome.boundary));
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
-    write_file(&file("graphml"), |out| write_graphml(out, &graph, &attributes, &vessels))?;
+    write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
     if graph.has_positions() {
         write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
         if name == "topology" {
@@ -114,20 +118,21 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let trial: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
     let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
     let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
-    let threshold: Vec<f64> =
-        result.trace.iter().map(|s| running_threshold(outcome, &trial, &s.likelihood) / s.samples as f64).collect();
+    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
     let picture = convergence(&samples, &series, &threshold, &kept, dpi)?;
     write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))
 }
 
-/// The threshold on L that the samples so far would give; NaN where the rule is not one on L.
-fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], likelihood: &[f64]) -> f64 {
-    if matches!(outcome.rule, Keep::Frequency(_)) {
-        return f64::NAN;
+/// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
+fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot) -> f64 {
+    match outcome.rule {
+        Keep::Frequency(_) => return f64::NAN,
+        Keep::Value(x) => return x / outcome.result.samples as f64,
+        _ => {}
     }
     let so_far = Likelihood {
-        likelihood: likelihood.to_vec(),
+        likelihood: snapshot.likelihood.clone(),
         std_error: vec![0.0; trial.len()],
         frequency: vec![0.0; trial.len()],
         uncertain: vec![true; trial.len()],
@@ -135,5 +140,5 @@ fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], likelihood: &[f64])
         samples: 1,
         trace: Vec::new(),
     };
-    threshold(outcome.rule, &so_far).unwrap_or(f64::NAN)
+    threshold(outcome.rule, &so_far).map_or(f64::NAN, |cut| cut / snapshot.samples as f64)
 }

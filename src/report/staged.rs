@@ -7,8 +7,49 @@ use tempfile::TempDir;
 
 use crate::error::{Error, Result};
 
-/// The file by which a folder of this program is known, so that --force replaces no other folder.
+/// The record by which a folder of this program is known.
 const MARK: &str = "run.json";
+/// All that such a folder may hold; --force replaces no folder with anything else in it.
+const FILES: [&str; 12] = [
+    "edges.csv",
+    "nodes.csv",
+    "likelihood.npy",
+    "likelihood.npz",
+    "likelihood.png",
+    "convergence.png",
+    MARK,
+    "topology.graphml",
+    "topology.vtp",
+    "topology.swc",
+    "topology-median.graphml",
+    "topology-median.vtp",
+];
+const AGREEMENT: &str = "agreement.csv";
+
+/// The paths in a folder; `None` when it cannot be read.
+fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
+    fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
+}
+
+fn is_named(path: &Path, names: &[&str]) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names.contains(&name))
+}
+
+/// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
+fn stranger(folder: &Path) -> Option<PathBuf> {
+    let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
+    let record = || fs::read(folder.join(MARK)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
+    if folder.join(MARK).exists() {
+        let ours = record().is_some_and(|r| r.get("willis").is_some());
+        return if ours { paths.into_iter().find(|p| !is_named(p, &FILES)) } else { Some(folder.join(MARK)) };
+    }
+    paths.into_iter().find_map(|path| {
+        if path.is_dir() && path.join(MARK).exists() {
+            return stranger(&path);
+        }
+        (!is_named(&path, &[AGREEMENT])).then_some(path)
+    })
+}
 
 fn write_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
     move |source| Error::Write { path: path.to_owned(), source }
@@ -44,16 +85,14 @@ impl StagedFolder {
     /// It exists and `force` is off, or it is something that this program did not make.
     pub fn check(target: &Path, force: bool) -> Result<()> {
         vacant(target, force)?;
-        let ours = |target: &Path| {
-            let made_here = |entry: fs::DirEntry| entry.path().join(MARK).exists();
-            let empty = fs::read_dir(target).is_ok_and(|mut entries| entries.next().is_none());
-            let several = || fs::read_dir(target).is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(made_here)));
-            target.join(MARK).exists() || empty || several()
-        };
-        if target.exists() && !ours(target) {
-            return Err(Error::parameter("--output", target.display(), "--force replaces only a folder of an earlier run"));
+        match stranger(target).filter(|_| target.exists()) {
+            None => Ok(()),
+            Some(path) => {
+                let accepted =
+                    format!("--force replaces only a folder of an earlier run, and {} is none of its files", path.display());
+                Err(Error::parameter("--output", target.display(), accepted))
+            }
         }
-        Ok(())
     }
 
     /// Starts a folder that will stand at `target`.

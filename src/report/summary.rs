@@ -150,7 +150,7 @@ impl Summary {
                 "topology_median": topology(&outcome.above_median),
                 "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),
             }),
-            threshold: json!({ "rule": word_of_keep(outcome.rule), "value": answer.threshold, "median_W_per_m3": answer.median }),
+            threshold: json!({ "rule": word_of_keep(outcome.rule), "value": answer.threshold, "median": answer.median }),
             convergence: json!({
                 "undecided": answer.undecided.len(),
                 "undecided_edges": answer.undecided,

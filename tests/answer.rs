@@ -1,0 +1,50 @@
+//! The answer to likelihoods made up so that it can be read off: threshold, kept, undecided.
+
+use willis::inference::{Keep, Likelihood, decide};
+
+/// Uncertain vessels with these L and standard errors.
+fn likelihood(figures: &[(f64, f64)]) -> Likelihood {
+    Likelihood {
+        likelihood: figures.iter().map(|(l, _)| *l).collect(),
+        std_error: figures.iter().map(|(_, e)| *e).collect(),
+        frequency: figures.iter().map(|(l, _)| l / 10.0).collect(),
+        uncertain: vec![true; figures.len()],
+        network_resilience: 0.0,
+        samples: 100,
+        trace: Vec::new(),
+    }
+}
+
+#[test]
+fn the_median_leaves_out_zeros_and_what_is_not_on_trial_and_keeps_what_lies_above() {
+    let mut result = likelihood(&[(0.0, 0.0), (1.0, 0.1), (3.0, 0.1), (5.0, 0.1), (7.0, 0.1), (0.0, 0.0), (100.0, 0.1)]);
+    result.uncertain[6] = false;
+    let answer = decide(Keep::Median, &result);
+    assert_eq!(answer.median, Some(4.0));
+    assert_eq!(answer.kept, [false, false, false, true, true, false, true]);
+    assert!(answer.undecided.is_empty());
+}
+
+/// With an odd number the median is a vessel's own L; its decision flips only when ranks change.
+#[test]
+fn the_vessel_that_is_the_median_is_not_undecided_for_that() {
+    let answer = decide(Keep::Median, &likelihood(&[(1.0, 0.1), (3.0, 0.1), (5.0, 0.1)]));
+    assert_eq!((answer.median, &answer.kept[..]), (Some(3.0), &[false, false, true][..]));
+    assert!(answer.undecided.is_empty());
+    // The rank of the middle one flips at 4, halfway to the next: two errors of 0.6 reach it.
+    assert_eq!(decide(Keep::Median, &likelihood(&[(1.0, 0.1), (3.0, 0.6), (5.0, 0.1)])).undecided, [1]);
+    assert!(decide(Keep::Median, &likelihood(&[(1.0, 0.1), (3.0, 0.4), (5.0, 0.1)])).undecided.is_empty());
+    assert!(decide(Keep::Median, &likelihood(&[(2.0, 0.1)])).undecided.is_empty());
+}
+
+#[test]
+fn the_other_rules() {
+    let result = likelihood(&[(1.0, 0.2), (2.0, 0.2), (10.0, 0.2), (11.0, 0.2)]);
+    assert_eq!(decide(Keep::Value(2.0), &result).kept, [false, false, true, true]);
+    assert_eq!(decide(Keep::Value(2.1), &result).undecided, [1]);
+    assert_eq!(decide(Keep::Quantile(0.0), &result).kept, [false, true, true, true]);
+    assert_eq!(decide(Keep::Frequency(0.2), &result).kept, [false, true, true, true]);
+    // Otsu on ln L: 0, 0.69 | 2.30, 2.40.
+    assert_eq!(decide(Keep::Otsu, &result).kept, [false, false, true, true]);
+    assert_eq!(decide(Keep::Median, &likelihood(&[(0.0, 0.0)])).kept, [false]);
+}
