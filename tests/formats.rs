@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use willis::formats::{
-    Content, Document, Format, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
+    Content, Document, Format, RadiusArray, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
 };
 use willis::network::{Condition, Network, Origin};
 use willis::units::{LengthUnit, Scale, metres, pascals};
@@ -322,7 +322,7 @@ fn ascii_vtp(from: &str, to: &str) -> String {
 
 #[test]
 fn vtp_follows_connectivity_and_drops_unused_points() {
-    let (lines, _) = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), None).unwrap();
+    let (lines, _) = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), RadiusArray::Usual).unwrap();
     assert_eq!(lines.ids, [3, 1, 0, 2]);
     assert_eq!(lines.links, [[0, 1], [1, 2], [1, 3]]);
     assert_eq!(lines.strand, [0, 0, 0, 1]);
@@ -387,10 +387,13 @@ fn vtp_faults_name_the_array_and_the_value() {
             "v: AppendedData: the file ends within it; expected a complete file",
         ),
     ] {
-        let found = read_vtp(ascii_vtp(from, to).as_bytes(), &mm(), None).unwrap_err().in_file(Path::new("v")).to_string();
+        let found =
+            read_vtp(ascii_vtp(from, to).as_bytes(), &mm(), RadiusArray::Usual).unwrap_err().in_file(Path::new("v")).to_string();
         assert!(found.starts_with(message) && !found.contains('\n'), "{found}\n{message}");
     }
-    let named = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), Some("Area")).unwrap_err().in_file(Path::new("v"));
+    let named = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), RadiusArray::Named("Area")).unwrap_err().in_file(Path::new("v"));
     assert_eq!(named.to_string(), "v: no point array \"Area\"; there are \"Radius\"");
-    assert!(read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &mm(), Some("Width ")).is_ok());
+    assert!(read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &mm(), RadiusArray::Named("Width ")).is_ok());
+    let (bare, _) = read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &mm(), RadiusArray::Optional).unwrap();
+    assert!(bare.radii.iter().all(|r| r.is_nan()));
 }

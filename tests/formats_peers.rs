@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::formats::{Content, ReadOptions, read, read_graphml, read_vtp};
+use willis::formats::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
 use willis::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
 use willis::units::{Scale, metres, pascals};
 
@@ -36,7 +36,7 @@ fn python(script: &str, arguments: &[&Path]) -> Option<String> {
 #[test]
 fn five_encodings_of_one_geometry_agree() {
     let Some(folder) = shared("formats") else { return };
-    let read = |name: &str| read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), None).unwrap().0;
+    let read = |name: &str| read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), RadiusArray::Usual).unwrap().0;
     let reference = read("y-vmtkcenterlinemerge.vtp");
     assert_eq!((reference.points.len(), reference.links.len()), (144, 143));
     for name in ["y-xml-ascii.vtp", "y-xml-binary.vtp", "y-xml-appended.vtp"] {
@@ -48,7 +48,7 @@ fn five_encodings_of_one_geometry_agree() {
     assert_eq!(written, "26");
     for file in std::fs::read_dir(out.path()).unwrap() {
         let file = file.unwrap().path();
-        let found = read_vtp(&std::fs::read(&file).unwrap(), &mm(), None).unwrap().0;
+        let found = read_vtp(&std::fs::read(&file).unwrap(), &mm(), RadiusArray::Usual).unwrap().0;
         assert!(found == reference, "{}", file.display());
     }
 }
@@ -75,7 +75,7 @@ print(n)
 fn the_y_of_vmtk_is_three_vessels() {
     let Some(folder) = shared("formats") else { return };
     for name in ["y-vmtknetworkextraction.vtp", "y-vmtkcenterlinemerge.vtp"] {
-        let (mut lines, _) = read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), None).unwrap();
+        let (mut lines, _) = read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), RadiusArray::Usual).unwrap();
         lines.weld(1e-6);
         let found = contract(&lines, RadiusRule::Mean, None).unwrap().network;
         assert_eq!((found.node_count(), found.vessel_count()), (4, 3), "{name}");

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use willis::candidates::build;
-use willis::error::Result;
+use willis::error::{Error, Result};
 use willis::formats::write_graphml;
 use willis::report::{StagedFile, graph_columns, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
+use super::tell::say_built;
 use super::terminal::{Terminal, plural};
 
 /// Build the over-connected candidate graph and stop
@@ -31,6 +32,9 @@ pub struct CandidatesArgs {
 
 impl CandidatesArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("graphml")) {
+            return Err(Error::parameter("--output", self.output.display(), "expected an ending .graphml"));
+        }
         StagedFile::check(&self.output, force)?;
         let outlets = |fragments| self.boundary.found_outlets(fragments);
         outlets(true)?;
@@ -39,6 +43,11 @@ impl CandidatesArgs {
         let boundary = self.boundary.resolve(&loaded.network, outlets(loaded.fragments)?, terminal)?;
         let graph = if loaded.fragments { build(&loaded.network, &params)? } else { loaded.network };
         let boundary = boundary.extended_to(graph.node_count());
+        if loaded.fragments {
+            say_built(terminal, &graph, &params);
+        } else {
+            terminal.say("note", "already a candidate graph: nothing added (see --observed)");
+        }
         say_boundary(terminal, &graph, &boundary);
         let (nodes, vessels) = graph_columns(&graph, &boundary);
         let file = StagedFile::new(&self.output, force)?;

@@ -183,12 +183,13 @@ impl InferArgs {
             job.run(params, &folder.path(), terminal)?;
         } else {
             let mut decisions = Vec::new();
+            let uncertain = runs[0].uncertain.vessels(&graph);
             for params in &runs {
                 let sub = folder.path().join(format!("epsilon-{}", params.epsilon));
                 std::fs::create_dir(&sub).map_err(|source| Error::Write { path: sub.clone(), source })?;
                 decisions.push((params.epsilon, job.run(params, &sub, terminal)?));
             }
-            write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions)))?;
+            write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
         }
         if is_stopped() {
             return Err(Error::Stopped { done: self.samples, total: self.samples });

@@ -87,7 +87,7 @@ pub struct CandidateArgs {
     /// Nearest branches and free ends that every free end is joined to
     #[arg(short, value_name = "K", default_value_t = 6)]
     pub k: usize,
-    /// The longest gap to bridge [default: 20 point spacings + 5 end diameters]
+    /// The longest gap to bridge; never beyond 20 point spacings + 5 end diameters
     #[arg(long, value_name = "LENGTH")]
     pub max_gap: Option<String>,
     /// What a candidate may meet [default: centerline]
@@ -154,7 +154,12 @@ impl InputArgs {
             Radius::Mean => RadiusRule::Mean,
             Radius::Effective => RadiusRule::Effective,
         };
-        let options = ReadOptions { scale, radius_array: self.radius_array.clone(), loops: self.loops.clone() };
+        let options = ReadOptions {
+            scale,
+            radius_array: self.radius_array.clone(),
+            radius_optional: default_radius.is_some(),
+            loops: self.loops.clone(),
+        };
         let document = read(&self.input, &options)?;
         if matches!(document.content, Content::Graph(_)) {
             let given = [("--radius-array", self.radius_array.as_ref()), ("--default-radius", self.default_radius.as_ref())];

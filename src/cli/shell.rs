@@ -33,8 +33,13 @@ impl CompletionsArgs {
 /// `willis man`.
 pub fn man() -> Result<()> {
     let mut text = Vec::new();
-    let page = clap_mangen::Man::new(Cli::command());
-    page.render(&mut text).map_err(|source| Error::Write { path: "standard output".into(), source })?;
+    let mut command = Cli::command();
+    command.build();
+    // The overview, then a page for each subcommand.
+    for page in std::iter::once(&command).chain(command.get_subcommands()) {
+        let page = clap_mangen::Man::new(page.clone());
+        page.render(&mut text).map_err(|source| Error::Write { path: "standard output".into(), source })?;
+    }
     print(&text)
 }
 

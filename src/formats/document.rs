@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::{add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, xml};
+use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, xml};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
@@ -64,6 +64,8 @@ pub struct ReadOptions {
     pub scale: Scale,
     /// The VTP point array that holds the radius, where it is not one of the usual names.
     pub radius_array: Option<String>,
+    /// Whether centerlines may come without any radius.
+    pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
 }
@@ -84,7 +86,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             (Content::Centerlines(lines), notes)
         }
         Format::Vtp => {
-            let (lines, notes) = read_vtp(bytes, &options.scale, options.radius_array.as_deref()).map_err(here)?;
+            let radius = match options.radius_array.as_deref() {
+                Some(name) => RadiusArray::Named(name),
+                None if options.radius_optional => RadiusArray::Optional,
+                None => RadiusArray::Usual,
+            };
+            let (lines, notes) = read_vtp(bytes, &options.scale, radius).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
         Format::GraphMl => {

@@ -22,4 +22,4 @@ pub use numpy::{write_npy, write_npz};
 pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use swc_points::{write_centerlines_swc, write_loops};
 pub use table::write_csv;
-pub use vtp::{read_vtp, write_vtp};
+pub use vtp::{RadiusArray, read_vtp, write_vtp};

@@ -55,9 +55,20 @@ fn write_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
     move |source| Error::Write { path: path.to_owned(), source }
 }
 
-/// Refuses an output that exists, unless it may be replaced.
+/// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
 fn vacant(target: &Path, force: bool) -> Result<()> {
-    if force || !target.exists() { Ok(()) } else { Err(Error::Exists { path: target.to_owned() }) }
+    if target.exists() && !force {
+        return Err(Error::Exists { path: target.to_owned() });
+    }
+    let standing = target.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
+    let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match tempfile::Builder::new().prefix(".willis-").tempdir_in(folder) {
+        Ok(_) => Ok(()),
+        Err(e) => {
+            let accepted = format!("{} cannot be written to: {}", folder.display(), e.kind());
+            Err(Error::parameter("--output", target.display(), accepted))
+        }
+    }
 }
 
 /// A hidden folder beside `target`, with its missing parents made.

@@ -16,16 +16,28 @@ const RADIUS: [&str; 3] = ["MaximumInscribedSphereRadius", "Radius", "radius"];
 /// More points, cells or indices than any centerline has: a file that announces them is broken.
 const LIMIT: usize = 1 << 26;
 
+/// Which point array holds the radius.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RadiusArray<'a> {
+    /// The first one with a usual name.
+    #[default]
+    Usual,
+    /// The one with this name.
+    Named(&'a str),
+    /// The first one with a usual name; without one every radius is missing.
+    Optional,
+}
+
 /// Reads the polylines of all pieces with the radius of each point; returns also what a person should know.
 ///
 /// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
-/// `radius_array` names the point array with the radius where it has none of the usual names.
+/// `radius_array` says which point array holds the radius.
 ///
 /// # Errors
 ///
 /// XML that is not well-formed, an encoding that cannot be read, arrays that contradict each other, a point on a line
 /// without finite coordinates, no radius array, or a surface instead of lines.
-pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: Option<&str>) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
     let (head, appended) = split(bytes)?;
     let text = xml::utf8(&head)?;
     let document = xml::parse(text)?;
@@ -78,7 +90,7 @@ fn read_piece(
     piece: Element,
     arrays: &Arrays,
     scale: &Scale,
-    radius_array: Option<&str>,
+    radius_array: RadiusArray<'_>,
     [first_point, first_line]: [usize; 2],
 ) -> Result<(), Fault> {
     let (points, lines) = (number(piece, "NumberOfPoints")?, number(piece, "NumberOfLines")?);
@@ -88,7 +100,11 @@ fn read_piece(
     let coordinates = children(piece, "Points").next().and_then(|p| children(p, "DataArray").next());
     let coordinates = coordinates.ok_or_else(|| Fault::file("no <Points>", "expected an array of 3 components"))?;
     let coordinates = arrays.reals(coordinates, 3 * points)?;
-    let radii = arrays.reals(radius(piece, radius_array)?, points)?;
+    let named = if let RadiusArray::Named(name) = radius_array { Some(name) } else { None };
+    let radii = match radius(piece, named) {
+        Err(_) if radius_array == RadiusArray::Optional => vec![f64::NAN; points],
+        array => arrays.reals(array?, points)?,
+    };
     let cells =
         |name| array(piece, "Lines", |n| n == name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
     let ends = arrays.indices(cells("offsets")?, lines)?;
