@@ -9,7 +9,7 @@ use super::answer::decide;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 use super::params::Params;
-use super::sampler::{Sampler, Workspace};
+use super::sampler::{Method, Sampler, Workspace};
 use super::threshold::Keep;
 use crate::error::{Error, Result};
 use crate::hemodynamics::Boundary;
@@ -23,17 +23,6 @@ const LAST_STABLE: u64 = 1 << 20;
 const REPORT_EVERY: u64 = 16;
 /// Points of the convergence record, at the most.
 const SNAPSHOTS: u64 = 128;
-
-/// How a run computed its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Method {
-    /// The solver: `lanes` or `cholesky`.
-    pub solver: &'static str,
-    /// The forest algorithm: `bottleneck` or `kruskal`.
-    pub forest: &'static str,
-    /// The instruction set.
-    pub instructions: &'static str,
-}
 
 /// Hears how far a run is and may stop it.
 pub trait Progress: Send {
@@ -65,7 +54,7 @@ pub fn infer(
     let sampler = Sampler::new(network, boundary, params)?;
     let uncertain = params.uncertain.vessels(network);
     let (sums, trace) = run(&sampler, network.vessel_count(), sampler.samples(params.samples), &uncertain, progress)?;
-    let method = Method { solver: sampler.solver(), forest: sampler.forest(), instructions: sampler.instructions().name() };
+    let method = sampler.method();
     let likelihood =
         if params.exact { Likelihood::exact(sums, uncertain, params.samples) } else { Likelihood::new(sums, uncertain, trace) };
     Ok((likelihood, method))

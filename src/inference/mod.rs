@@ -2,6 +2,7 @@
 
 mod answer;
 mod bottleneck;
+mod cost;
 mod driver;
 mod forest;
 mod group;
@@ -12,9 +13,9 @@ mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
 pub use bottleneck::Bottleneck;
-pub use driver::{Method, Progress, infer, infer_until_stable};
+pub use driver::{Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 pub use params::{Params, Solver, Uncertain, Weight};
-pub use sampler::{Sampler, Workspace};
+pub use sampler::{Method, Sampler, Workspace};
 pub use threshold::{Keep, threshold};

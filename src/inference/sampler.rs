@@ -1,6 +1,7 @@
 //! A block of samples: mask, flow, resilience, forest. A serial step that allocates nothing after its first block.
 
 use super::bottleneck::Bottleneck;
+use super::cost;
 use super::group::{self, Flow, Group};
 use super::likelihood::Sums;
 use super::{Params, Solver, Weight};
@@ -15,9 +16,6 @@ use crate::resilience::{resilience_per_square_drop, resilience_per_square_flow};
 use crate::rng::BLOCK;
 use crate::simd::InstructionSet;
 
-/// Joins of a forest program, per vessel, above which Kruskal's algorithm is faster.
-const BOTTLENECK_JOINS_PER_VESSEL: usize = 60;
-
 /// How flows are solved.
 #[derive(Debug)]
 enum Solve {
@@ -30,6 +28,21 @@ enum Solve {
 enum Masks {
     Drawn { occlusion: Occlusion, seed: u64 },
     Enumerated(Enumeration),
+}
+
+/// How a run computed its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// The solver: `lanes` or `cholesky`.
+    pub solver: &'static str,
+    /// The joins of its program, or the entries of its factor: what a sample costs is in proportion.
+    pub solver_size: usize,
+    /// The forest algorithm: `bottleneck` or `kruskal`.
+    pub forest: &'static str,
+    /// The joins of the forest program.
+    pub forest_joins: Option<usize>,
+    /// The instruction set.
+    pub instructions: &'static str,
 }
 
 /// Everything about a graph that all its samples share.
@@ -102,7 +115,7 @@ impl Sampler {
             });
         }
         let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
-        let limit = BOTTLENECK_JOINS_PER_VESSEL * network.vessel_count();
+        let limit = cost::forest_limit(network.vessel_count());
         let lanes =
             if matches!(solve, Solve::Lanes(_)) { Bottleneck::compile(network.node_count(), &in_forest, limit) } else { None };
         let instructions = InstructionSet::detect();
@@ -127,22 +140,19 @@ impl Sampler {
         }
     }
 
-    /// The solver's name.
-    pub fn solver(&self) -> &'static str {
-        match self.solve {
-            Solve::Lanes(_) => "lanes",
-            Solve::Cholesky(_) => "cholesky",
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        let (solver, size) = match &self.solve {
+            Solve::Lanes(program) => ("lanes", program.updates()),
+            Solve::Cholesky(factor) => ("cholesky", factor.factor_entries()),
+        };
+        Method {
+            solver,
+            solver_size: size,
+            forest: if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" },
+            forest_joins: self.bottleneck.as_ref().map(Bottleneck::joins),
+            instructions: self.instructions.name(),
         }
-    }
-
-    /// The forest algorithm's name.
-    pub fn forest(&self) -> &'static str {
-        if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" }
-    }
-
-    /// The instruction set in use.
-    pub fn instructions(&self) -> InstructionSet {
-        self.instructions
     }
 
     /// Memory for one worker.
@@ -221,12 +231,22 @@ fn patterns(keep: Vec<f64>, params: &Params) -> Result<Masks> {
     Enumeration::new(&keep).map(Masks::Enumerated).ok_or_else(refused)
 }
 
-/// Compiles a circuit for the solver asked for.
+/// Compiles a circuit for the solver asked for, or for the one that the cost model prefers.
 fn compile(circuit: &Circuit, solver: Solver) -> Result<Solve> {
-    let limit = if solver == Solver::Lanes { usize::MAX } else { crate::hemodynamics::steady::LANES_LIMIT };
-    let lanes = if solver == Solver::Cholesky { None } else { StarMesh::compile(circuit, limit) };
+    let lanes = match solver {
+        Solver::Lanes => StarMesh::compile(circuit, usize::MAX),
+        Solver::Auto => StarMesh::compile(circuit, cost::SURELY_SPARSE),
+        Solver::Cholesky => None,
+    };
+    let sparse = || Cholesky::compile(circuit).map(Box::new);
     match lanes {
-        Some(program) => Ok(Solve::Lanes(Box::new(program))),
-        None => Cholesky::compile(circuit).map(|c| Solve::Cholesky(Box::new(c))).ok_or(Error::Breakdown),
+        Some(program) if solver == Solver::Lanes || program.updates() <= cost::SURELY_LANES => {
+            Ok(Solve::Lanes(Box::new(program)))
+        }
+        Some(program) => Ok(match sparse().filter(|f| cost::sparse(f, circuit.vessel_count()) < cost::lanes(&program)) {
+            Some(factor) => Solve::Cholesky(factor),
+            None => Solve::Lanes(Box::new(program)),
+        }),
+        None => sparse().map(Solve::Cholesky).ok_or(Error::Breakdown),
     }
 }

@@ -157,7 +157,12 @@ impl Summary {
                 "within_standard_errors": crate::inference::UNDECIDED_Z,
             }),
             network_resilience: result.network_resilience,
-            solver: json!({ "flow": outcome.method.solver, "forest": outcome.method.forest }),
+            solver: json!({
+                "flow": outcome.method.solver,
+                "size": outcome.method.solver_size,
+                "forest": outcome.method.forest,
+                "forest_joins": outcome.method.forest_joins,
+            }),
             notes: provenance.notes.clone(),
             time: Value::Null,
         }
