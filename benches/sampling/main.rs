@@ -1,0 +1,89 @@
+//! Times the sampling loop: whole, by stage, against other forests, and over growing graphs. `run.sh` asks and tabulates.
+
+mod case;
+mod clock;
+mod crossover;
+mod fit;
+mod forests;
+mod stages;
+mod synthetic;
+
+use std::error::Error;
+
+use willis::inference::{Likelihood, Params, Sampler, Solver, Sums, infer};
+
+use case::{Case, params};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+const USAGE: &str = "usage: sampling COMMAND
+  time GRAPH THREADS lanes|cholesky    microseconds a sample at the margin
+  seconds GRAPH THREADS SAMPLES        the time of one run of so many samples
+  stages GRAPH                         microseconds a sample of each stage, one thread
+  forests GRAPH                        microseconds a sample of the forest alone, by three algorithms
+  count GRAPH SAMPLES                  that many samples in one thread, for an instruction counter
+  crossover                            both solvers on growing graphs, as CSV, with the fit of a cost model";
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["time", graph, threads, solver] => time(&Case::read(graph)?, threads.parse()?, solver_named(solver)?),
+        ["seconds", graph, threads, samples] => seconds(&Case::read(graph)?, threads.parse()?, samples.parse()?),
+        ["stages", graph] => stages::print(&Case::read(graph)?),
+        ["forests", graph] => forests::print(&Case::read(graph)?),
+        ["count", graph, samples] => count(&Case::read(graph)?, samples.parse()?),
+        ["crossover"] => crossover::print(),
+        _ => {
+            println!("{USAGE}");
+            Ok(())
+        }
+    }
+}
+
+fn solver_named(name: &str) -> Result<Solver> {
+    match name {
+        "lanes" => Ok(Solver::Lanes),
+        "cholesky" => Ok(Solver::Cholesky),
+        other => Err(format!("solver {other}: expected lanes or cholesky").into()),
+    }
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
+}
+
+fn run(case: &Case, params: &Params) -> Likelihood {
+    let result = infer(&case.network, &case.boundary, params, &mut |_: u64, _: u64| true);
+    result.expect("a benchmark graph can be sampled").0
+}
+
+fn time(case: &Case, threads: usize, solver: Solver) -> Result<()> {
+    let pool = pool(threads)?;
+    let micros = pool.install(|| {
+        clock::marginal(|samples| {
+            std::hint::black_box(run(case, &params(solver, samples)));
+        })
+    });
+    println!("{micros:.4}");
+    Ok(())
+}
+
+fn seconds(case: &Case, threads: usize, samples: u64) -> Result<()> {
+    let params = params(Solver::Auto, samples);
+    let pool = pool(threads)?;
+    let start = std::time::Instant::now();
+    std::hint::black_box(pool.install(|| run(case, &params)));
+    println!("{:.4}", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn count(case: &Case, samples: u64) -> Result<()> {
+    let sampler = Sampler::new(&case.network, &case.boundary, &params(Solver::Lanes, samples))?;
+    let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
+    for block in 0..samples / willis::rng::BLOCK {
+        sampler.block(block, willis::rng::BLOCK, &mut work, &mut sums)?;
+        std::hint::black_box(&sums);
+    }
+    Ok(())
+}

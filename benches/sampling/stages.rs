@@ -1,0 +1,97 @@
+//! The stages of the loop, timed apart in one thread.
+
+use willis::hemodynamics::StarMesh;
+use willis::inference::{Bottleneck, Sampler, Solver, Sums};
+use willis::rng::BLOCK;
+use willis::simd::InstructionSet;
+
+use crate::Result;
+use crate::case::{Case, Pieces, params};
+use crate::clock::per_call;
+
+/// Seconds for each figure.
+const BUDGET: f64 = 0.4;
+
+/// Microseconds a sample of the whole serial step, as the library runs it.
+pub fn whole(case: &Case, solver: Solver, samples: u64, budget: f64) -> Result<(f64, &'static str)> {
+    let sampler = Sampler::new(&case.network, &case.boundary, &params(solver, BLOCK))?;
+    let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
+    let mut block = 0;
+    let time = per_call(budget, || {
+        sampler.block(block, samples, &mut work, &mut sums).expect("a sample");
+        block += 1;
+    });
+    Ok((time / samples as f64, sampler.method().forest))
+}
+
+/// Microseconds a sample of the flow solver.
+pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
+    let instructions = InstructionSet::detect();
+    let mut masks = Vec::new();
+    pieces.occlusion.draw(0, 0, &mut masks);
+    if instructions == InstructionSet::Avx512 {
+        solve_lanes::<16>(instructions, program, &masks, budget)
+    } else {
+        solve_lanes::<8>(instructions, program, &masks, budget)
+    }
+}
+
+fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &StarMesh, masks: &[u64], budget: f64) -> f64 {
+    let mut work = program.workspace::<B>();
+    let time = per_call(budget, || {
+        instructions.run(
+            #[inline(always)]
+            || program.solve(masks, 0, &[], &mut work),
+        );
+    });
+    time / B as f64
+}
+
+/// Microseconds a sample of the forest program: keys offered, paths widened, vessels taken.
+pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
+    let instructions = InstructionSet::detect();
+    if instructions == InstructionSet::Avx512 {
+        forest_lanes::<16>(instructions, program, keys, budget)
+    } else {
+        forest_lanes::<8>(instructions, program, keys, budget)
+    }
+}
+
+fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottleneck, samples: &[Vec<u64>], budget: f64) -> f64 {
+    let vessels = samples[0].len();
+    let keys: Vec<[f64; B]> = (0..vessels).map(|v| std::array::from_fn(|lane| f64::from_bits(samples[lane][v]))).collect();
+    let (mut widest, mut taken) = (vec![[0.0; B]; program.rays()], vec![[0; B]; vessels]);
+    let time = per_call(budget, || {
+        instructions.run(
+            #[inline(always)]
+            || {
+                widest.fill([0.0; B]);
+                for (vessel, keys) in keys.iter().enumerate() {
+                    program.offer(vessel, keys, &mut widest);
+                }
+                program.widen(&mut widest);
+                for (vessel, (keys, taken)) in keys.iter().zip(&mut taken).enumerate() {
+                    *taken = program.takes(vessel, keys, &widest);
+                }
+            },
+        );
+        std::hint::black_box(&taken);
+    });
+    time / B as f64
+}
+
+/// Prints one CSV row: mask, solve, forest, the joins of both programs.
+pub fn print(case: &Case) -> Result<()> {
+    let pieces = case.pieces()?;
+    let program = StarMesh::compile(&pieces.circuit, usize::MAX).ok_or("no program")?;
+    let bottleneck = Bottleneck::compile(case.network.node_count(), &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
+    let (mut masks, mut block) = (Vec::new(), 0);
+    let mask = per_call(BUDGET, || {
+        pieces.occlusion.draw(0, block, &mut masks);
+        block += 1;
+    }) / BLOCK as f64;
+    let solve = solve(&pieces, &program, BUDGET);
+    let forest = forest(&bottleneck, &pieces.keys(&program, 16), BUDGET);
+    println!("{mask:.4},{solve:.4},{forest:.4},{},{}", program.updates(), bottleneck.joins());
+    Ok(())
+}
