@@ -60,7 +60,7 @@ pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
 fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottleneck, samples: &[Vec<u64>], budget: f64) -> f64 {
     let vessels = samples[0].len();
     let keys: Vec<[f64; B]> = (0..vessels).map(|v| std::array::from_fn(|lane| f64::from_bits(samples[lane][v]))).collect();
-    let (mut widest, mut taken) = (vec![[0.0; B]; program.rays()], vec![[0; B]; vessels]);
+    let (mut widest, mut taken) = (vec![[0.0; B]; program.rays()], vec![0; vessels + 1]);
     let time = per_call(budget, || {
         instructions.run(
             #[inline(always)]
@@ -69,10 +69,7 @@ fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottlene
                 for (vessel, keys) in keys.iter().enumerate() {
                     program.offer(vessel, keys, &mut widest);
                 }
-                program.widen(&mut widest);
-                for (vessel, (keys, taken)) in keys.iter().zip(&mut taken).enumerate() {
-                    *taken = program.takes(vessel, keys, &widest);
-                }
+                program.grow(&mut widest, 0, &mut taken);
             },
         );
         std::hint::black_box(&taken);

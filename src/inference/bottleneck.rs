@@ -1,10 +1,12 @@
 //! The maximum spanning forest of many samples at once, by elimination over the (max, min) semiring.
 //!
-//! Eliminating node k offers its neighbours i and j the path through k, whose narrowest vessel is min(m_ki, m_kj). Upwards and
-//! then downwards through the order this makes m_ij the bottleneck of the best path between i and j. With keys that all
-//! differ, a vessel is in the forest exactly when nothing between its ends is wider than the vessel itself. Maxima and
-//! minima only select, so that the answer is exact; there is no sort and no branch.
+//! Eliminating node k offers its neighbours i and j the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest
+//! way out of k belongs to the forest (Borůvka); to every other neighbour the new paths lead as k's own vessels did, by
+//! way of the widest one, so that the rest of the forest is the forest of the rest. The vessel stands in the low bits of
+//! its key, so that one pass through the order reads the whole forest off. Maxima and minima only select: the answer is
+//! exact, and there is no sort and no branch.
 
+use super::forest::vessel;
 use crate::elimination::{Elimination, NOWHERE};
 use crate::simd::zip;
 
@@ -12,6 +14,7 @@ use crate::simd::zip;
 #[derive(Debug, Clone)]
 pub struct Bottleneck {
     program: Elimination,
+    steps: Vec<Step>,
     /// Per vessel its ray; `NOWHERE` for one that is in no forest.
     ray: Vec<u32>,
 }
@@ -24,7 +27,7 @@ impl Bottleneck {
         let program = Elimination::compile(nodes, &links, limit)?;
         let ray = |[a, b]: [usize; 2]| program.ray(program.place(a), program.place(b));
         let ray = ends.iter().map(|e| e.filter(|[a, b]| a != b).map_or(NOWHERE, ray)).collect();
-        Some(Self { program, ray })
+        Some(Self { steps: steps(&program), program, ray })
     }
 
     /// The joins of one sample: the length of the program.
@@ -46,52 +49,101 @@ impl Bottleneck {
         }
     }
 
-    /// Whether a vessel is in the forest, lane by lane: all bits or none.
-    #[expect(clippy::inline_always, clippy::needless_bitwise_bool, reason = "a lane loop in the caller's instruction set")]
-    #[inline(always)]
-    pub fn takes<const B: usize>(&self, vessel: usize, keys: &[f64; B], widest: &[[f64; B]]) -> [u64; B] {
-        let mut takes = [0; B];
-        if let Some(m) = widest.get(self.ray[vessel] as usize) {
-            for lane in 0..B {
-                takes[lane] = u64::from((keys[lane] >= m[lane]) & (keys[lane] > 0.0)).wrapping_neg();
-            }
-        }
-        takes
-    }
-
-    /// Makes the widest keys offered between neighbours the bottlenecks of the best paths between them.
+    /// Grows the forests of the keys offered: sets bit `first` + lane of `taken[vessel]` for every vessel in a lane's forest.
+    ///
+    /// `taken` has one place more than there are vessels; what is in it means nothing.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    pub fn widen<const B: usize>(&self, widest: &mut [[f64; B]]) {
-        for k in 0..self.program.nodes() {
-            let star = self.program.star(k);
-            let (done, later) = widest.split_at_mut(star.end);
-            let mut mesh = self.program.mesh(k).iter();
-            let rays = &done[star.clone()];
-            for (i, a) in rays.iter().enumerate() {
-                for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
-                    let m = &mut later[*target as usize - star.end];
-                    *m = wider(m, &narrower(a, b));
-                }
+    pub fn grow<const B: usize>(&self, widest: &mut [[f64; B]], first: usize, taken: &mut [u64]) {
+        for step in &self.steps {
+            let k = step.k as usize;
+            if step.twin {
+                self.two(k, widest, first, taken);
+            } else {
+                self.one(k, widest, first, taken);
             }
         }
-        for k in (0..self.program.nodes()).rev() {
-            let star = self.program.star(k);
-            let (done, later) = widest.split_at_mut(star.end);
-            let mut mesh = self.program.mesh(k).iter();
-            let rays = &mut done[star.clone()];
-            for i in 0..rays.len() {
-                let (head, tail) = rays.split_at_mut(i + 1);
-                let mut a = head[i];
-                for (b, target) in tail.iter_mut().zip(&mut mesh) {
-                    let m = &later[*target as usize - star.end];
-                    let before = *b;
-                    *b = wider(&before, &narrower(&a, m));
-                    a = wider(&a, &narrower(&before, m));
-                }
-                head[i] = a;
+    }
+
+    /// Eliminates the k-th node.
+    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+    #[inline(always)]
+    fn one<const B: usize>(&self, k: usize, widest: &mut [[f64; B]], first: usize, taken: &mut [u64]) {
+        let star = self.program.star(k);
+        let (done, later) = widest.split_at_mut(star.end);
+        let mut mesh = self.program.mesh(k).iter();
+        let rays = &done[star.clone()];
+        let mut best = [0.0; B];
+        for (i, a) in rays.iter().enumerate() {
+            best = wider(&best, a);
+            for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
+                let m = &mut later[*target as usize - star.end];
+                *m = wider(m, &narrower(a, b));
             }
         }
+        take(&best, first, taken);
+    }
+
+    /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
+    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+    #[inline(always)]
+    fn two<const B: usize>(&self, k: usize, widest: &mut [[f64; B]], at: usize, taken: &mut [u64]) {
+        let (near, far) = (self.program.star(k), self.program.star(k + 1));
+        let (done, later) = widest.split_at_mut(far.end);
+        let (near, second) = done[near.start..].split_at_mut(near.len());
+        let (between, first) = (near[0], &near[1..]);
+        let (mut best, mut next) = (between, [0.0; B]);
+        for (a, b) in first.iter().zip(&mut *second) {
+            best = wider(&best, a);
+            let c = wider(&narrower(&between, a), b);
+            next = wider(&next, &c);
+            *b = c;
+        }
+        take(&best, at, taken);
+        take(&next, at, taken);
+        let mut mesh = self.program.mesh(k + 1).iter();
+        for i in 0..second.len() {
+            let (a, c) = (first[i], second[i]);
+            for ((b, d), target) in first[i + 1..].iter().zip(&second[i + 1..]).zip(&mut mesh) {
+                let m = &mut later[*target as usize - far.end];
+                *m = wider(&wider(m, &narrower(&a, b)), &narrower(&c, d));
+            }
+        }
+    }
+}
+
+/// One or two nodes eliminated at a time.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// The node's place.
+    k: u32,
+    /// Whether the next one has the same neighbours and goes with it.
+    twin: bool,
+}
+
+/// Pairs each node with its next where that is its neighbour and has all its other neighbours.
+fn steps(program: &Elimination) -> Vec<Step> {
+    let to = |k: usize| &program.ray_to()[program.star(k)];
+    let (mut out, mut k) = (Vec::new(), 0);
+    while k < program.nodes() {
+        let twin = k + 1 < program.nodes() && to(k).first() == Some(&(k as u32 + 1)) && to(k)[1..] == *to(k + 1);
+        out.push(Step { k: k as u32, twin });
+        k += 1 + usize::from(twin);
+    }
+    out
+}
+
+/// Marks the vessels of the keys, one a lane; a key of zero is marked in the last place.
+#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+#[inline(always)]
+fn take<const B: usize>(keys: &[f64; B], first: usize, taken: &mut [u64]) {
+    let last = taken.len() - 1;
+    let mut at = [0; B];
+    for lane in 0..B {
+        at[lane] = vessel(keys[lane].to_bits());
+    }
+    for lane in 0..B {
+        taken[at[lane].min(last)] |= 1 << (first + lane);
     }
 }
 

@@ -16,8 +16,9 @@ pub fn key(resilience: f64, vessel: usize) -> u64 {
     rounded << INDEX_BITS | (MAX_VESSELS - 1 - vessel) as u64
 }
 
-/// The vessel of a key.
-fn vessel(key: u64) -> usize {
+/// The vessel of a [`key`].
+#[inline]
+pub fn vessel(key: u64) -> usize {
     MAX_VESSELS - 1 - key as usize % MAX_VESSELS
 }
 

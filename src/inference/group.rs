@@ -42,7 +42,8 @@ pub struct Memory<const B: usize> {
     resilience: Vec<[f64; B]>,
     key: Vec<[f64; B]>,
     widest: Vec<[f64; B]>,
-    sums: Vec<[[f64; SUM_LANES]; 3]>,
+    taken: Vec<u64>,
+    sums: Vec<[[f64; SUM_LANES]; 2]>,
     forest: Forest,
 }
 
@@ -54,7 +55,8 @@ impl<const B: usize> Memory<B> {
             resilience: vec![[0.0; B]; vessels],
             key: vec![[0.0; B]; vessels],
             widest: vec![[0.0; B]; rays],
-            sums: vec![[[0.0; SUM_LANES]; 3]; vessels],
+            taken: vec![0; vessels + 1],
+            sums: vec![[[0.0; SUM_LANES]; 2]; vessels],
             forest: Forest::default(),
         }
     }
@@ -108,7 +110,8 @@ impl Job<'_> {
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
     pub fn lanes<const B: usize>(&self, solver: &StarMesh, work: &mut Memory<B>, sums: &mut Sums) {
-        work.sums.fill([[0.0; SUM_LANES]; 3]);
+        work.sums.fill([[0.0; SUM_LANES]; 2]);
+        work.taken.fill(0);
         let present = self.present();
         let mut global_sum = [0.0; SUM_LANES];
         for first in (0..self.samples).step_by(B) {
@@ -126,10 +129,10 @@ impl Job<'_> {
         }
         sums.samples = self.samples as u64;
         sums.network_resilience = tree_sum(&global_sum);
-        for (vessel, [likelihood, square, count]) in work.sums.iter().enumerate() {
+        for (vessel, [likelihood, square]) in work.sums.iter().enumerate() {
             sums.likelihood[vessel] = tree_sum(likelihood);
             sums.square[vessel] = tree_sum(square);
-            sums.count[vessel] = tree_sum(count);
+            sums.count[vessel] = self.count(work.taken[vessel]);
         }
     }
 
@@ -154,15 +157,16 @@ impl Job<'_> {
                 f64::from_bits(rho.to_bits() & flows)
             });
             let rho = masked(&rho, &open);
-            let keys = &mut work.key[vessel];
-            *keys = zip(&rho, &rho, |rho, _| {
+            let keys = zip(&rho, &rho, |rho, _| {
                 let live = u64::from(rho > 0.0).wrapping_neg();
                 f64::from_bits(key(rho, vessel) & live)
             });
             sum = zip(&sum, &rho, |a, b| a + b);
             work.resilience[vessel] = rho;
             if let Some(program) = self.bottleneck {
-                program.offer(vessel, keys, &mut work.widest);
+                program.offer(vessel, &keys, &mut work.widest);
+            } else {
+                work.key[vessel] = keys;
             }
         }
         sum
@@ -171,26 +175,24 @@ impl Job<'_> {
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
     fn accumulate<const B: usize>(&self, program: &Bottleneck, first: usize, global: &[f64; B], work: &mut Memory<B>) {
-        program.widen(&mut work.widest);
+        program.grow(&mut work.widest, first, &mut work.taken);
         let mut ones = [1.0; B];
         if let Some(probability) = self.probability {
             ones.copy_from_slice(&probability[first..first + B]);
         }
-        for (vessel, (rho, keys)) in work.resilience.iter().zip(&work.key).enumerate() {
-            let takes = program.takes(vessel, keys, &work.widest);
+        for ((rho, taken), [likelihood, square]) in work.resilience.iter().zip(&work.taken).zip(&mut work.sums) {
+            let takes = lane_masks(taken >> first);
             let values = match self.weight {
                 Weight::Resilience => rho,
                 Weight::Count => &[1.0; B],
                 Weight::Global => global,
             };
             let (values, ones) = (masked(values, &takes), masked(&ones, &takes));
-            let [likelihood, square, count] = &mut work.sums[vessel];
             for half in 0..B / SUM_LANES {
                 let (value, one) = (part(&values, half), part(&ones, half));
                 let weighted = zip(&value, &one, |a, b| a * b);
                 *likelihood = zip(likelihood, &weighted, |a, b| a + b);
                 *square = plus_product(square, &weighted, &value);
-                *count = zip(count, &one, |a, b| a + b);
             }
         }
     }
@@ -204,10 +206,10 @@ impl Job<'_> {
             }
             work.forest.grow(self.nodes, self.ends, |vessel| {
                 let value = self.weight.of(work.resilience[vessel][lane], *global);
-                let [likelihood, square, count] = &mut work.sums[vessel];
+                let [likelihood, square] = &mut work.sums[vessel];
                 likelihood[lane % SUM_LANES] += value * one;
                 square[lane % SUM_LANES] += value * one * value;
-                count[lane % SUM_LANES] += one;
+                work.taken[vessel] |= 1 << (first + lane);
             });
         }
     }
@@ -249,6 +251,16 @@ impl Job<'_> {
             });
         }
         Ok(())
+    }
+
+    /// How much the samples of a word count.
+    fn count(&self, taken: u64) -> f64 {
+        let Some(probability) = self.probability else { return f64::from(taken.count_ones()) };
+        let mut lanes = [0.0; SUM_LANES];
+        for (sample, p) in probability.iter().enumerate() {
+            lanes[sample % SUM_LANES] += if taken >> sample & 1 == 1 { *p } else { 0.0 };
+        }
+        tree_sum(&lanes)
     }
 
     /// |Ẽ|: how many vessels are open in each sample, counted in bit planes.
