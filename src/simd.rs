@@ -66,11 +66,37 @@ impl InstructionSet {
     }
 }
 
-/// `f` of each lane of two groups. The result is a new array, which is what lets the compiler use whole vectors.
+/// One figure for each sample of a group, at the start of a cache line, so that no vector straddles two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lanes<const B: usize>(pub [f64; B]);
+
+impl<const B: usize> Lanes<B> {
+    /// Nothing in every lane.
+    pub const ZERO: Self = Self([0.0; B]);
+}
+
+impl<const B: usize> std::ops::Deref for Lanes<B> {
+    type Target = [f64; B];
+
+    #[inline]
+    fn deref(&self) -> &[f64; B] {
+        &self.0
+    }
+}
+
+impl<const B: usize> std::ops::DerefMut for Lanes<B> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [f64; B] {
+        &mut self.0
+    }
+}
+
+/// `f` of each lane of two groups. The result is a new value, which is what lets the compiler use whole vectors.
 #[expect(clippy::inline_always, reason = "the innermost lane loops")]
 #[inline(always)]
-pub fn zip<const B: usize>(a: &[f64; B], b: &[f64; B], f: impl Fn(f64, f64) -> f64) -> [f64; B] {
-    let mut out = [0.0; B];
+pub fn zip<const B: usize>(a: &Lanes<B>, b: &Lanes<B>, f: impl Fn(f64, f64) -> f64) -> Lanes<B> {
+    let mut out = Lanes::ZERO;
     for lane in 0..B {
         out[lane] = f(a[lane], b[lane]);
     }
@@ -80,8 +106,8 @@ pub fn zip<const B: usize>(a: &[f64; B], b: &[f64; B], f: impl Fn(f64, f64) -> f
 /// a + w b, lane by lane, with two roundings.
 #[expect(clippy::inline_always, reason = "the innermost lane loops")]
 #[inline(always)]
-pub fn plus_product<const B: usize>(a: &[f64; B], w: &[f64; B], b: &[f64; B]) -> [f64; B] {
-    let mut out = [0.0; B];
+pub fn plus_product<const B: usize>(a: &Lanes<B>, w: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    let mut out = Lanes::ZERO;
     for lane in 0..B {
         out[lane] = a[lane] + w[lane] * b[lane];
     }
@@ -102,8 +128,8 @@ pub fn lane_masks<const B: usize>(word: u64) -> [u64; B] {
 /// `value` in the lanes that `mask` admits, zero elsewhere.
 #[expect(clippy::inline_always, reason = "the innermost lane loops")]
 #[inline(always)]
-pub fn masked<const B: usize>(value: &[f64; B], mask: &[u64; B]) -> [f64; B] {
-    let mut out = [0.0; B];
+pub fn masked<const B: usize>(value: &Lanes<B>, mask: &[u64; B]) -> Lanes<B> {
+    let mut out = Lanes::ZERO;
     for lane in 0..B {
         out[lane] = f64::from_bits(value[lane].to_bits() & mask[lane]);
     }

@@ -115,7 +115,7 @@ fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
     let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
     let mut work = program.workspace();
     program.solve(&masks, 0, &[], &mut work);
-    (0..circuit.node_count()).map(|node| work.pressure[program.slot(node)]).collect()
+    (0..circuit.node_count()).map(|node| *work.pressure[program.slot(node)]).collect()
 }
 
 /// The pressures with all vessels open.

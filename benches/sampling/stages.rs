@@ -3,7 +3,7 @@
 use willis::hemodynamics::StarMesh;
 use willis::inference::{Bottleneck, Sampler, Solver, Sums};
 use willis::rng::BLOCK;
-use willis::simd::InstructionSet;
+use willis::simd::{InstructionSet, Lanes};
 
 use crate::Result;
 use crate::case::{Case, Pieces, params};
@@ -59,13 +59,13 @@ pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
 
 fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottleneck, samples: &[Vec<u64>], budget: f64) -> f64 {
     let vessels = samples[0].len();
-    let keys: Vec<[f64; B]> = (0..vessels).map(|v| std::array::from_fn(|lane| f64::from_bits(samples[lane][v]))).collect();
-    let (mut widest, mut taken) = (vec![[0.0; B]; program.rays()], vec![0; vessels + 1]);
+    let keys: Vec<Lanes<B>> = (0..vessels).map(|v| Lanes(std::array::from_fn(|lane| f64::from_bits(samples[lane][v])))).collect();
+    let (mut widest, mut taken) = (vec![Lanes::ZERO; program.rays()], vec![0; vessels + 1]);
     let time = per_call(budget, || {
         instructions.run(
             #[inline(always)]
             || {
-                widest.fill([0.0; B]);
+                widest.fill(Lanes::ZERO);
                 for (vessel, keys) in keys.iter().enumerate() {
                     program.offer(vessel, keys, &mut widest);
                 }

@@ -76,7 +76,7 @@ impl Model {
             work.resilience.clear();
             let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);
             work.resilience.extend(vessels.map(|((ends, per_square_drop), mask)| {
-                let [a, b] = ends.map(|node| solver.pressure[self.program.slot(node)]);
+                let [a, b] = ends.map(|node| *solver.pressure[self.program.slot(node)]);
                 std::array::from_fn(|lane| {
                     let drop = a[lane] - b[lane];
                     let flows = mask >> (first + lane) & 1 == 1 && is_diffused(drop, a[lane] + level, b[lane] + level);

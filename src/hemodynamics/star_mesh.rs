@@ -6,7 +6,7 @@
 
 use super::circuit::Circuit;
 use crate::elimination::{Elimination, NOWHERE};
-use crate::simd::{lane_masks, masked, plus_product, zip};
+use crate::simd::{Lanes, lane_masks, masked, plus_product, zip};
 
 /// The compiled elimination of a circuit.
 #[derive(Debug, Clone)]
@@ -42,11 +42,11 @@ struct GroundStamp {
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
-    conductance: Vec<[f64; B]>,
-    weight: Vec<[f64; B]>,
-    ground: Vec<[f64; B]>,
+    conductance: Vec<Lanes<B>>,
+    weight: Vec<Lanes<B>>,
+    ground: Vec<Lanes<B>>,
     /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
-    pub pressure: Vec<[f64; B]>,
+    pub pressure: Vec<Lanes<B>>,
 }
 
 impl StarMesh {
@@ -105,12 +105,12 @@ impl StarMesh {
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> Workspace<B> {
         let (nodes, rays) = (self.program.nodes(), self.program.rays());
-        let fixed = self.fixed.iter().map(|p| [*p; B]);
+        let fixed = self.fixed.iter().map(|p| Lanes([*p; B]));
         Workspace {
-            conductance: vec![[0.0; B]; rays],
-            weight: vec![[0.0; B]; rays],
-            ground: vec![[0.0; B]; nodes],
-            pressure: vec![[0.0; B]; nodes].into_iter().chain(fixed).collect(),
+            conductance: vec![Lanes::ZERO; rays],
+            weight: vec![Lanes::ZERO; rays],
+            ground: vec![Lanes::ZERO; nodes],
+            pressure: vec![Lanes::ZERO; nodes].into_iter().chain(fixed).collect(),
         }
     }
 
@@ -130,12 +130,12 @@ impl StarMesh {
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
     fn assemble<const B: usize>(&self, masks: &[u64], first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
-        work.conductance.fill([0.0; B]);
+        work.conductance.fill(Lanes::ZERO);
         for (ground, g) in work.ground.iter_mut().zip(&self.shunt) {
-            *ground = [*g; B];
+            *ground = Lanes([*g; B]);
         }
         for (source, s) in work.pressure.iter_mut().zip(&self.source) {
-            *source = [*s; B];
+            *source = Lanes([*s; B]);
         }
         for (node, samples) in stranded {
             let source = &mut work.pressure[self.slot[*node] as usize];
@@ -146,13 +146,13 @@ impl StarMesh {
         for stamp in &self.rays {
             let open = lane_masks(masks[stamp.vessel as usize] >> first);
             let c = &mut work.conductance[stamp.ray as usize];
-            *c = zip(c, &masked(&[stamp.conductance; B], &open), |a, b| a + b);
+            *c = zip(c, &masked(&Lanes([stamp.conductance; B]), &open), |a, b| a + b);
         }
         for stamp in &self.grounds {
             let open = lane_masks(masks[stamp.vessel as usize] >> first);
             let (g, s) = (&mut work.ground[stamp.place as usize], &mut work.pressure[stamp.place as usize]);
-            *g = zip(g, &masked(&[stamp.conductance; B], &open), |a, b| a + b);
-            *s = zip(s, &masked(&[stamp.inflow; B], &open), |a, b| a + b);
+            *g = zip(g, &masked(&Lanes([stamp.conductance; B]), &open), |a, b| a + b);
+            *s = zip(s, &masked(&Lanes([stamp.inflow; B]), &open), |a, b| a + b);
         }
     }
 

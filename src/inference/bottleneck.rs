@@ -8,7 +8,7 @@
 
 use super::forest::vessel;
 use crate::elimination::{Elimination, NOWHERE};
-use crate::simd::zip;
+use crate::simd::{Lanes, zip};
 
 /// The compiled elimination of a graph's forests.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl Bottleneck {
     /// Offers the keys of a vessel, one a lane, zero where it is not diffused.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    pub fn offer<const B: usize>(&self, vessel: usize, keys: &[f64; B], widest: &mut [[f64; B]]) {
+    pub fn offer<const B: usize>(&self, vessel: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
         if let Some(m) = widest.get_mut(self.ray[vessel] as usize) {
             *m = wider(m, keys);
         }
@@ -54,7 +54,7 @@ impl Bottleneck {
     /// `taken` has one place more than there are vessels; what is in it means nothing.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    pub fn grow<const B: usize>(&self, widest: &mut [[f64; B]], first: usize, taken: &mut [u64]) {
+    pub fn grow<const B: usize>(&self, widest: &mut [Lanes<B>], first: usize, taken: &mut [u64]) {
         for step in &self.steps {
             let k = step.k as usize;
             if step.twin {
@@ -68,12 +68,12 @@ impl Bottleneck {
     /// Eliminates the k-th node.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn one<const B: usize>(&self, k: usize, widest: &mut [[f64; B]], first: usize, taken: &mut [u64]) {
+    fn one<const B: usize>(&self, k: usize, widest: &mut [Lanes<B>], first: usize, taken: &mut [u64]) {
         let star = self.program.star(k);
         let (done, later) = widest.split_at_mut(star.end);
         let mut mesh = self.program.mesh(k).iter();
         let rays = &done[star.clone()];
-        let mut best = [0.0; B];
+        let mut best = Lanes::ZERO;
         for (i, a) in rays.iter().enumerate() {
             best = wider(&best, a);
             for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
@@ -87,12 +87,12 @@ impl Bottleneck {
     /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn two<const B: usize>(&self, k: usize, widest: &mut [[f64; B]], at: usize, taken: &mut [u64]) {
+    fn two<const B: usize>(&self, k: usize, widest: &mut [Lanes<B>], at: usize, taken: &mut [u64]) {
         let (near, far) = (self.program.star(k), self.program.star(k + 1));
         let (done, later) = widest.split_at_mut(far.end);
         let (near, second) = done[near.start..].split_at_mut(near.len());
         let (between, first) = (near[0], &near[1..]);
-        let (mut best, mut next) = (between, [0.0; B]);
+        let (mut best, mut next) = (between, Lanes::ZERO);
         for (a, b) in first.iter().zip(&mut *second) {
             best = wider(&best, a);
             let c = wider(&narrower(&between, a), b);
@@ -136,7 +136,7 @@ fn steps(program: &Elimination) -> Vec<Step> {
 /// Marks the vessels of the keys, one a lane; a key of zero is marked in the last place.
 #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
 #[inline(always)]
-fn take<const B: usize>(keys: &[f64; B], first: usize, taken: &mut [u64]) {
+fn take<const B: usize>(keys: &Lanes<B>, first: usize, taken: &mut [u64]) {
     let last = taken.len() - 1;
     let mut at = [0; B];
     for lane in 0..B {
@@ -150,13 +150,13 @@ fn take<const B: usize>(keys: &[f64; B], first: usize, taken: &mut [u64]) {
 /// The larger of two, lane by lane; `f64::max` would add the handling of NaN.
 #[expect(clippy::inline_always, reason = "one instruction")]
 #[inline(always)]
-fn wider<const B: usize>(a: &[f64; B], b: &[f64; B]) -> [f64; B] {
+fn wider<const B: usize>(a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
     zip(a, b, |a, b| if a > b { a } else { b })
 }
 
 /// The smaller of two, lane by lane.
 #[expect(clippy::inline_always, reason = "one instruction")]
 #[inline(always)]
-fn narrower<const B: usize>(a: &[f64; B], b: &[f64; B]) -> [f64; B] {
+fn narrower<const B: usize>(a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
     zip(a, b, |a, b| if a < b { a } else { b })
 }

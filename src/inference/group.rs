@@ -9,7 +9,7 @@ use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, lane_masks, masked, plus_product, zip};
+use crate::simd::{InstructionSet, Lanes, lane_masks, masked, plus_product, zip};
 
 /// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
 const SUM_LANES: usize = 8;
@@ -39,11 +39,11 @@ pub struct Single {
 #[derive(Debug)]
 pub struct Memory<const B: usize> {
     flow: star_mesh::Workspace<B>,
-    resilience: Vec<[f64; B]>,
-    key: Vec<[f64; B]>,
-    widest: Vec<[f64; B]>,
+    resilience: Vec<Lanes<B>>,
+    key: Vec<Lanes<B>>,
+    widest: Vec<Lanes<B>>,
     taken: Vec<u64>,
-    sums: Vec<[[f64; SUM_LANES]; 2]>,
+    sums: Vec<[Lanes<SUM_LANES>; 2]>,
     forest: Forest,
 }
 
@@ -52,11 +52,11 @@ impl<const B: usize> Memory<B> {
     pub fn new(flow: star_mesh::Workspace<B>, vessels: usize, rays: usize) -> Self {
         Self {
             flow,
-            resilience: vec![[0.0; B]; vessels],
-            key: vec![[0.0; B]; vessels],
-            widest: vec![[0.0; B]; rays],
+            resilience: vec![Lanes::ZERO; vessels],
+            key: vec![Lanes::ZERO; vessels],
+            widest: vec![Lanes::ZERO; rays],
             taken: vec![0; vessels + 1],
-            sums: vec![[[0.0; SUM_LANES]; 2]; vessels],
+            sums: vec![[Lanes::ZERO; 2]; vessels],
             forest: Forest::default(),
         }
     }
@@ -66,7 +66,7 @@ impl<const B: usize> Memory<B> {
 pub fn lanes(instructions: InstructionSet, forced: Option<&str>) -> usize {
     match (forced, instructions) {
         (Some("8"), _) => 8,
-        (Some("16"), _) | (_, InstructionSet::Avx512) => 16,
+        (Some("16"), _) | (_, InstructionSet::Avx512 | InstructionSet::Avx2) => 16,
         _ => 8,
     }
 }
@@ -110,7 +110,7 @@ impl Job<'_> {
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
     pub fn lanes<const B: usize>(&self, solver: &StarMesh, work: &mut Memory<B>, sums: &mut Sums) {
-        work.sums.fill([[0.0; SUM_LANES]; 2]);
+        work.sums.fill([Lanes::ZERO; 2]);
         work.taken.fill(0);
         let present = self.present();
         let mut global_sum = [0.0; SUM_LANES];
@@ -139,9 +139,9 @@ impl Job<'_> {
     /// ρ and the forest key of every vessel; returns Σ ρ of each sample.
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn resiliences<const B: usize>(&self, first: usize, work: &mut Memory<B>) -> [f64; B] {
-        let mut sum = [0.0; B];
-        work.widest.fill([0.0; B]);
+    fn resiliences<const B: usize>(&self, first: usize, work: &mut Memory<B>) -> Lanes<B> {
+        let mut sum = Lanes::ZERO;
+        work.widest.fill(Lanes::ZERO);
         for (vessel, (flow, mask)) in self.flows.iter().zip(self.masks).enumerate() {
             let open = lane_masks(mask >> first);
             let (a, b) = (&work.flow.pressure[flow.slots[0] as usize], &work.flow.pressure[flow.slots[1] as usize]);
@@ -174,9 +174,9 @@ impl Job<'_> {
 
     #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn accumulate<const B: usize>(&self, program: &Bottleneck, first: usize, global: &[f64; B], work: &mut Memory<B>) {
+    fn accumulate<const B: usize>(&self, program: &Bottleneck, first: usize, global: &Lanes<B>, work: &mut Memory<B>) {
         program.grow(&mut work.widest, first, &mut work.taken);
-        let mut ones = [1.0; B];
+        let mut ones = Lanes([1.0; B]);
         if let Some(probability) = self.probability {
             ones.copy_from_slice(&probability[first..first + B]);
         }
@@ -184,7 +184,7 @@ impl Job<'_> {
             let takes = lane_masks(taken >> first);
             let values = match self.weight {
                 Weight::Resilience => rho,
-                Weight::Count => &[1.0; B],
+                Weight::Count => &Lanes([1.0; B]),
                 Weight::Global => global,
             };
             let (values, ones) = (masked(values, &takes), masked(&ones, &takes));
@@ -197,7 +197,7 @@ impl Job<'_> {
         }
     }
 
-    fn accumulate_by_kruskal<const B: usize>(&self, first: usize, global: &[f64; B], work: &mut Memory<B>) {
+    fn accumulate_by_kruskal<const B: usize>(&self, first: usize, global: &Lanes<B>, work: &mut Memory<B>) {
         for (lane, global) in global.iter().enumerate() {
             let one = self.probability.map_or(1.0, |p| p[first + lane]);
             work.forest.clear();
@@ -285,8 +285,8 @@ impl Job<'_> {
 /// One half, or the whole, of a group.
 #[expect(clippy::inline_always, reason = "part of a lane loop")]
 #[inline(always)]
-fn part<const B: usize>(values: &[f64; B], half: usize) -> [f64; SUM_LANES] {
-    let mut out = [0.0; SUM_LANES];
+fn part<const B: usize>(values: &Lanes<B>, half: usize) -> Lanes<SUM_LANES> {
+    let mut out = Lanes::ZERO;
     out.copy_from_slice(&values[half * SUM_LANES..(half + 1) * SUM_LANES]);
     out
 }
