@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 use willis::error::{Error, Fault, Result};
 use willis::formats::conditions::{read_csv, read_toml};
-use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, INLET_PRESSURE_MMHG, stated};
+use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
-use willis::network::{Condition, Network, Role, locate};
+use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
 use willis::quantity::Dimension;
 use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
 

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::error::Fault;
-use crate::network::{Condition, Role};
+use crate::network::{Condition, INLET_PRESSURE_MMHG, Role};
 use crate::quantity::Dimension;
 use crate::units::pascals;
 
@@ -114,7 +114,7 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
         dimension.parse(&text).map_err(|accepted| Fault::item(place, format!("{kind} value {text}"), accepted))
     };
     let (role, condition) = match kind {
-        "inlet" if entry.value.is_none() => (Role::Inlet, Condition::Pressure(pascals(100.0))),
+        "inlet" if entry.value.is_none() => (Role::Inlet, Condition::Pressure(pascals(INLET_PRESSURE_MMHG))),
         "inlet" => (Role::Inlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "ground" => (Role::Outlet, Condition::Pressure(0.0)),
         "pressure" => (Role::Outlet, Condition::Pressure(figure(Dimension::Pressure)?)),

@@ -1,11 +1,9 @@
 //! Boundary conditions: which nodes blood enters and leaves by, as given or as found.
 
 use crate::error::{Error, Result};
-use crate::network::{Condition, Network, Origin, Role, Vessel, fragments};
+use crate::network::{Condition, INLET_PRESSURE_MMHG, Network, Origin, Role, Vessel, fragments};
 use crate::units::pascals;
 
-/// The pressure of an inlet when none is stated, mmHg.
-pub const INLET_PRESSURE_MMHG: f64 = 100.0;
 /// Total flow through outlets found under [`FoundOutlets::Murray`] when none is stated, mL/min.
 pub const CEREBRAL_FLOW_ML_PER_MIN: f64 = 700.0;
 /// The widest free ends of the whole network that become inlets, at the most.

@@ -52,6 +52,9 @@ impl Role {
     }
 }
 
+/// The pressure of an inlet when none is stated, mmHg.
+pub const INLET_PRESSURE_MMHG: f64 = 100.0;
+
 /// A boundary condition at a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {

@@ -4,11 +4,8 @@ use super::{Item, Record};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::Point;
-use crate::network::{Condition, Node, Role};
+use crate::network::{Condition, INLET_PRESSURE_MMHG, Node, Role};
 use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
-
-/// The pressure of an inlet that states none, mmHg.
-const INLET_MMHG: f64 = 100.0;
 
 /// The nodes of records with their ids, which must be unique.
 pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Result<Vec<Node>, Fault> {
@@ -81,7 +78,7 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
         (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
         (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
         (None, None, None) => match role {
-            Some(Role::Inlet) => Some(Condition::Pressure(pascals(INLET_MMHG))),
+            Some(Role::Inlet) => Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))),
             Some(Role::Outlet) => Some(Condition::Pressure(0.0)),
             Some(Role::Inner) | None => None,
         },
