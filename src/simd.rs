@@ -1,5 +1,9 @@
-//! Vector instructions chosen at run time, with equal bits from each: plain loops over lanes, compiled once per
-//! instruction set, without fused multiply-add.
+//! Vector instructions chosen at run time, with equal bits from each: kernels are generic over the vectors of an
+//! instruction set and compiled once for each, without fused multiply-add.
+
+#![expect(clippy::inline_always, reason = "a kernel is compiled as a whole for each instruction set")]
+
+pub use pulp::{Scalar, Simd, WithSimd as Kernel};
 
 /// An instruction set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,18 +55,18 @@ impl InstructionSet {
 
     /// Runs `kernel`, which must be inlined all the way down, compiled for this instruction set.
     #[cfg(target_arch = "x86_64")]
-    pub fn run<R>(self, kernel: impl FnOnce() -> R) -> R {
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match (self, pulp::x86::V4::try_new(), pulp::x86::V3::try_new()) {
-            (Self::Avx512, Some(v4), _) => v4.vectorize(kernel),
-            (Self::Avx512 | Self::Avx2, _, Some(v3)) => v3.vectorize(kernel),
-            _ => kernel(),
+            (Self::Avx512, Some(v4), _) => Simd::vectorize(v4, kernel),
+            (Self::Avx512 | Self::Avx2, _, Some(v3)) => Simd::vectorize(v3, kernel),
+            _ => kernel.with_simd(pulp::Scalar128b),
         }
     }
 
     /// Runs `kernel`.
     #[cfg(not(target_arch = "x86_64"))]
-    pub fn run<R>(self, kernel: impl FnOnce() -> R) -> R {
-        kernel()
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.with_simd(Scalar::new())
     }
 }
 
@@ -74,6 +78,20 @@ pub struct Lanes<const B: usize>(pub [f64; B]);
 impl<const B: usize> Lanes<B> {
     /// Nothing in every lane.
     pub const ZERO: Self = Self([0.0; B]);
+
+    /// The vectors that make up the group.
+    #[inline(always)]
+    pub fn vectors<S: Simd>(&self) -> &[S::f64s] {
+        const { assert!(B.is_multiple_of(S::F64_LANES), "a group is made of whole vectors") }
+        S::as_simd_f64s(&self.0).0
+    }
+
+    /// The vectors that make up the group.
+    #[inline(always)]
+    pub fn vectors_mut<S: Simd>(&mut self) -> &mut [S::f64s] {
+        const { assert!(B.is_multiple_of(S::F64_LANES), "a group is made of whole vectors") }
+        S::as_mut_simd_f64s(&mut self.0).0
+    }
 }
 
 impl<const B: usize> std::ops::Deref for Lanes<B> {
@@ -92,46 +110,75 @@ impl<const B: usize> std::ops::DerefMut for Lanes<B> {
     }
 }
 
-/// `f` of each lane of two groups. The result is a new value, which is what lets the compiler use whole vectors.
-#[expect(clippy::inline_always, reason = "the innermost lane loops")]
+/// `f` of each vector of two groups.
 #[inline(always)]
-pub fn zip<const B: usize>(a: &Lanes<B>, b: &Lanes<B>, f: impl Fn(f64, f64) -> f64) -> Lanes<B> {
+pub fn zip<S: Simd, const B: usize>(
+    _: S,
+    a: &Lanes<B>,
+    b: &Lanes<B>,
+    f: impl Fn(S::f64s, S::f64s) -> S::f64s,
+) -> Lanes<B> {
     let mut out = Lanes::ZERO;
-    for lane in 0..B {
-        out[lane] = f(a[lane], b[lane]);
+    let pairs = a.vectors::<S>().iter().zip(b.vectors::<S>());
+    for (out, (a, b)) in out.vectors_mut::<S>().iter_mut().zip(pairs) {
+        *out = f(*a, *b);
     }
     out
+}
+
+/// `f` of each vector of a group.
+#[inline(always)]
+pub fn map<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, f: impl Fn(S::f64s) -> S::f64s) -> Lanes<B> {
+    zip(simd, a, a, |a, _| f(a))
+}
+
+/// One figure in every lane.
+#[inline(always)]
+pub fn splat<S: Simd, const B: usize>(simd: S, value: f64) -> Lanes<B> {
+    let mut out = Lanes::ZERO;
+    out.vectors_mut::<S>().fill(simd.splat_f64s(value));
+    out
+}
+
+/// a + b, lane by lane.
+#[inline(always)]
+pub fn plus<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| simd.add_f64s(a, b))
 }
 
 /// a + w b, lane by lane, with two roundings.
-#[expect(clippy::inline_always, reason = "the innermost lane loops")]
 #[inline(always)]
-pub fn plus_product<const B: usize>(a: &Lanes<B>, w: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    let mut out = Lanes::ZERO;
-    for lane in 0..B {
-        out[lane] = a[lane] + w[lane] * b[lane];
-    }
-    out
+pub fn plus_product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, w: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    plus(simd, a, &zip(simd, w, b, |w, b| simd.mul_f64s(w, b)))
 }
 
-/// All bits set in the lanes whose bit in `word` is set.
-#[expect(clippy::inline_always, reason = "the innermost lane loops")]
-#[inline(always)]
-pub fn lane_masks<const B: usize>(word: u64) -> [u64; B] {
-    let mut out = [0; B];
-    for (lane, mask) in out.iter_mut().enumerate() {
-        *mask = (word >> lane & 1).wrapping_neg();
+#[repr(C, align(64))]
+struct Bits([u64; 64]);
+
+/// The bit of each sample in a word.
+static BITS: Bits = Bits({
+    let (mut out, mut bit) = ([0; 64], 0);
+    while bit < 64 {
+        out[bit] = 1 << bit;
+        bit += 1;
     }
     out
+});
+
+/// Which samples from the one numbered `first`, a multiple of a vector's lanes, are set in `word`.
+#[inline(always)]
+pub fn is_set<S: Simd>(simd: S, word: u64, first: usize) -> S::m64s {
+    let bits = S::as_simd_u64s(&BITS.0).0[first / S::F64_LANES];
+    simd.equal_u64s(simd.and_u64s(simd.splat_u64s(word), bits), bits)
 }
 
-/// `value` in the lanes that `mask` admits, zero elsewhere.
-#[expect(clippy::inline_always, reason = "the innermost lane loops")]
+/// `value` in the lanes of the samples from `first` on that are set in `word`, zero elsewhere.
 #[inline(always)]
-pub fn masked<const B: usize>(value: &Lanes<B>, mask: &[u64; B]) -> Lanes<B> {
+pub fn masked<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, word: u64, first: usize) -> Lanes<B> {
     let mut out = Lanes::ZERO;
-    for lane in 0..B {
-        out[lane] = f64::from_bits(value[lane].to_bits() & mask[lane]);
+    for (at, (out, value)) in out.vectors_mut::<S>().iter_mut().zip(value.vectors::<S>()).enumerate() {
+        let set = is_set(simd, word, first + at * S::F64_LANES);
+        *out = simd.select_f64s(set, *value, simd.splat_f64s(0.0));
     }
     out
 }

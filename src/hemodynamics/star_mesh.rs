@@ -4,9 +4,11 @@
 //! Nothing is ever subtracted, so pressures are accurate componentwise, however far the conductances are apart; a
 //! floating component is a star with S_k = 0 and needs no test.
 
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
 use super::circuit::Circuit;
 use crate::elimination::{Elimination, NOWHERE};
-use crate::simd::{Lanes, lane_masks, masked, plus_product, zip};
+use crate::simd::{Lanes, Simd, map, masked, plus, plus_product, splat, zip};
 
 /// The compiled elimination of a circuit.
 #[derive(Debug, Clone)]
@@ -15,6 +17,8 @@ pub struct StarMesh {
     /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones.
     slot: Vec<u32>,
     rays: Vec<RayStamp>,
+    /// The rays that no vessel lies on.
+    fill: Vec<u32>,
     grounds: Vec<GroundStamp>,
     /// Terminal conductance and inflow by place.
     shunt: Vec<f64>,
@@ -27,6 +31,8 @@ pub struct StarMesh {
 struct RayStamp {
     vessel: u32,
     ray: u32,
+    /// Whether it is the first of its ray.
+    first: bool,
     conductance: f64,
 }
 
@@ -74,10 +80,15 @@ impl StarMesh {
             };
         }
         let (mut rays, mut grounds) = (Vec::new(), Vec::new());
+        let mut bare = vec![true; program.rays()];
         for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
             let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
             match (circuit.fixed[a], circuit.fixed[b]) {
-                (None, None) => rays.push(RayStamp { vessel, ray: program.ray(slot[a], slot[b]), conductance }),
+                (None, None) => {
+                    let ray = program.ray(slot[a], slot[b]);
+                    let first = std::mem::take(&mut bare[ray as usize]);
+                    rays.push(RayStamp { vessel, ray, first, conductance });
+                }
                 (None, Some(p)) => grounds.push(GroundStamp { vessel, place: slot[a], conductance, inflow: conductance * p }),
                 (Some(p), None) => grounds.push(GroundStamp { vessel, place: slot[b], conductance, inflow: conductance * p }),
                 (Some(_), Some(_)) => {}
@@ -89,7 +100,8 @@ impl StarMesh {
             by_place[1][slot[node] as usize] = circuit.source[node];
         }
         let [shunt, source] = by_place;
-        Some(Self { program, slot, rays, grounds, shunt, source, fixed })
+        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
+        Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed })
     }
 
     /// Mesh updates of one sample: the length of the program.
@@ -118,48 +130,59 @@ impl StarMesh {
     ///
     /// Bit i of `masks[e]` says whether vessel e is open in sample i; `stranded` lists the nodes whose injected flow has
     /// nowhere to go, with the samples in which that is so.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    pub fn solve<const B: usize>(&self, masks: &[u64], first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
-        self.assemble(masks, first, stranded, work);
-        self.eliminate(work);
-        self.substitute_back(work);
+    pub fn solve<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        masks: &[u64],
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.assemble(simd, masks, first, stranded, work);
+        self.eliminate(simd, work);
+        self.substitute_back(simd, work);
     }
 
     /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn assemble<const B: usize>(&self, masks: &[u64], first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
-        work.conductance.fill(Lanes::ZERO);
-        for (ground, g) in work.ground.iter_mut().zip(&self.shunt) {
-            *ground = Lanes([*g; B]);
+    fn assemble<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        masks: &[u64],
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        for ray in &self.fill {
+            work.conductance[*ray as usize] = Lanes::ZERO;
         }
-        for (source, s) in work.pressure.iter_mut().zip(&self.source) {
-            *source = Lanes([*s; B]);
+        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
+            work.ground[place] = splat(simd, *shunt);
+            work.pressure[place] = splat(simd, *source);
         }
         for (node, samples) in stranded {
             let source = &mut work.pressure[self.slot[*node] as usize];
-            for (lane, s) in source.iter_mut().enumerate() {
-                *s = if samples >> (first + lane) & 1 == 1 { 0.0 } else { *s };
-            }
+            *source = masked(simd, source, !samples, first);
         }
         for stamp in &self.rays {
-            let open = lane_masks(masks[stamp.vessel as usize] >> first);
+            let open = masks[stamp.vessel as usize];
             let c = &mut work.conductance[stamp.ray as usize];
-            *c = zip(c, &masked(&Lanes([stamp.conductance; B]), &open), |a, b| a + b);
+            let own = masked(simd, &splat(simd, stamp.conductance), open, first);
+            *c = if stamp.first { own } else { plus(simd, c, &own) };
         }
         for stamp in &self.grounds {
-            let open = lane_masks(masks[stamp.vessel as usize] >> first);
+            let open = masks[stamp.vessel as usize];
             let (g, s) = (&mut work.ground[stamp.place as usize], &mut work.pressure[stamp.place as usize]);
-            *g = zip(g, &masked(&Lanes([stamp.conductance; B]), &open), |a, b| a + b);
-            *s = zip(s, &masked(&Lanes([stamp.inflow; B]), &open), |a, b| a + b);
+            *g = plus(simd, g, &masked(simd, &splat(simd, stamp.conductance), open, first));
+            *s = plus(simd, s, &masked(simd, &splat(simd, stamp.inflow), open, first));
         }
     }
 
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn eliminate<const B: usize>(&self, work: &mut Workspace<B>) {
+    fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.program.ray_to();
+        let [zero, one, least] = [0.0, 1.0, f64::MIN_POSITIVE].map(|x| simd.splat_f64s(x));
         for k in 0..self.program.nodes() {
             let star = self.program.star(k);
             // A star's mesh lies in later stars only.
@@ -168,34 +191,35 @@ impl StarMesh {
             let (ground, source) = (work.ground[k], work.pressure[k]);
             let mut total = ground;
             for c in rays {
-                total = zip(&total, c, |a, b| a + b);
+                total = plus(simd, &total, c);
             }
-            // A floating remainder has no conductance at all; its weights then are 0/1.
-            let total = zip(&total, &total, |t, _| if t > 0.0 { t } else { 1.0 });
+            // A floating remainder has no conductance at all; its weights then are zero.
+            let inverse = map(simd, &total, |t| {
+                simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero)
+            });
             let mut mesh = self.program.mesh(k).iter();
             for (i, c) in rays.iter().enumerate() {
-                let weight = zip(c, &total, |c, t| c / t);
+                let weight = zip(simd, c, &inverse, |c, i| simd.mul_f64s(c, i));
                 work.weight[star.start + i] = weight;
                 let to = ray_to[star.start + i] as usize;
-                work.ground[to] = plus_product(&work.ground[to], &weight, &ground);
-                work.pressure[to] = plus_product(&work.pressure[to], &weight, &source);
+                work.ground[to] = plus_product(simd, &work.ground[to], &weight, &ground);
+                work.pressure[to] = plus_product(simd, &work.pressure[to], &weight, &source);
                 for (other, target) in rays[i + 1..].iter().zip(&mut mesh) {
                     let sum = &mut later[*target as usize - star.end];
-                    *sum = plus_product(sum, &weight, other);
+                    *sum = plus_product(simd, sum, &weight, other);
                 }
             }
-            work.pressure[k] = zip(&source, &total, |s, t| s / t);
+            work.pressure[k] = zip(simd, &source, &inverse, |s, i| simd.mul_f64s(s, i));
         }
     }
 
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn substitute_back<const B: usize>(&self, work: &mut Workspace<B>) {
+    fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.program.ray_to();
         for k in (0..self.program.nodes()).rev() {
             let mut p = work.pressure[k];
             for ray in self.program.star(k) {
-                p = plus_product(&p, &work.weight[ray], &work.pressure[ray_to[ray] as usize]);
+                p = plus_product(simd, &p, &work.weight[ray], &work.pressure[ray_to[ray] as usize]);
             }
             work.pressure[k] = p;
         }

@@ -4,6 +4,7 @@ use super::cholesky::{self, Cholesky};
 use super::circuit::Circuit;
 use super::floating::{grounded, stranded};
 use super::star_mesh::StarMesh;
+use crate::simd::Scalar;
 use crate::error::{Error, Result};
 
 /// Mesh updates above which the sparse Cholesky solver takes over from star-mesh elimination.
@@ -19,7 +20,7 @@ pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<
     if let Some(program) = StarMesh::compile(circuit, LANES_LIMIT) {
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
         let mut work = program.workspace::<1>();
-        program.solve(&masks, 0, &stranded(circuit, &masks, 1), &mut work);
+        program.solve(Scalar::new(), &masks, 0, &stranded(circuit, &masks, 1), &mut work);
         for (node, p) in above_level.iter_mut().enumerate() {
             *p = work.pressure[program.slot(node)][0];
         }

@@ -6,17 +6,34 @@
 //! its key, so that one pass through the order reads the whole forest off. Maxima and minima only select: the answer is
 //! exact, and there is no sort and no branch.
 
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
 use super::forest::vessel;
 use crate::elimination::{Elimination, NOWHERE};
-use crate::simd::{Lanes, zip};
+use crate::simd::{Lanes, Simd, zip};
 
 /// The compiled elimination of a graph's forests.
 #[derive(Debug, Clone)]
 pub struct Bottleneck {
     program: Elimination,
     steps: Vec<Step>,
-    /// Per vessel its ray; `NOWHERE` for one that is in no forest.
-    ray: Vec<u32>,
+    offers: Vec<Offer>,
+    /// The rays that no vessel lies on.
+    fill: Vec<u32>,
+}
+
+/// Whether a vessel is in the forest of each sample of a group: zero, or [`TAKEN`].
+pub type Taken<const B: usize> = [u8; B];
+/// What marks a vessel of the forest.
+pub const TAKEN: u8 = u8::MAX;
+
+/// Where a vessel's keys go.
+#[derive(Debug, Clone, Copy)]
+struct Offer {
+    /// Its ray; `NOWHERE` for one that is in no forest.
+    ray: u32,
+    /// Whether it is the first of its ray.
+    first: bool,
 }
 
 impl Bottleneck {
@@ -26,8 +43,14 @@ impl Bottleneck {
         let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
         let program = Elimination::compile(nodes, &links, limit)?;
         let ray = |[a, b]: [usize; 2]| program.ray(program.place(a), program.place(b));
-        let ray = ends.iter().map(|e| e.filter(|[a, b]| a != b).map_or(NOWHERE, ray)).collect();
-        Some(Self { steps: steps(&program), program, ray })
+        let mut bare = vec![true; program.rays()];
+        let offers = ends.iter().map(|e| {
+            let ray = e.filter(|[a, b]| a != b).map_or(NOWHERE, ray);
+            Offer { ray, first: bare.get_mut(ray as usize).is_some_and(std::mem::take) }
+        });
+        let offers = offers.collect();
+        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
+        Some(Self { steps: steps(&program), program, offers, fill })
     }
 
     /// The joins of one sample: the length of the program.
@@ -40,73 +63,77 @@ impl Bottleneck {
         self.program.rays()
     }
 
-    /// Offers the keys of a vessel, one a lane, zero where it is not diffused.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+    /// Makes ready for the offers of the next group.
     #[inline(always)]
-    pub fn offer<const B: usize>(&self, vessel: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
-        if let Some(m) = widest.get_mut(self.ray[vessel] as usize) {
-            *m = wider(m, keys);
+    pub fn clear<const B: usize>(&self, widest: &mut [Lanes<B>]) {
+        for ray in &self.fill {
+            widest[*ray as usize] = Lanes::ZERO;
         }
     }
 
-    /// Grows the forests of the keys offered: sets bit `first` + lane of `taken[vessel]` for every vessel in a lane's forest.
-    ///
-    /// `taken` has one place more than there are vessels; what is in it means nothing.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+    /// Offers the keys of a vessel, one a lane, zero where it is not diffused. All vessels are offered, in order.
     #[inline(always)]
-    pub fn grow<const B: usize>(&self, widest: &mut [Lanes<B>], first: usize, taken: &mut [u64]) {
+    pub fn offer<S: Simd, const B: usize>(&self, simd: S, vessel: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
+        let offer = self.offers[vessel];
+        if let Some(m) = widest.get_mut(offer.ray as usize) {
+            *m = if offer.first { *keys } else { wider(simd, m, keys) };
+        }
+    }
+
+    /// Grows the forests of the keys offered and marks their vessels in `taken`, which has one place more than there are
+    /// vessels; what is in it means nothing.
+    #[inline(always)]
+    pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
         for step in &self.steps {
             let k = step.k as usize;
             if step.twin {
-                self.two(k, widest, first, taken);
+                self.two(simd, k, widest, taken);
             } else {
-                self.one(k, widest, first, taken);
+                self.one(simd, k, widest, taken);
             }
         }
     }
 
     /// Eliminates the k-th node.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn one<const B: usize>(&self, k: usize, widest: &mut [Lanes<B>], first: usize, taken: &mut [u64]) {
+    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
         let star = self.program.star(k);
         let (done, later) = widest.split_at_mut(star.end);
         let mut mesh = self.program.mesh(k).iter();
         let rays = &done[star.clone()];
         let mut best = Lanes::ZERO;
         for (i, a) in rays.iter().enumerate() {
-            best = wider(&best, a);
+            best = wider(simd, &best, a);
             for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
                 let m = &mut later[*target as usize - star.end];
-                *m = wider(m, &narrower(a, b));
+                *m = wider(simd, m, &narrower(simd, a, b));
             }
         }
-        take(&best, first, taken);
+        take(&best, taken);
     }
 
     /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
     #[inline(always)]
-    fn two<const B: usize>(&self, k: usize, widest: &mut [Lanes<B>], at: usize, taken: &mut [u64]) {
+    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
         let (near, far) = (self.program.star(k), self.program.star(k + 1));
         let (done, later) = widest.split_at_mut(far.end);
         let (near, second) = done[near.start..].split_at_mut(near.len());
         let (between, first) = (near[0], &near[1..]);
         let (mut best, mut next) = (between, Lanes::ZERO);
         for (a, b) in first.iter().zip(&mut *second) {
-            best = wider(&best, a);
-            let c = wider(&narrower(&between, a), b);
-            next = wider(&next, &c);
+            best = wider(simd, &best, a);
+            let c = wider(simd, &narrower(simd, &between, a), b);
+            next = wider(simd, &next, &c);
             *b = c;
         }
-        take(&best, at, taken);
-        take(&next, at, taken);
+        take(&best, taken);
+        take(&next, taken);
         let mut mesh = self.program.mesh(k + 1).iter();
         for i in 0..second.len() {
             let (a, c) = (first[i], second[i]);
             for ((b, d), target) in first[i + 1..].iter().zip(&second[i + 1..]).zip(&mut mesh) {
                 let m = &mut later[*target as usize - far.end];
-                *m = wider(&wider(m, &narrower(&a, b)), &narrower(&c, d));
+                *m = wider(simd, &wider(simd, m, &narrower(simd, &a, b)), &narrower(simd, &c, d));
             }
         }
     }
@@ -134,29 +161,26 @@ fn steps(program: &Elimination) -> Vec<Step> {
 }
 
 /// Marks the vessels of the keys, one a lane; a key of zero is marked in the last place.
-#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
 #[inline(always)]
-fn take<const B: usize>(keys: &Lanes<B>, first: usize, taken: &mut [u64]) {
+fn take<const B: usize>(keys: &Lanes<B>, taken: &mut [Taken<B>]) {
     let last = taken.len() - 1;
     let mut at = [0; B];
     for lane in 0..B {
-        at[lane] = vessel(keys[lane].to_bits());
+        at[lane] = vessel(keys[lane].to_bits()).min(last);
     }
     for lane in 0..B {
-        taken[at[lane].min(last)] |= 1 << (first + lane);
+        taken[at[lane]][lane] = TAKEN;
     }
 }
 
-/// The larger of two, lane by lane; `f64::max` would add the handling of NaN.
-#[expect(clippy::inline_always, reason = "one instruction")]
+/// The larger of two, lane by lane.
 #[inline(always)]
-fn wider<const B: usize>(a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    zip(a, b, |a, b| if a > b { a } else { b })
+fn wider<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| if S::IS_SCALAR { simd.select_f64s(simd.greater_than_f64s(a, b), a, b) } else { simd.max_f64s(a, b) })
 }
 
 /// The smaller of two, lane by lane.
-#[expect(clippy::inline_always, reason = "one instruction")]
 #[inline(always)]
-fn narrower<const B: usize>(a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    zip(a, b, |a, b| if a < b { a } else { b })
+fn narrower<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| if S::IS_SCALAR { simd.select_f64s(simd.less_than_f64s(a, b), a, b) } else { simd.min_f64s(a, b) })
 }

@@ -1,5 +1,7 @@
 //! The maximum spanning forest of resilience, equal to the minimum spanning forest of 1/ρ, by Kruskal's algorithm.
 
+use crate::simd::{Scalar, Simd};
+
 const INDEX_BITS: u32 = 29;
 /// More vessels than this cannot be told apart by a key.
 pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
@@ -9,11 +11,19 @@ pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
 /// Vessels in series with one radius have exactly equal ρ; rounding makes them tie in the computer too, and the rule for
 /// ties then makes every algorithm find the same forest. Larger keys come first. Read as the bits of a double the keys
 /// are positive, finite and in the same order, for ρ below a quarter of the largest double.
-#[expect(clippy::inline_always, reason = "part of a lane loop")]
-#[inline(always)]
 pub fn key(resilience: f64, vessel: usize) -> u64 {
-    let rounded = (resilience.to_bits() + (1 << (INDEX_BITS - 1))) >> INDEX_BITS;
-    rounded << INDEX_BITS | (MAX_VESSELS - 1 - vessel) as u64
+    keys(Scalar::new(), resilience, vessel).to_bits()
+}
+
+/// The [`key`]s of a vessel in several samples, as doubles.
+#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+#[inline(always)]
+pub fn keys<S: Simd>(simd: S, resilience: S::f64s, vessel: usize) -> S::f64s {
+    let half = simd.splat_u64s(1 << (INDEX_BITS - 1));
+    let high = simd.splat_u64s(u64::MAX << INDEX_BITS);
+    let index = simd.splat_u64s((MAX_VESSELS - 1 - vessel) as u64);
+    let rounded = simd.and_u64s(simd.add_u64s(simd.transmute_u64s_f64s(resilience), half), high);
+    simd.transmute_f64s_u64s(simd.or_u64s(rounded, index))
 }
 
 /// The vessel of a [`key`].

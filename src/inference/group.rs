@@ -1,7 +1,9 @@
 //! The samples of one block, a group of lanes at a time: flow, resilience, forest, sums.
 
-use super::bottleneck::Bottleneck;
-use super::forest::{Forest, key};
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use super::bottleneck::{Bottleneck, TAKEN, Taken};
+use super::forest::{Forest, key, keys};
 use super::likelihood::Sums;
 use super::params::Weight;
 use crate::error::Result;
@@ -9,7 +11,7 @@ use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, Lanes, lane_masks, masked, plus_product, zip};
+use crate::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, splat, zip};
 
 /// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
 const SUM_LANES: usize = 8;
@@ -39,11 +41,14 @@ pub struct Single {
 #[derive(Debug)]
 pub struct Memory<const B: usize> {
     flow: star_mesh::Workspace<B>,
+    /// Per slot the least drop that is more than rounding, Pa.
+    cut: Vec<Lanes<B>>,
+    /// ρ of every vessel, one group after another.
     resilience: Vec<Lanes<B>>,
     key: Vec<Lanes<B>>,
     widest: Vec<Lanes<B>>,
-    taken: Vec<u64>,
-    sums: Vec<[Lanes<SUM_LANES>; 2]>,
+    /// Every vessel's place in the forests, one group after another, with one place more than there are vessels.
+    taken: Vec<Taken<B>>,
     forest: Forest,
 }
 
@@ -51,12 +56,12 @@ impl<const B: usize> Memory<B> {
     /// Memory for so many vessels and rays of the forest program.
     pub fn new(flow: star_mesh::Workspace<B>, vessels: usize, rays: usize) -> Self {
         Self {
+            cut: vec![Lanes::ZERO; flow.pressure.len()],
             flow,
-            resilience: vec![Lanes::ZERO; vessels],
+            resilience: vec![Lanes::ZERO; vessels * BLOCK as usize / B],
             key: vec![Lanes::ZERO; vessels],
             widest: vec![Lanes::ZERO; rays],
-            taken: vec![0; vessels + 1],
-            sums: vec![[Lanes::ZERO; 2]; vessels],
+            taken: vec![[0; B]; (vessels + 1) * BLOCK as usize / B],
             forest: Forest::default(),
         }
     }
@@ -105,112 +110,138 @@ pub struct Job<'a> {
     pub bottleneck: Option<&'a Bottleneck>,
 }
 
-impl Job<'_> {
-    /// The whole block in groups of `B`.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+/// A block whose samples are taken in groups of `B`.
+pub struct InLanes<'a, const B: usize> {
+    /// What the groups share.
+    pub job: Job<'a>,
+    /// The compiled solver.
+    pub solver: &'a StarMesh,
+    /// The memory of a group.
+    pub work: &'a mut Memory<B>,
+    /// Receives the sums.
+    pub sums: &'a mut Sums,
+}
+
+impl<const B: usize> Kernel for InLanes<'_, B> {
+    type Output = ();
+
     #[inline(always)]
-    pub fn lanes<const B: usize>(&self, solver: &StarMesh, work: &mut Memory<B>, sums: &mut Sums) {
-        work.sums.fill([Lanes::ZERO; 2]);
-        work.taken.fill(0);
-        let present = self.present();
-        let mut global_sum = [0.0; SUM_LANES];
-        for first in (0..self.samples).step_by(B) {
-            solver.solve(self.masks, first, self.stranded, &mut work.flow);
-            let mut global = self.resiliences(first, work);
-            for lane in 0..B {
-                let count = present[first + lane];
-                global[lane] = if count > 0.0 { global[lane] / count } else { 0.0 };
-                global_sum[lane % SUM_LANES] += global[lane] * self.probability.map_or(1.0, |p| p[first + lane]);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { job, solver, work, sums } = self;
+        let vessels = job.flows.len();
+        work.taken.fill([0; B]);
+        let present = job.present();
+        let (mut global, mut global_sum) = ([0.0; BLOCK as usize], [0.0; SUM_LANES]);
+        for (at, first) in (0..job.samples).step_by(B).enumerate() {
+            solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
+            if let Some(program) = job.bottleneck {
+                program.clear(&mut work.widest);
             }
-            match self.bottleneck {
-                Some(program) => self.accumulate(program, first, &global, work),
-                None => self.accumulate_by_kruskal(first, &global, work),
+            let total = job.resiliences(simd, at, work);
+            for lane in 0..B {
+                let sample = first + lane;
+                global[sample] = if present[sample] > 0.0 { total[lane] / present[sample] } else { 0.0 };
+                global_sum[lane % SUM_LANES] += global[sample] * job.probability.map_or(1.0, |p| p[sample]);
+            }
+            let taken = &mut work.taken[at * (vessels + 1)..][..=vessels];
+            match job.bottleneck {
+                Some(program) => program.grow(simd, &mut work.widest, taken),
+                None => job.kruskal(&mut work.forest, &work.key, taken),
             }
         }
-        sums.samples = self.samples as u64;
+        sums.samples = job.samples as u64;
         sums.network_resilience = tree_sum(&global_sum);
-        for (vessel, [likelihood, square]) in work.sums.iter().enumerate() {
-            sums.likelihood[vessel] = tree_sum(likelihood);
-            sums.square[vessel] = tree_sum(square);
-            sums.count[vessel] = self.count(work.taken[vessel]);
+        match (job.weight, job.probability) {
+            (Weight::Resilience, None) => {
+                let value = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
+                job.accumulate(simd, &work.taken, value, |_| splat(simd, 1.0), sums);
+            }
+            (weight, probability) => {
+                let value = |vessel: usize, first: usize| match weight {
+                    Weight::Resilience => part(&*work.resilience[first / B * vessels + vessel], first % B),
+                    Weight::Count => splat(simd, 1.0),
+                    Weight::Global => part(&global, first),
+                };
+                let count = |first: usize| probability.map_or(splat(simd, 1.0), |p| part(p, first));
+                job.accumulate(simd, &work.taken, value, count, sums);
+            }
         }
     }
+}
 
-    /// ρ and the forest key of every vessel; returns Σ ρ of each sample.
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+impl Job<'_> {
+    /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
-    fn resiliences<const B: usize>(&self, first: usize, work: &mut Memory<B>) -> Lanes<B> {
+    fn resiliences<S: Simd, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<B>) -> Lanes<B> {
+        let Memory { flow: star_mesh::Workspace { pressure, .. }, cut, resilience, key: all_keys, widest, .. } = work;
+        let [level, share, most, zero] = [self.level, DROP_CUT, MOST, 0.0].map(|x| simd.splat_f64s(x));
+        for (cut, pressure) in cut.iter_mut().zip(&*pressure) {
+            *cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, level))));
+        }
         let mut sum = Lanes::ZERO;
-        work.widest.fill(Lanes::ZERO);
-        for (vessel, (flow, mask)) in self.flows.iter().zip(self.masks).enumerate() {
-            let open = lane_masks(mask >> first);
-            let (a, b) = (&work.flow.pressure[flow.slots[0] as usize], &work.flow.pressure[flow.slots[1] as usize]);
-            let drop = zip(a, b, |a, b| a - b);
-            let top = zip(a, b, |a, b| {
-                let (a, b) = ((a + self.level).abs(), (b + self.level).abs());
-                if a > b { a } else { b }
+        let resilience = &mut resilience[group * self.flows.len()..][..self.flows.len()];
+        for (vessel, ((flow, mask), resilience)) in self.flows.iter().zip(self.masks).zip(resilience).enumerate() {
+            let [a, b] = flow.slots.map(|slot| slot as usize);
+            let drop = zip(simd, &pressure[a], &pressure[b], |a, b| simd.sub_f64s(a, b));
+            let least = zip(simd, &cut[a], &cut[b], |a, b| simd.max_f64s(a, b));
+            let factor = simd.splat_f64s(flow.factor);
+            let rho = zip(simd, &drop, &least, |drop, least| {
+                let flows = simd.greater_than_f64s(simd.abs_f64s(drop), least);
+                let rho = simd.min_f64s(simd.mul_f64s(simd.mul_f64s(drop, drop), factor), most);
+                simd.select_f64s(flows, rho, zero)
             });
-            let rho = zip(&drop, &top, |drop, top| {
-                let flows = u64::from(drop.abs() > DROP_CUT * top).wrapping_neg();
-                let rho = drop * drop * flow.factor;
-                let rho = if rho < MOST { rho } else { MOST };
-                f64::from_bits(rho.to_bits() & flows)
+            let rho = masked(simd, &rho, *mask, group * B);
+            let keys = map(simd, &rho, |rho| {
+                simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero)
             });
-            let rho = masked(&rho, &open);
-            let keys = zip(&rho, &rho, |rho, _| {
-                let live = u64::from(rho > 0.0).wrapping_neg();
-                f64::from_bits(key(rho, vessel) & live)
-            });
-            sum = zip(&sum, &rho, |a, b| a + b);
-            work.resilience[vessel] = rho;
+            sum = plus(simd, &sum, &rho);
+            *resilience = rho;
             if let Some(program) = self.bottleneck {
-                program.offer(vessel, &keys, &mut work.widest);
+                program.offer(simd, vessel, &keys, widest);
             } else {
-                work.key[vessel] = keys;
+                all_keys[vessel] = keys;
             }
         }
         sum
     }
 
-    #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
-    #[inline(always)]
-    fn accumulate<const B: usize>(&self, program: &Bottleneck, first: usize, global: &Lanes<B>, work: &mut Memory<B>) {
-        program.grow(&mut work.widest, first, &mut work.taken);
-        let mut ones = Lanes([1.0; B]);
-        if let Some(probability) = self.probability {
-            ones.copy_from_slice(&probability[first..first + B]);
-        }
-        for ((rho, taken), [likelihood, square]) in work.resilience.iter().zip(&work.taken).zip(&mut work.sums) {
-            let takes = lane_masks(taken >> first);
-            let values = match self.weight {
-                Weight::Resilience => rho,
-                Weight::Count => &Lanes([1.0; B]),
-                Weight::Global => global,
-            };
-            let (values, ones) = (masked(values, &takes), masked(&ones, &takes));
-            for half in 0..B / SUM_LANES {
-                let (value, one) = (part(&values, half), part(&ones, half));
-                let weighted = zip(&value, &one, |a, b| a * b);
-                *likelihood = zip(likelihood, &weighted, |a, b| a + b);
-                *square = plus_product(square, &weighted, &value);
+    /// The forests of a group, one sample after another.
+    fn kruskal<const B: usize>(&self, forest: &mut Forest, keys: &[Lanes<B>], taken: &mut [Taken<B>]) {
+        for lane in 0..B {
+            forest.clear();
+            for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
+                forest.add(keys.to_bits());
             }
+            forest.grow(self.nodes, self.ends, |vessel| taken[vessel][lane] = TAKEN);
         }
     }
 
-    fn accumulate_by_kruskal<const B: usize>(&self, first: usize, global: &Lanes<B>, work: &mut Memory<B>) {
-        for (lane, global) in global.iter().enumerate() {
-            let one = self.probability.map_or(1.0, |p| p[first + lane]);
-            work.forest.clear();
-            for keys in work.key.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
-                work.forest.add(keys.to_bits());
+    /// The sums of all vessels over the forests of the block, given what a vessel contributes to the samples from one on,
+    /// and what those samples count.
+    #[inline(always)]
+    fn accumulate<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        taken: &[Taken<B>],
+        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
+        count: impl Fn(usize) -> Lanes<SUM_LANES>,
+        sums: &mut Sums,
+    ) {
+        let vessels = self.flows.len();
+        for vessel in 0..vessels {
+            let word = word(taken[vessel..].iter().step_by(vessels + 1));
+            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
+            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
+                let value = masked(simd, &value(vessel, first), word, first);
+                let one = masked(simd, &count(first), word, first);
+                let weighted = zip(simd, &value, &one, |a, b| simd.mul_f64s(a, b));
+                likelihood = plus(simd, &likelihood, &weighted);
+                square = plus_product(simd, &square, &weighted, &value);
+                counted = plus(simd, &counted, &one);
             }
-            work.forest.grow(self.nodes, self.ends, |vessel| {
-                let value = self.weight.of(work.resilience[vessel][lane], *global);
-                let [likelihood, square] = &mut work.sums[vessel];
-                likelihood[lane % SUM_LANES] += value * one;
-                square[lane % SUM_LANES] += value * one * value;
-                work.taken[vessel] |= 1 << (first + lane);
-            });
+            sums.likelihood[vessel] = tree_sum(&likelihood);
+            sums.square[vessel] = tree_sum(&square);
+            sums.count[vessel] = tree_sum(&counted);
         }
     }
 
@@ -253,16 +284,6 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// How much the samples of a word count.
-    fn count(&self, taken: u64) -> f64 {
-        let Some(probability) = self.probability else { return f64::from(taken.count_ones()) };
-        let mut lanes = [0.0; SUM_LANES];
-        for (sample, p) in probability.iter().enumerate() {
-            lanes[sample % SUM_LANES] += if taken >> sample & 1 == 1 { *p } else { 0.0 };
-        }
-        tree_sum(&lanes)
-    }
-
     /// |Ẽ|: how many vessels are open in each sample, counted in bit planes.
     fn present(&self) -> [f64; BLOCK as usize] {
         let mut planes = [0_u64; 32];
@@ -275,20 +296,33 @@ impl Job<'_> {
                 (*plane, carry) = (*plane ^ carry, *plane & carry);
             }
         }
+        let used = planes.iter().position(|plane| *plane == 0).unwrap_or(planes.len());
         std::array::from_fn(|sample| {
-            let bits = planes.iter().enumerate().map(|(power, plane)| (plane >> sample & 1) << power);
+            let bits = planes[..used].iter().enumerate().map(|(power, plane)| (plane >> sample & 1) << power);
             bits.sum::<u64>() as f64
         })
     }
 }
 
-/// One half, or the whole, of a group.
-#[expect(clippy::inline_always, reason = "part of a lane loop")]
+/// The next figures of a group or block.
 #[inline(always)]
-fn part<const B: usize>(values: &Lanes<B>, half: usize) -> Lanes<SUM_LANES> {
+fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
     let mut out = Lanes::ZERO;
-    out.copy_from_slice(&values[half * SUM_LANES..(half + 1) * SUM_LANES]);
+    out.copy_from_slice(&values[first..first + SUM_LANES]);
     out
+}
+
+/// A vessel's samples as the bits of a word.
+#[inline(always)]
+fn word<'a, const B: usize>(groups: impl Iterator<Item = &'a Taken<B>>) -> u64 {
+    let (mut word, mut at) = (0, 0);
+    for eight in groups.flat_map(|group| group.as_chunks().0) {
+        // The multiplication gathers bit i of byte i in the highest byte.
+        let bits = (u64::from_le_bytes(*eight) & 0x8040_2010_0804_0201).wrapping_mul(0x0101_0101_0101_0101) >> 56;
+        word |= bits << at;
+        at += 8;
+    }
+    word
 }
 
 /// The sum of the lanes, pairwise.

@@ -203,14 +203,8 @@ impl Sampler {
             bottleneck: self.bottleneck.as_ref(),
         };
         match (&mut work.group, &self.solve) {
-            (Group::Eight(memory), Solve::Lanes(program)) => self.instructions.run(
-                #[inline(always)]
-                || job.lanes(program, memory, sums),
-            ),
-            (Group::Sixteen(memory), Solve::Lanes(program)) => self.instructions.run(
-                #[inline(always)]
-                || job.lanes(program, memory, sums),
-            ),
+            (Group::Eight(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            (Group::Sixteen(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
             (Group::One(memory), Solve::Cholesky(factor)) => job.one_by_one(factor, memory, sums)?,
             _ => {}
         }
