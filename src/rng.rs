@@ -58,7 +58,10 @@ impl WideStream {
     pub fn next<S: Simd>(&mut self, simd: S, rows: &mut Rows) {
         const COUNTING: [u32; SIDE_BY_SIDE] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
         for (part, counting) in S::as_simd_u32s(&COUNTING).0.iter().enumerate() {
-            let mut start = self.state.map(|word| simd.splat_u32s(word));
+            let mut start = [simd.splat_u32s(0); WORDS];
+            for (start, word) in start.iter_mut().zip(&self.state) {
+                *start = simd.splat_u32s(*word);
+            }
             // The counter is a multiple of sixteen: nothing is carried.
             start[12] = simd.add_u32s(start[12], *counting);
             let mut x = start;

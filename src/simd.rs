@@ -59,7 +59,7 @@ impl InstructionSet {
         match (self, pulp::x86::V4::try_new(), pulp::x86::V3::try_new()) {
             (Self::Avx512, Some(v4), _) => Simd::vectorize(v4, kernel),
             (Self::Avx512 | Self::Avx2, _, Some(v3)) => Simd::vectorize(v3, kernel),
-            _ => kernel.with_simd(pulp::Scalar128b),
+            _ => kernel.with_simd(Scalar::new()),
         }
     }
 

@@ -48,7 +48,7 @@ fn check_open(network: &Network, conditions: &[(usize, Condition)], open: &[bool
     let masks: Vec<u64> = open.iter().map(|open| u64::from(*open) << 7).collect();
     let program = StarMesh::compile(&circuit, usize::MAX).unwrap();
     let mut work = program.workspace::<8>();
-    program.solve(&masks, 0, &stranded(&circuit, &masks, 8), &mut work);
+    program.solve(willis::simd::Scalar::new(), &masks, 0, &stranded(&circuit, &masks, 8), &mut work);
     let lanes = |node: usize| work.pressure[program.slot(node)][7];
     let mut sparse = vec![f64::NAN; network.node_count()];
     let factor = Cholesky::compile(&circuit).unwrap();

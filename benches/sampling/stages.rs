@@ -1,9 +1,9 @@
 //! The stages of the loop, timed apart in one thread.
 
-use willis::hemodynamics::StarMesh;
-use willis::inference::{Bottleneck, Sampler, Solver, Sums};
+use willis::hemodynamics::star_mesh::{self, StarMesh};
+use willis::inference::{Bottleneck, Sampler, Solver, Sums, Taken};
 use willis::rng::BLOCK;
-use willis::simd::{InstructionSet, Lanes};
+use willis::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;
 use crate::case::{Case, Pieces, params};
@@ -36,15 +36,20 @@ pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
     }
 }
 
+struct Solve<'a, const B: usize>(&'a StarMesh, &'a [u64], &'a mut star_mesh::Workspace<B>);
+
+impl<const B: usize> Kernel for Solve<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.solve(simd, self.1, 0, &[], self.2);
+    }
+}
+
 fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &StarMesh, masks: &[u64], budget: f64) -> f64 {
     let mut work = program.workspace::<B>();
-    let time = per_call(budget, || {
-        instructions.run(
-            #[inline(always)]
-            || program.solve(masks, 0, &[], &mut work),
-        );
-    });
-    time / B as f64
+    per_call(budget, || instructions.run(Solve(program, masks, &mut work))) / B as f64
 }
 
 /// Microseconds a sample of the forest program: keys offered, paths widened, vessels taken.
@@ -57,21 +62,32 @@ pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
     }
 }
 
+struct Grow<'a, const B: usize> {
+    program: &'a Bottleneck,
+    keys: &'a [Lanes<B>],
+    widest: &'a mut [Lanes<B>],
+    taken: &'a mut [Taken<B>],
+}
+
+impl<const B: usize> Kernel for Grow<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.program.clear(self.widest);
+        for (vessel, keys) in self.keys.iter().enumerate() {
+            self.program.offer(simd, vessel, keys, self.widest);
+        }
+        self.program.grow(simd, self.widest, self.taken);
+    }
+}
+
 fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottleneck, samples: &[Vec<u64>], budget: f64) -> f64 {
     let vessels = samples[0].len();
     let keys: Vec<Lanes<B>> = (0..vessels).map(|v| Lanes(std::array::from_fn(|lane| f64::from_bits(samples[lane][v])))).collect();
-    let (mut widest, mut taken) = (vec![Lanes::ZERO; program.rays()], vec![0; vessels + 1]);
+    let (mut widest, mut taken) = (vec![Lanes::ZERO; program.rays()], vec![[0; B]; vessels + 1]);
     let time = per_call(budget, || {
-        instructions.run(
-            #[inline(always)]
-            || {
-                widest.fill(Lanes::ZERO);
-                for (vessel, keys) in keys.iter().enumerate() {
-                    program.offer(vessel, keys, &mut widest);
-                }
-                program.grow(&mut widest, 0, &mut taken);
-            },
-        );
+        instructions.run(Grow { program, keys: &keys, widest: &mut widest, taken: &mut taken });
         std::hint::black_box(&taken);
     });
     time / B as f64

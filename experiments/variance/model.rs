@@ -5,6 +5,7 @@ use willis::hemodynamics::boundary::stated;
 use willis::hemodynamics::floating::stranded;
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::star_mesh;
+use willis::simd::Scalar;
 use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
 use willis::inference::{Forest, Params, Uncertain, infer, key};
 use willis::network::Network;
@@ -71,7 +72,7 @@ impl Model {
         let stranded = stranded(&self.circuit, &work.masks, 64);
         let solver = work.solver.get_or_insert_with(|| self.program.workspace());
         for first in (0..64).step_by(LANES) {
-            self.program.solve(&work.masks, first, &stranded, solver);
+            self.program.solve(Scalar::new(), &work.masks, first, &stranded, solver);
             let level = self.circuit.level;
             work.resilience.clear();
             let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);

@@ -8,7 +8,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::forest::vessel;
+use super::forest::rows;
 use crate::elimination::{Elimination, NOWHERE};
 use crate::simd::{Lanes, Simd, zip};
 
@@ -22,7 +22,8 @@ pub struct Bottleneck {
     fill: Vec<u32>,
 }
 
-/// Whether a vessel is in the forest of each sample of a group: zero, or [`TAKEN`].
+/// Whether a vessel is in the forest of each sample of a group: zero, or [`TAKEN`]. There are as many as vessels, last vessel
+/// first, after one that means nothing.
 pub type Taken<const B: usize> = [u8; B];
 /// What marks a vessel of the forest.
 pub const TAKEN: u8 = u8::MAX;
@@ -80,8 +81,7 @@ impl Bottleneck {
         }
     }
 
-    /// Grows the forests of the keys offered and marks their vessels in `taken`, which has one place more than there are
-    /// vessels; what is in it means nothing.
+    /// Grows the forests of the keys offered and marks their vessels.
     #[inline(always)]
     pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
         for step in &self.steps {
@@ -109,7 +109,7 @@ impl Bottleneck {
                 *m = wider(simd, m, &narrower(simd, a, b));
             }
         }
-        take(&best, taken);
+        take(simd, &best, taken);
     }
 
     /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
@@ -126,8 +126,8 @@ impl Bottleneck {
             next = wider(simd, &next, &c);
             *b = c;
         }
-        take(&best, taken);
-        take(&next, taken);
+        take(simd, &best, taken);
+        take(simd, &next, taken);
         let mut mesh = self.program.mesh(k + 1).iter();
         for i in 0..second.len() {
             let (a, c) = (first[i], second[i]);
@@ -160,18 +160,26 @@ fn steps(program: &Elimination) -> Vec<Step> {
     out
 }
 
-/// Marks the vessels of the keys, one a lane; a key of zero is marked in the last place.
+/// Marks the vessels of the keys, one a lane.
 #[inline(always)]
-fn take<const B: usize>(keys: &Lanes<B>, taken: &mut [Taken<B>]) {
-    let last = taken.len() - 1;
+fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [Taken<B>]) {
+    let vessels = taken.len() - 1;
+    let taken = taken.as_flattened_mut();
     let mut at = [0; B];
-    for lane in 0..B {
-        at[lane] = vessel(keys[lane].to_bits()).min(last);
+    for (i, (at, keys)) in S::as_mut_simd_u64s(&mut at).0.iter_mut().zip(keys.vectors::<S>()).enumerate() {
+        let mut row = rows(simd, *keys, vessels);
+        for _ in 0..B.ilog2() {
+            row = simd.add_u64s(row, row);
+        }
+        *at = simd.add_u64s(row, S::as_simd_u64s(&LANE).0[i]);
     }
-    for lane in 0..B {
-        taken[at[lane]][lane] = TAKEN;
+    for at in at {
+        taken[at as usize] = TAKEN;
     }
 }
+
+/// The numbers of the lanes.
+static LANE: [u64; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// The larger of two, lane by lane.
 #[inline(always)]

@@ -32,6 +32,16 @@ pub fn vessel(key: u64) -> usize {
     MAX_VESSELS - 1 - key as usize % MAX_VESSELS
 }
 
+/// Where the vessels of [`keys`] stand when `vessels` are counted from the last, which is at 1; a key of zero is at 0.
+#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+#[inline(always)]
+pub fn rows<S: Simd>(simd: S, keys: S::f64s, vessels: usize) -> S::u64s {
+    let (bits, zero) = (simd.transmute_u64s_f64s(keys), simd.splat_u64s(0));
+    let index = simd.and_u64s(bits, simd.splat_u64s(MAX_VESSELS as u64 - 1));
+    let row = simd.sub_u64s(index, simd.splat_u64s((MAX_VESSELS - 1 - vessels) as u64));
+    simd.select_u64s(simd.greater_than_u64s(bits, zero), row, zero)
+}
+
 /// The memory of Kruskal's algorithm for one worker.
 #[derive(Debug, Clone, Default)]
 pub struct Forest {

@@ -11,7 +11,7 @@ use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::simd::{InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, plus, plus_product, splat, zip};
 
 /// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
 const SUM_LANES: usize = 8;
@@ -47,7 +47,7 @@ pub struct Memory<const B: usize> {
     resilience: Vec<Lanes<B>>,
     key: Vec<Lanes<B>>,
     widest: Vec<Lanes<B>>,
-    /// Every vessel's place in the forests, one group after another, with one place more than there are vessels.
+    /// Every vessel's place in the forests, one group after another.
     taken: Vec<Taken<B>>,
     forest: Forest,
 }
@@ -110,6 +110,9 @@ pub struct Job<'a> {
     pub bottleneck: Option<&'a Bottleneck>,
 }
 
+/// One figure for each sample of a block.
+type Samples = Lanes<{ BLOCK as usize }>;
+
 /// A block whose samples are taken in groups of `B`.
 pub struct InLanes<'a, const B: usize> {
     /// What the groups share.
@@ -130,41 +133,33 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
         let Self { job, solver, work, sums } = self;
         let vessels = job.flows.len();
         work.taken.fill([0; B]);
-        let present = job.present();
-        let (mut global, mut global_sum) = ([0.0; BLOCK as usize], [0.0; SUM_LANES]);
+        let present = job.present(simd);
+        let mut global = Samples::ZERO;
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
             solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
             if let Some(program) = job.bottleneck {
                 program.clear(&mut work.widest);
             }
             let total = job.resiliences(simd, at, work);
-            for lane in 0..B {
-                let sample = first + lane;
-                global[sample] = if present[sample] > 0.0 { total[lane] / present[sample] } else { 0.0 };
-                global_sum[lane % SUM_LANES] += global[sample] * job.probability.map_or(1.0, |p| p[sample]);
-            }
+            global[first..first + B].copy_from_slice(&*total);
             let taken = &mut work.taken[at * (vessels + 1)..][..=vessels];
             match job.bottleneck {
                 Some(program) => program.grow(simd, &mut work.widest, taken),
                 None => job.kruskal(&mut work.forest, &work.key, taken),
             }
         }
+        // Nothing flows where no vessel is open.
+        let global = zip(simd, &global, &present, |sum, n| simd.div_f64s(sum, simd.max_f64s(n, simd.splat_f64s(1.0))));
         sums.samples = job.samples as u64;
-        sums.network_resilience = tree_sum(&global_sum);
+        sums.network_resilience = job.expectation(&global);
+        let resilience = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
         match (job.weight, job.probability) {
-            (Weight::Resilience, None) => {
-                let value = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
-                job.accumulate(simd, &work.taken, value, |_| splat(simd, 1.0), sums);
-            }
-            (weight, probability) => {
-                let value = |vessel: usize, first: usize| match weight {
-                    Weight::Resilience => part(&*work.resilience[first / B * vessels + vessel], first % B),
-                    Weight::Count => splat(simd, 1.0),
-                    Weight::Global => part(&global, first),
-                };
-                let count = |first: usize| probability.map_or(splat(simd, 1.0), |p| part(p, first));
-                job.accumulate(simd, &work.taken, value, count, sums);
-            }
+            (Weight::Resilience, None) => job.accumulate(simd, &work.taken, resilience, sums),
+            (Weight::Resilience, Some(p)) => job.accumulate_weighted(simd, &work.taken, resilience, p, sums),
+            (Weight::Count, None) => job.accumulate(simd, &work.taken, |_, _| splat(simd, 1.0), sums),
+            (Weight::Count, Some(p)) => job.accumulate_weighted(simd, &work.taken, |_, _| splat(simd, 1.0), p, sums),
+            (Weight::Global, None) => job.accumulate(simd, &work.taken, |_, first| part(&*global, first), sums),
+            (Weight::Global, Some(p)) => job.accumulate_weighted(simd, &work.taken, |_, first| part(&*global, first), p, sums),
         }
     }
 }
@@ -212,32 +207,64 @@ impl Job<'_> {
             for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
                 forest.add(keys.to_bits());
             }
-            forest.grow(self.nodes, self.ends, |vessel| taken[vessel][lane] = TAKEN);
+            forest.grow(self.nodes, self.ends, |vessel| taken[self.flows.len() - vessel][lane] = TAKEN);
         }
     }
 
-    /// The sums of all vessels over the forests of the block, given what a vessel contributes to the samples from one on,
-    /// and what those samples count.
+    /// The sum over the samples of what each gives, times what it counts.
+    fn expectation(&self, values: &Samples) -> f64 {
+        let mut lanes = [0.0; SUM_LANES];
+        for (sample, value) in values.iter().enumerate() {
+            lanes[sample % SUM_LANES] += value * self.probability.map_or(1.0, |p| p[sample]);
+        }
+        tree_sum(&lanes)
+    }
+
+    /// The sums of all vessels over the forests of the block, given what a vessel contributes to the samples from one on.
     #[inline(always)]
     fn accumulate<S: Simd, const B: usize>(
         &self,
         simd: S,
         taken: &[Taken<B>],
         value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
-        count: impl Fn(usize) -> Lanes<SUM_LANES>,
         sums: &mut Sums,
     ) {
         let vessels = self.flows.len();
         for vessel in 0..vessels {
-            let word = word(taken[vessel..].iter().step_by(vessels + 1));
-            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
+            let word = word(taken[vessels - vessel..].iter().step_by(vessels + 1));
+            let (mut likelihood, mut square) = (Lanes::ZERO, Lanes::ZERO);
             for first in (0..BLOCK as usize).step_by(SUM_LANES) {
                 let value = masked(simd, &value(vessel, first), word, first);
-                let one = masked(simd, &count(first), word, first);
-                let weighted = zip(simd, &value, &one, |a, b| simd.mul_f64s(a, b));
+                likelihood = plus(simd, &likelihood, &value);
+                square = plus_product(simd, &square, &value, &value);
+            }
+            sums.likelihood[vessel] = tree_sum(&likelihood);
+            sums.square[vessel] = tree_sum(&square);
+            sums.count[vessel] = f64::from(word.count_ones());
+        }
+    }
+
+    /// As [`Self::accumulate`], for samples that count by their probability.
+    #[inline(always)]
+    fn accumulate_weighted<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        taken: &[Taken<B>],
+        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
+        probability: &[f64; BLOCK as usize],
+        sums: &mut Sums,
+    ) {
+        let vessels = self.flows.len();
+        for vessel in 0..vessels {
+            let word = word(taken[vessels - vessel..].iter().step_by(vessels + 1));
+            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
+            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
+                let value = value(vessel, first);
+                let count = masked(simd, &part(probability, first), word, first);
+                let weighted = zip(simd, &value, &count, |a, b| simd.mul_f64s(a, b));
                 likelihood = plus(simd, &likelihood, &weighted);
                 square = plus_product(simd, &square, &weighted, &value);
-                counted = plus(simd, &counted, &one);
+                counted = plus(simd, &counted, &count);
             }
             sums.likelihood[vessel] = tree_sum(&likelihood);
             sums.square[vessel] = tree_sum(&square);
@@ -251,7 +278,7 @@ impl Job<'_> {
     ///
     /// The factorisation breaks down.
     pub fn one_by_one(&self, solver: &Cholesky, work: &mut Single, sums: &mut Sums) -> Result<()> {
-        let present = self.present();
+        let present = self.present(Scalar::new());
         let Single { solver: memory, pressure, resilience, forest } = work;
         pressure.resize(self.nodes, 0.0);
         sums.clear();
@@ -285,7 +312,8 @@ impl Job<'_> {
     }
 
     /// |Ẽ|: how many vessels are open in each sample, counted in bit planes.
-    fn present(&self) -> [f64; BLOCK as usize] {
+    #[inline(always)]
+    fn present<S: Simd>(&self, simd: S) -> Samples {
         let mut planes = [0_u64; 32];
         for mask in self.masks {
             let mut carry = *mask;
@@ -296,11 +324,13 @@ impl Job<'_> {
                 (*plane, carry) = (*plane ^ carry, *plane & carry);
             }
         }
-        let used = planes.iter().position(|plane| *plane == 0).unwrap_or(planes.len());
-        std::array::from_fn(|sample| {
-            let bits = planes[..used].iter().enumerate().map(|(power, plane)| (plane >> sample & 1) << power);
-            bits.sum::<u64>() as f64
-        })
+        let (mut present, mut worth) = (Samples::ZERO, splat(simd, 1.0));
+        let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
+        for plane in &planes[..used] {
+            present = plus(simd, &present, &masked(simd, &worth, *plane, 0));
+            worth = plus(simd, &worth, &worth);
+        }
+        present
     }
 }
 

@@ -12,7 +12,7 @@ mod sampler;
 mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
-pub use bottleneck::Bottleneck;
+pub use bottleneck::{Bottleneck, Taken};
 pub use driver::{Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};

@@ -74,16 +74,21 @@ impl Kernel for Draw<'_> {
             stream.next(simd, &mut rows);
             let (mut below, mut open) = ([0; TOGETHER], [0; TOGETHER]);
             compare(simd, &together.keep, &rows, &mut below, &mut open);
-            for (i, vessel) in together.vessels.iter().enumerate() {
-                if open[i] != 0 {
-                    let rng = rest.get_or_insert_with(|| {
-                        let mut rng = block_stream(seed, block);
-                        rng.set_word_pos(2 * (Rows::WORDS_OF_64 * occlusion.random.len()) as u128);
-                        rng
-                    });
-                    below[i] |= decide(together.keep[i], open[i], rng);
-                }
-                masks[*vessel as usize] = below[i];
+            let (mut undecided, mut count) = ([0; TOGETHER], 0);
+            for (i, open) in open.iter().enumerate() {
+                undecided[count] = i;
+                count += usize::from(*open != 0);
+            }
+            for i in &undecided[..count] {
+                let rng = rest.get_or_insert_with(|| {
+                    let mut rng = block_stream(seed, block);
+                    rng.set_word_pos(2 * (Rows::WORDS_OF_64 * occlusion.random.len()) as u128);
+                    rng
+                });
+                below[*i] |= decide(together.keep[*i], open[*i], rng);
+            }
+            for (vessel, below) in together.vessels.iter().zip(&below) {
+                masks[*vessel as usize] = *below;
             }
         }
     }
@@ -122,21 +127,13 @@ fn words(rows: &Rows) -> [[u64; TOGETHER]; DIGITS] {
     out
 }
 
-/// The samples of `open` that the digits after the first ones put below the keep probability.
-#[cold]
+/// The samples of `open` that are below the keep probability by the digits after the first ones, one word each.
 fn decide(keep: u64, mut open: u64, rng: &mut impl Rng) -> u64 {
     let mut below = 0;
-    for digit in (keep.trailing_zeros() as usize..64 - DIGITS).rev() {
-        let random = rng.next_u64();
-        if keep >> digit & 1 == 1 {
-            below |= open & !random;
-            open &= random;
-        } else {
-            open &= !random;
-        }
-        if open == 0 {
-            break;
-        }
+    while open != 0 {
+        let sample = open & open.wrapping_neg();
+        below |= if rng.next_u64() < keep << DIGITS { sample } else { 0 };
+        open ^= sample;
     }
     below
 }
