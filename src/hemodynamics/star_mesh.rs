@@ -48,8 +48,8 @@ struct GroundStamp {
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
+    /// Conductances by ray; once a star is eliminated, the weights of its mean.
     conductance: Vec<Lanes<B>>,
-    weight: Vec<Lanes<B>>,
     ground: Vec<Lanes<B>>,
     /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
     pub pressure: Vec<Lanes<B>>,
@@ -120,7 +120,6 @@ impl StarMesh {
         let fixed = self.fixed.iter().map(|p| Lanes([*p; B]));
         Workspace {
             conductance: vec![Lanes::ZERO; rays],
-            weight: vec![Lanes::ZERO; rays],
             ground: vec![Lanes::ZERO; nodes],
             pressure: vec![Lanes::ZERO; nodes].into_iter().chain(fixed).collect(),
         }
@@ -187,10 +186,10 @@ impl StarMesh {
             let star = self.program.star(k);
             // A star's mesh lies in later stars only.
             let (done, later) = work.conductance.split_at_mut(star.end);
-            let rays = &done[star.clone()];
+            let rays = &mut done[star.clone()];
             let (ground, source) = (work.ground[k], work.pressure[k]);
             let mut total = ground;
-            for c in rays {
+            for c in &*rays {
                 total = plus(simd, &total, c);
             }
             // A floating remainder has no conductance at all; its weights then are zero.
@@ -198,10 +197,10 @@ impl StarMesh {
                 simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero)
             });
             let mut mesh = self.program.mesh(k).iter();
-            for (i, c) in rays.iter().enumerate() {
-                let weight = zip(simd, c, &inverse, |c, i| simd.mul_f64s(c, i));
-                work.weight[star.start + i] = weight;
-                let to = ray_to[star.start + i] as usize;
+            for (i, to) in ray_to[star.clone()].iter().enumerate() {
+                let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));
+                rays[i] = weight;
+                let to = *to as usize;
                 work.ground[to] = plus_product(simd, &work.ground[to], &weight, &ground);
                 work.pressure[to] = plus_product(simd, &work.pressure[to], &weight, &source);
                 for (other, target) in rays[i + 1..].iter().zip(&mut mesh) {
@@ -219,7 +218,7 @@ impl StarMesh {
         for k in (0..self.program.nodes()).rev() {
             let mut p = work.pressure[k];
             for ray in self.program.star(k) {
-                p = plus_product(simd, &p, &work.weight[ray], &work.pressure[ray_to[ray] as usize]);
+                p = plus_product(simd, &p, &work.conductance[ray], &work.pressure[ray_to[ray] as usize]);
             }
             work.pressure[k] = p;
         }

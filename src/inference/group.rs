@@ -358,5 +358,5 @@ fn word<'a, const B: usize>(groups: impl Iterator<Item = &'a Taken<B>>) -> u64 {
 /// The sum of the lanes, pairwise.
 fn tree_sum(lanes: &[f64; SUM_LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
