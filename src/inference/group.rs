@@ -23,9 +23,9 @@ pub enum Group {
     /// One sample at a time, for the sparse solver.
     One(Box<Single>),
     /// Eight samples side by side.
-    Eight(Memory<8>),
+    Eight(Memory<8, 8>),
     /// Sixteen samples side by side.
-    Sixteen(Memory<16>),
+    Sixteen(Memory<32, 16>),
 }
 
 /// The memory of a group of one.
@@ -37,12 +37,12 @@ pub struct Single {
     forest: Forest,
 }
 
-/// The memory of a group of `B`.
+/// The memory of groups of `B`, of which the flow is solved for `W` samples at a time.
 #[derive(Debug)]
-pub struct Memory<const B: usize> {
-    flow: star_mesh::Workspace<B>,
+pub struct Memory<const W: usize, const B: usize> {
+    flow: star_mesh::Workspace<W>,
     /// Per slot the least drop that is more than rounding, Pa.
-    cut: Vec<Lanes<B>>,
+    cut: Vec<Lanes<W>>,
     /// ρ of every vessel, one group after another.
     resilience: Vec<Lanes<B>>,
     key: Vec<Lanes<B>>,
@@ -52,9 +52,9 @@ pub struct Memory<const B: usize> {
     forest: Forest,
 }
 
-impl<const B: usize> Memory<B> {
+impl<const W: usize, const B: usize> Memory<W, B> {
     /// Memory for so many vessels and rays of the forest program.
-    pub fn new(flow: star_mesh::Workspace<B>, vessels: usize, rays: usize) -> Self {
+    pub fn new(flow: star_mesh::Workspace<W>, vessels: usize, rays: usize) -> Self {
         Self {
             cut: vec![Lanes::ZERO; flow.pressure.len()],
             flow,
@@ -114,18 +114,18 @@ pub struct Job<'a> {
 type Samples = Lanes<{ BLOCK as usize }>;
 
 /// A block whose samples are taken in groups of `B`.
-pub struct InLanes<'a, const B: usize> {
+pub struct InLanes<'a, const W: usize, const B: usize> {
     /// What the groups share.
     pub job: Job<'a>,
     /// The compiled solver.
     pub solver: &'a StarMesh,
     /// The memory of a group.
-    pub work: &'a mut Memory<B>,
+    pub work: &'a mut Memory<W, B>,
     /// Receives the sums.
     pub sums: &'a mut Sums,
 }
 
-impl<const B: usize> Kernel for InLanes<'_, B> {
+impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
     type Output = ();
 
     #[inline(always)]
@@ -136,7 +136,10 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
         let present = job.present(simd);
         let mut global = Samples::ZERO;
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
-            solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
+            if first % W == 0 {
+                solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
+                job.cut(simd, &work.flow.pressure, &mut work.cut);
+            }
             if let Some(program) = job.bottleneck {
                 program.clear(&mut work.widest);
             }
@@ -165,20 +168,27 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
 }
 
 impl Job<'_> {
-    /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
+    /// Per slot the least drop that is more than rounding.
     #[inline(always)]
-    fn resiliences<S: Simd, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<B>) -> Lanes<B> {
-        let Memory { flow: star_mesh::Workspace { pressure, .. }, cut, resilience, key: all_keys, widest, .. } = work;
-        let [level, share, most, zero] = [self.level, DROP_CUT, MOST, 0.0].map(|x| simd.splat_f64s(x));
-        for (cut, pressure) in cut.iter_mut().zip(&*pressure) {
+    fn cut<S: Simd, const W: usize>(&self, simd: S, pressure: &[Lanes<W>], cut: &mut [Lanes<W>]) {
+        let (level, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
+        for (cut, pressure) in cut.iter_mut().zip(pressure) {
             *cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, level))));
         }
+    }
+
+    /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
+    #[inline(always)]
+    fn resiliences<S: Simd, const W: usize, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<W, B>) -> Lanes<B> {
+        let Memory { flow: star_mesh::Workspace { pressure, .. }, cut, resilience, key: all_keys, widest, .. } = work;
+        let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
+        let at = group * B % W;
         let mut sum = Lanes::ZERO;
         let resilience = &mut resilience[group * self.flows.len()..][..self.flows.len()];
         for (vessel, ((flow, mask), resilience)) in self.flows.iter().zip(self.masks).zip(resilience).enumerate() {
             let [a, b] = flow.slots.map(|slot| slot as usize);
-            let drop = zip(simd, &pressure[a], &pressure[b], |a, b| simd.sub_f64s(a, b));
-            let least = zip(simd, &cut[a], &cut[b], |a, b| simd.max_f64s(a, b));
+            let drop: Lanes<B> = zip(simd, &pressure[a].part(simd, at), &pressure[b].part(simd, at), |a, b| simd.sub_f64s(a, b));
+            let least = zip(simd, &cut[a].part(simd, at), &cut[b].part(simd, at), |a, b| simd.max_f64s(a, b));
             let factor = simd.splat_f64s(flow.factor);
             let rho = zip(simd, &drop, &least, |drop, least| {
                 let flows = simd.greater_than_f64s(simd.abs_f64s(drop), least);
