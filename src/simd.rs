@@ -161,32 +161,42 @@ pub fn plus_product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, w: &Lanes<B>
     plus(simd, a, &zip(simd, w, b, |w, b| simd.mul_f64s(w, b)))
 }
 
-#[repr(C, align(64))]
-struct Bits([u64; 64]);
-
 /// The bit of each sample in a word.
-static BITS: Bits = Bits({
-    let (mut out, mut bit) = ([0; 64], 0);
-    while bit < 64 {
-        out[bit] = 1 << bit;
-        bit += 1;
-    }
-    out
-});
+#[repr(C, align(64))]
+pub struct Bits([u64; 64]);
 
-/// Which samples from the one numbered `first`, a multiple of a vector's lanes, are set in `word`.
-#[inline(always)]
-pub fn is_set<S: Simd>(simd: S, word: u64, first: usize) -> S::m64s {
-    let bits = S::as_simd_u64s(&BITS.0).0[first / S::F64_LANES];
-    simd.equal_u64s(simd.and_u64s(simd.splat_u64s(word), bits), bits)
+impl Bits {
+    /// Sample i is bit i.
+    pub const IN_ORDER: Self = Self::new(1);
+    /// Sample 8 i + j is bit 8 j + i.
+    pub const ACROSS: Self = Self::new(8);
+
+    const fn new(step: usize) -> Self {
+        let (mut out, mut sample) = ([0; 64], 0);
+        while sample < 64 {
+            out[sample] = 1 << (sample * step % 64 + sample * step / 64);
+            sample += 1;
+        }
+        Self(out)
+    }
 }
 
-/// `value` in the lanes of the samples from `first` on that are set in `word`, zero elsewhere.
+static IN_ORDER: Bits = Bits::IN_ORDER;
+
+/// `value` in the lanes of the samples from `first` on, a multiple of a vector's lanes, that are set in `word`; zero elsewhere.
 #[inline(always)]
 pub fn masked<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, word: u64, first: usize) -> Lanes<B> {
+    masked_by(simd, value, &IN_ORDER, word, first)
+}
+
+/// [`masked`] with other bits.
+#[inline(always)]
+pub fn masked_by<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, bits: &Bits, word: u64, first: usize) -> Lanes<B> {
     let mut out = Lanes::ZERO;
-    for (at, (out, value)) in out.vectors_mut::<S>().iter_mut().zip(value.vectors::<S>()).enumerate() {
-        let set = is_set(simd, word, first + at * S::F64_LANES);
+    let (vectors, values) = (out.vectors_mut::<S>(), value.vectors::<S>());
+    let bits = &S::as_simd_u64s(&bits.0).0[first / S::F64_LANES..][..values.len()];
+    for ((out, value), bits) in vectors.iter_mut().zip(values).zip(bits) {
+        let set = simd.equal_u64s(simd.and_u64s(simd.splat_u64s(word), *bits), *bits);
         *out = simd.select_f64s(set, *value, simd.splat_f64s(0.0));
     }
     out

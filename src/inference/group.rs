@@ -11,7 +11,7 @@ use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::simd::{InstructionSet, Bits, Kernel, Lanes, Scalar, Simd, map, masked, masked_by, plus, plus_product, splat, zip};
 
 /// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
 const SUM_LANES: usize = 8;
@@ -241,10 +241,10 @@ impl Job<'_> {
     ) {
         let vessels = self.flows.len();
         for vessel in 0..vessels {
-            let word = word(taken[vessels - vessel..].iter().step_by(vessels + 1));
+            let word = word(taken, vessels - vessel, vessels + 1);
             let (mut likelihood, mut square) = (Lanes::ZERO, Lanes::ZERO);
             for first in (0..BLOCK as usize).step_by(SUM_LANES) {
-                let value = masked(simd, &value(vessel, first), word, first);
+                let value = masked_by(simd, &value(vessel, first), &ACROSS, word, first);
                 likelihood = plus(simd, &likelihood, &value);
                 square = plus_product(simd, &square, &value, &value);
             }
@@ -266,11 +266,11 @@ impl Job<'_> {
     ) {
         let vessels = self.flows.len();
         for vessel in 0..vessels {
-            let word = word(taken[vessels - vessel..].iter().step_by(vessels + 1));
+            let word = word(taken, vessels - vessel, vessels + 1);
             let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
             for first in (0..BLOCK as usize).step_by(SUM_LANES) {
                 let value = value(vessel, first);
-                let count = masked(simd, &part(probability, first), word, first);
+                let count = masked_by(simd, &part(probability, first), &ACROSS, word, first);
                 let weighted = zip(simd, &value, &count, |a, b| simd.mul_f64s(a, b));
                 likelihood = plus(simd, &likelihood, &weighted);
                 square = plus_product(simd, &square, &weighted, &value);
@@ -325,14 +325,15 @@ impl Job<'_> {
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S) -> Samples {
         let mut planes = [0_u64; 32];
-        for mask in self.masks {
-            let mut carry = *mask;
-            for plane in &mut planes {
-                if carry == 0 {
-                    break;
-                }
-                (*plane, carry) = (*plane ^ carry, *plane & carry);
-            }
+        let (eights, rest) = self.masks.as_chunks();
+        for [a, b, c, d, e, f, g, h] in eights {
+            let pairs = [[a, b], [c, d], [e, f], [g, h]].map(|[a, b]| add_bits(&mut planes[0], *a, *b));
+            let fours = [[pairs[0], pairs[1]], [pairs[2], pairs[3]]].map(|[a, b]| add_bits(&mut planes[1], a, b));
+            let carry = add_bits(&mut planes[2], fours[0], fours[1]);
+            count_bits(&mut planes[3..], carry);
+        }
+        for mask in rest {
+            count_bits(&mut planes, *mask);
         }
         let (mut present, mut worth) = (Samples::ZERO, splat(simd, 1.0));
         let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
@@ -344,6 +345,26 @@ impl Job<'_> {
     }
 }
 
+/// Adds two to a plane of bits; returns what is carried to the next one.
+#[inline(always)]
+fn add_bits(plane: &mut u64, a: u64, b: u64) -> u64 {
+    let differ = *plane ^ a;
+    let carry = (*plane & a) | (differ & b);
+    *plane = differ ^ b;
+    carry
+}
+
+/// Adds a word to the planes of a count.
+#[inline(always)]
+fn count_bits(planes: &mut [u64], mut carry: u64) {
+    for plane in planes {
+        if carry == 0 {
+            break;
+        }
+        (*plane, carry) = (*plane ^ carry, *plane & carry);
+    }
+}
+
 /// The next figures of a group or block.
 #[inline(always)]
 fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
@@ -352,15 +373,15 @@ fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
     out
 }
 
-/// A vessel's samples as the bits of a word.
+static ACROSS: Bits = Bits::ACROSS;
+
+/// The samples of a row, one group after another, as the bits [`ACROSS`] of a word.
 #[inline(always)]
-fn word<'a, const B: usize>(groups: impl Iterator<Item = &'a Taken<B>>) -> u64 {
-    let (mut word, mut at) = (0, 0);
-    for eight in groups.flat_map(|group| group.as_chunks().0) {
-        // The multiplication gathers bit i of byte i in the highest byte.
-        let bits = (u64::from_le_bytes(*eight) & 0x8040_2010_0804_0201).wrapping_mul(0x0101_0101_0101_0101) >> 56;
-        word |= bits << at;
-        at += 8;
+fn word<const B: usize>(taken: &[Taken<B>], row: usize, rows: usize) -> u64 {
+    let mut word = 0;
+    for eight in 0..BLOCK as usize / 8 {
+        let samples = taken[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
+        word |= u64::from_le_bytes(samples) & 0x0101_0101_0101_0101 << eight;
     }
     word
 }
