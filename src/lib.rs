@@ -53,6 +53,8 @@ pub mod perturbation;
 
 pub mod resilience;
 
+pub mod state;
+
 pub mod inference;
 
 pub mod phantom;

@@ -46,7 +46,24 @@ impl WideStream {
     /// The stream from its start.
     pub fn new(seed: u64, block: u64) -> Self {
         let key = ChaCha8Rng::seed_from_u64(seed).get_seed();
-        let mut state = [0x6170_7865, 0x3320_646e, 0x7962_2d32, 0x6b20_6574, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, block as u32, (block >> 32) as u32];
+        let mut state = [
+            0x6170_7865,
+            0x3320_646e,
+            0x7962_2d32,
+            0x6b20_6574,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+            0,
+            block as u32,
+            (block >> 32) as u32,
+        ];
         for (word, bytes) in state[4..12].iter_mut().zip(key.as_chunks().0) {
             *word = u32::from_le_bytes(*bytes);
         }

@@ -121,12 +121,7 @@ impl<const B: usize> std::ops::DerefMut for Lanes<B> {
 
 /// `f` of each vector of two groups.
 #[inline(always)]
-pub fn zip<S: Simd, const B: usize>(
-    _: S,
-    a: &Lanes<B>,
-    b: &Lanes<B>,
-    f: impl Fn(S::f64s, S::f64s) -> S::f64s,
-) -> Lanes<B> {
+pub fn zip<S: Simd, const B: usize>(_: S, a: &Lanes<B>, b: &Lanes<B>, f: impl Fn(S::f64s, S::f64s) -> S::f64s) -> Lanes<B> {
     let mut out = Lanes::ZERO;
     let pairs = a.vectors::<S>().iter().zip(b.vectors::<S>());
     for (out, (a, b)) in out.vectors_mut::<S>().iter_mut().zip(pairs) {
@@ -196,7 +191,7 @@ pub fn masked_by<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, bits: &Bits
     let (vectors, values) = (out.vectors_mut::<S>(), value.vectors::<S>());
     let bits = &S::as_simd_u64s(&bits.0).0[first / S::F64_LANES..][..values.len()];
     for ((out, value), bits) in vectors.iter_mut().zip(values).zip(bits) {
-        let set = simd.equal_u64s(simd.and_u64s(simd.splat_u64s(word), *bits), *bits);
+        let set = simd.greater_than_u64s(simd.and_u64s(simd.splat_u64s(word), *bits), simd.splat_u64s(0));
         *out = simd.select_f64s(set, *value, simd.splat_f64s(0.0));
     }
     out

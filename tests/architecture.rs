@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 /// From the bottom: a module may use those of earlier rows, and itself.
 const LAYERS: &[&[&str]] = &[
     &["error"],
-    &["units", "rng", "simd", "stats"],
+    &["units", "simd", "stats"],
+    &["rng"],
     &["quantity"],
     &["elimination", "geometry"],
     &["centerline"],
     &["network"],
     &["formats", "candidates", "hemodynamics", "perturbation"],
     &["resilience"],
+    &["state"],
     &["inference"],
     &["phenotype", "phantom"],
     &["experiments"],

@@ -53,6 +53,7 @@ fn network() -> Network {
     let straight = |length: f64, radius: f64, origin| Vessel {
         length: metres(length),
         radius: metres(radius),
+        resistance: None,
         label: String::new(),
         origin,
         prior: 0.3,

@@ -1,5 +1,7 @@
 //! The stages of the loop, timed apart in one thread.
 
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
 use willis::hemodynamics::star_mesh::{self, StarMesh};
 use willis::inference::{Bottleneck, Sampler, Solver, Sums, Taken};
 use willis::rng::BLOCK;

@@ -96,6 +96,7 @@ fn network(points: &[[f64; 3]], links: &BTreeSet<[usize; 2]>, terminals: &[usize
             Vessel {
                 length: distance(points[*a], points[*b]),
                 radius,
+                resistance: None,
                 label: String::new(),
                 origin: Origin::Candidate,
                 prior: 1.0,

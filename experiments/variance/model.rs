@@ -5,12 +5,12 @@ use willis::hemodynamics::boundary::stated;
 use willis::hemodynamics::floating::stranded;
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::star_mesh;
-use willis::simd::Scalar;
 use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
 use willis::inference::{Forest, Params, Uncertain, infer, key};
 use willis::network::Network;
 use willis::perturbation::Occlusion;
 use willis::resilience::{is_diffused, resilience_per_square_drop};
+use willis::simd::Scalar;
 
 /// Samples solved side by side.
 const LANES: usize = 8;

@@ -161,6 +161,7 @@ fn candidate(target: &Target, params: &Params) -> Vessel {
     Vessel {
         length: distance(target.from.position, target.site.position),
         radius,
+        resistance: None,
         label: String::new(),
         origin: Origin::Candidate,
         prior: 1.0,

@@ -1,7 +1,7 @@
 //! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
 
 use super::boundary::Boundary;
-use super::poiseuille::resistance;
+use super::tube::Tube;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
 
@@ -32,11 +32,20 @@ impl Circuit {
     ///
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
+        let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, viscosity)).collect();
+        Self::of_tubes(network, boundary, &tubes)
+    }
+
+    /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance is infinite, not a number, or too small for a double.
+    pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
         let mut conductance = Vec::with_capacity(network.vessel_count());
-        for (row, (_, vessel)) in network.vessels().enumerate() {
-            let c = 1.0 / resistance(vessel.length, vessel.radius, viscosity);
-            let ends = network.ends(row);
-            if !c.is_normal() && ends[0] != ends[1] {
+        for ((row, (ends, vessel)), tube) in network.vessels().enumerate().zip(tubes) {
+            let c = 1.0 / tube.resistance;
+            if !c.is_normal() && ends[0] != ends[1] && tube.is_open() {
                 return Err(Error::parameter(
                     network.vessel_name(row),
                     format!("of length {} m and radius {} m", vessel.length, vessel.radius),

@@ -9,7 +9,9 @@ pub mod peel;
 pub mod poiseuille;
 pub mod star_mesh;
 pub mod steady;
+mod tube;
 
 pub use boundary::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use star_mesh::StarMesh;
+pub use tube::Tube;

@@ -193,9 +193,8 @@ impl StarMesh {
                 total = plus(simd, &total, c);
             }
             // A floating remainder has no conductance at all; its weights then are zero.
-            let inverse = map(simd, &total, |t| {
-                simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero)
-            });
+            let inverse =
+                map(simd, &total, |t| simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero));
             let mut mesh = self.program.mesh(k).iter();
             for (i, to) in ray_to[star.clone()].iter().enumerate() {
                 let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));

@@ -4,8 +4,8 @@ use super::cholesky::{self, Cholesky};
 use super::circuit::Circuit;
 use super::floating::{grounded, stranded};
 use super::star_mesh::StarMesh;
-use crate::simd::Scalar;
 use crate::error::{Error, Result};
+use crate::simd::Scalar;
 
 /// Mesh updates above which the sparse Cholesky solver takes over from star-mesh elimination.
 pub const LANES_LIMIT: usize = 2_000_000;

@@ -11,7 +11,7 @@ use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, Bits, Kernel, Lanes, Scalar, Simd, map, masked, masked_by, plus, plus_product, splat, zip};
+use crate::simd::{Bits, InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, masked_by, plus, plus_product, splat, zip};
 
 /// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
 const SUM_LANES: usize = 8;
@@ -183,6 +183,7 @@ impl Job<'_> {
         let Memory { flow: star_mesh::Workspace { pressure, .. }, cut, resilience, key: all_keys, widest, .. } = work;
         let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
         let at = group * B % W;
+        let (pressure, cut, widest) = (&pressure[..], &cut[..pressure.len()], &mut widest[..]);
         let mut sum = Lanes::ZERO;
         let resilience = &mut resilience[group * self.flows.len()..][..self.flows.len()];
         for (vessel, ((flow, mask), resilience)) in self.flows.iter().zip(self.masks).zip(resilience).enumerate() {
@@ -196,9 +197,7 @@ impl Job<'_> {
                 simd.select_f64s(flows, rho, zero)
             });
             let rho = masked(simd, &rho, *mask, group * B);
-            let keys = map(simd, &rho, |rho| {
-                simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero)
-            });
+            let keys = map(simd, &rho, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero));
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
             if let Some(program) = self.bottleneck {

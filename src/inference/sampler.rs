@@ -97,10 +97,16 @@ impl Sampler {
             flows.push(match chain {
                 None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
                 Some(chain) => {
-                    let factor = if chain.vessels > 1 {
-                        chain.conductance * chain.conductance * resilience_per_square_flow(params.viscosity, vessel.radius)
-                    } else {
-                        resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length)
+                    let factor = match vessel.resistance {
+                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length),
+                        Some(resistance) => {
+                            let own = chain.conductance * resistance;
+                            resilience_per_square_drop(chain.conductance * own, vessel.radius, vessel.length)
+                        }
+                        None => {
+                            let squared = chain.conductance * chain.conductance;
+                            squared * resilience_per_square_flow(params.viscosity, vessel.radius)
+                        }
                     };
                     if !factor.is_normal() {
                         let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);

@@ -53,6 +53,7 @@ impl Vessel {
         Self {
             length: path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
             radius: rule.radius(&path),
+            resistance: None,
             label: String::new(),
             origin: Origin::Observed,
             prior: 1.0,

@@ -124,6 +124,8 @@ pub struct Vessel {
     pub length: f64,
     /// Radius that stands for the whole vessel, m.
     pub radius: f64,
+    /// Resistance, Pa s/m³, where the input states one instead of leaving it to Poiseuille's law.
+    pub resistance: Option<f64>,
     /// The anatomical name; empty when the input has none.
     pub label: String,
     /// Observed or candidate.

@@ -111,6 +111,10 @@ pub fn graph_columns(network: &Network, boundary: &Boundary) -> (Vec<Column>, Ve
     nodes.extend(condition_columns(network, boundary));
     let mut vessels = vessel_places(network);
     vessels.push(real("prior", network.vessels().map(|(_, v)| v.prior)));
+    if network.vessels().any(|(_, v)| v.resistance.is_some()) {
+        let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
+        vessels.push(real("resistance_mmHg_s_per_mL", stated));
+    }
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }

@@ -51,6 +51,7 @@ pub fn tube(length_mm: f64, radius_mm: f64) -> Vessel {
     Vessel {
         length: length_mm / 1e3,
         radius: radius_mm / 1e3,
+        resistance: None,
         label: String::new(),
         origin: Origin::Observed,
         prior: 1.0,

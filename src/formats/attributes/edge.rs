@@ -5,7 +5,7 @@ use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::distance;
 use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use crate::units::{Scale, metres};
+use crate::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 
 /// Adds the edges, in their order, to the network that has the nodes; returns what a person should know.
 pub(in super::super) fn vessels(
@@ -51,6 +51,7 @@ pub(in super::super) fn vessels(
         let vessel = Vessel {
             length,
             radius,
+            resistance: resistance(&item)?,
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
             prior: prior(&item)?,
@@ -89,6 +90,15 @@ fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
     match distance(p, q) {
         length if (length > 0.0 || ends[0] == ends[1]) && length.is_finite() => Ok(length),
         _ => Err(item.fault("no length_mm and both nodes in one place", "expected length_mm")),
+    }
+}
+
+/// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
+fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
+    const KEY: &str = "resistance_mmHg_s_per_mL";
+    match item.real(KEY)?.filter(|r| !r.is_nan()) {
+        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{KEY} {r}"), "expected a positive number")),
+        stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
     }
 }
 
