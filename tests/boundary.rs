@@ -4,7 +4,7 @@ mod common;
 
 use common::{MMHG, network, pressure, tube};
 use willis::geometry::distance;
-use willis::hemodynamics::boundary::stated;
+use willis::hemodynamics::boundary::{Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
 use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 
@@ -189,7 +189,7 @@ fn found_terminal_resistances_obey_murray_and_sum_to_the_flow() {
     let flow = 700.0 / 6e7;
     let network = stars(&[&[5.0, 1.0, 2.0, 1.5], &[0.5, 0.25]]);
     for given in [vec![], vec![inlet(0)], vec![Given { condition: pressure(85.0), ..inlet(0) }]] {
-        let boundary = Boundary::resolve(&network, &given, FoundOutlets::Murray { flow }).unwrap();
+        let boundary = Boundary::resolve(&network, &given, FoundOutlets::Murray(Total::Flow(flow))).unwrap();
         let inlet_pressure = given.first().map_or(100.0 * MMHG, |g| match g.condition {
             Condition::Pressure(p) => p,
             _ => unreachable!(),
@@ -209,12 +209,28 @@ fn found_terminal_resistances_obey_murray_and_sum_to_the_flow() {
     }
 }
 
+/// Side by side the terminals are one resistor of the resistance asked for, whatever the inlet pressure. 1e-14: a few roundings.
+#[test]
+fn found_terminal_resistances_come_to_the_total() {
+    let total = 8.0 * MMHG * 1e6;
+    let network = stars(&[&[5.0, 1.0, 2.0, 1.5], &[0.5, 0.25]]);
+    for given in [vec![], vec![Given { condition: pressure(85.0), ..inlet(0) }]] {
+        let boundary = Boundary::resolve(&network, &given, FoundOutlets::Murray(Total::Resistance(total))).unwrap();
+        let conductance = |node: &usize| match boundary.condition(*node) {
+            Some(Condition::Resistance { resistance, venous: 0.0 }) => 1.0 / resistance,
+            other => panic!("node {node}: {other:?}"),
+        };
+        let all: f64 = boundary.found_outlets.iter().map(conductance).sum();
+        assert!(boundary.found_outlets.len() >= 2 && (all * total - 1.0).abs() < 1e-14, "{all}");
+    }
+}
+
 /// With a flow for inlet no pressure is stated: the terminals are scaled at 100 mmHg.
 #[test]
 fn murray_without_a_stated_pressure_takes_the_default() {
     let flow = 300.0 / 6e7;
     let injected = Given { node: 0, role: Role::Inlet, condition: Condition::Flow(5e-6) };
-    let boundary = Boundary::resolve(&stars(&[&[2.0, 1.0, 1.0]]), &[injected], FoundOutlets::Murray { flow }).unwrap();
+    let boundary = Boundary::resolve(&stars(&[&[2.0, 1.0, 1.0]]), &[injected], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
     for node in [1, 2] {
         let Some(Condition::Resistance { resistance, .. }) = boundary.condition(node) else { panic!() };
         assert!((resistance / (100.0 * MMHG / (0.5 * flow)) - 1.0).abs() < 1e-14);

@@ -268,3 +268,32 @@ fn an_output_is_an_input_with_the_same_conditions() {
     }
     assert_eq!(conditions[0], conditions[1]);
 }
+
+/// A terminal resistance to a venous pressure, stated on the command line, in CSV and in TOML: one condition, one answer.
+#[test]
+fn a_venous_pressure_can_be_stated_in_three_ways() {
+    let here = folder();
+    let graph = "<graphml><key id=\"length_mm\" for=\"edge\" attr.name=\"length_mm\" attr.type=\"double\"/>\
+                 <key id=\"radius_mm\" for=\"edge\" attr.name=\"radius_mm\" attr.type=\"double\"/><graph><node id=\"a\"/><node id=\"b\"/><node id=\"c\"/>\
+                 <edge source=\"a\" target=\"b\"><data key=\"length_mm\">10</data><data key=\"radius_mm\">1</data></edge>\
+                 <edge source=\"b\" target=\"c\"><data key=\"length_mm\">20</data><data key=\"radius_mm\">1</data></edge>\
+                 </graph></graphml>";
+    fs::write(here.path().join("g.graphml"), graph).expect("written");
+    let csv = "node,kind,value,unit,venous_pressure_mmHg\na,inlet,90,mmHg,\nc,resistance,20,mmHg.s/mL,5\n";
+    fs::write(here.path().join("bc.csv"), csv).expect("written");
+    let toml = "[[condition]]\nnode = \"a\"\nkind = \"inlet\"\nvalue = 90\n\n[[condition]]\nnode = \"c\"\nkind = \"resistance\"\nvalue = 20\nvenous_pressure_mmHg = 5\n";
+    fs::write(here.path().join("bc.toml"), toml).expect("written");
+    let ways = [&["--inlet", "a=90", "--outlet", "c=20mmHg.s/mL@5mmHg"][..], &["--bc", "bc.csv"], &["--bc", "bc.toml"]];
+    for way in ways {
+        let output = willis(here.path(), &[&["infer", "g.graphml", "-o", "out", "--force"], way].concat());
+        assert!(output.status.success(), "{way:?}: {}", stderr(&output));
+        let record = fs::read_to_string(here.path().join("out/run.json")).expect("a record");
+        let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
+        let last = &record["boundary_conditions"][1];
+        assert_eq!(last["id"], "c", "{way:?}");
+        for (key, figure) in [("resistance_mmHg_s_per_mL", 20.0), ("venous_pressure_mmHg", 5.0)] {
+            let got = last[key].as_f64().expect(key);
+            assert!((got - figure).abs() < 1e-12, "{way:?}: {key} {got}");
+        }
+    }
+}

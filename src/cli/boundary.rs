@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use willis::error::{Error, Fault, Result};
 use willis::formats::conditions::{read_csv, read_toml};
-use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, stated};
+use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
 use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
 use willis::quantity::Dimension;
@@ -20,8 +20,9 @@ pub struct BoundaryArgs {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
     #[arg(long, value_name = "SPEC[=PRESSURE]", allow_hyphen_values = true)]
     inlet: Vec<String>,
-    /// Where blood leaves: to ground, to a pressure (5mmHg), or through a resistance (20mmHg.s/mL)
-    #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE]", allow_hyphen_values = true)]
+    /// Where blood leaves: to ground, to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous pressure
+    /// (20mmHg.s/mL@5mmHg)
+    #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE[@PRESSURE]]", allow_hyphen_values = true)]
     outlet: Vec<String>,
     /// A fixed flow into the network (negative: out of it), in mL/min
     #[arg(long, value_name = "SPEC=FLOW", allow_hyphen_values = true)]
@@ -29,30 +30,32 @@ pub struct BoundaryArgs {
     /// A CSV or TOML file of conditions
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     bc: Option<PathBuf>,
-    /// What outlets found by willis are: ground, or terminal resistances by Murray's law for a total flow in mL/min
-    #[arg(long, value_name = "ground|murray[=FLOW]")]
+    /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
+    /// mL/min) or a total resistance
+    #[arg(long, value_name = "ground|murray[=FLOW|RESISTANCE]")]
     outlets: Option<String>,
 }
 
 impl BoundaryArgs {
     /// What outlets that are found will be; `otherwise` when the option is not given.
     pub fn found_outlets(&self, murray: bool) -> Result<FoundOutlets> {
-        let flow = |ml_per_min: f64| FoundOutlets::Murray { flow: cubic_metres_per_second(ml_per_min) };
-        let usual = flow(CEREBRAL_FLOW_ML_PER_MIN);
+        let usual = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
         let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
         let refused = || {
             Error::parameter(
                 "--outlets",
                 format!("\"{text}\""),
-                "expected ground, murray or murray=FLOW with a positive flow in mL/min",
+                "expected ground, murray, or murray= a positive total flow (700mL/min) or resistance (8mmHg.s/mL)",
             )
         };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
             None if text == "murray" => Ok(usual),
             Some(("murray", figure)) => {
-                let flow = Dimension::Flow.parse(figure).map_err(|_| refused())?;
-                if flow > 0.0 { Ok(FoundOutlets::Murray { flow }) } else { Err(refused()) }
+                let is_resistance = Dimension::Resistance.has_unit_in(figure);
+                let dimension = if is_resistance { Dimension::Resistance } else { Dimension::Flow };
+                let total = dimension.parse(figure).ok().filter(|total| *total > 0.0).ok_or_else(refused)?;
+                Ok(FoundOutlets::Murray(if is_resistance { Total::Resistance(total) } else { Total::Flow(total) }))
             }
             _ => Err(refused()),
         }
@@ -117,12 +120,14 @@ fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role,
         "--outlet" => match split {
             None => Ok((text, Role::Outlet, Condition::Pressure(0.0))),
             Some((spec, "ground")) => Ok((spec, Role::Outlet, Condition::Pressure(0.0))),
-            Some((spec, value)) if Dimension::Resistance.has_unit_in(value) => {
-                let resistance = Dimension::Resistance.parse(value)?;
+            Some((spec, value)) if Dimension::Resistance.has_unit_in(value.split('@').next().unwrap_or_default()) => {
+                let (resistance, venous) = value.split_once('@').map_or((value, None), |(r, p)| (r, Some(p)));
+                let resistance = Dimension::Resistance.parse(resistance)?;
                 if resistance <= 0.0 {
                     return Err("expected a positive resistance".into());
                 }
-                Ok((spec, Role::Outlet, Condition::Resistance { resistance, venous: 0.0 }))
+                let venous = venous.map_or(Ok(0.0), |p| Dimension::Pressure.parse(p))?;
+                Ok((spec, Role::Outlet, Condition::Resistance { resistance, venous }))
             }
             Some((spec, value)) => {
                 let accepted = "expected ground, a pressure (5mmHg) or a resistance (20mmHg.s/mL)";
@@ -173,7 +178,10 @@ fn words(condition: Condition) -> String {
     match condition {
         Condition::Pressure(0.0) => "ground".into(),
         Condition::Pressure(p) => format!("{} mmHg", brief(mmhg(p))),
-        Condition::Resistance { resistance, .. } => format!("{} mmHg·s/mL", brief(mmhg_s_per_ml(resistance))),
+        Condition::Resistance { resistance, venous } => {
+            let venous = if venous == 0.0 { String::new() } else { format!(" to {} mmHg", brief(mmhg(venous))) };
+            format!("{} mmHg·s/mL{venous}", brief(mmhg_s_per_ml(resistance)))
+        }
         Condition::Flow(flow) => format!("{} mL/min", brief(ml_per_min(flow))),
     }
 }

@@ -7,6 +7,9 @@ use crate::network::{Condition, INLET_PRESSURE_MMHG, Role};
 use crate::quantity::Dimension;
 use crate::units::pascals;
 
+/// The column of the pressure behind a terminal resistance.
+const VENOUS: &str = "venous_pressure_mmHg";
+
 /// A condition as stated, before its node is looked up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statement {
@@ -29,6 +32,9 @@ struct Entry {
     kind: Option<String>,
     value: Option<f64>,
     unit: Option<String>,
+    /// Of a resistance.
+    #[serde(rename = "venous_pressure_mmHg")]
+    venous_pressure_mmhg: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -44,7 +50,8 @@ struct File {
     condition: Vec<Entry>,
 }
 
-/// Reads TOML: `[[condition]]` tables with `node`, `label` or `at = [x, y, z]` (mm), `kind`, `value`, `unit`.
+/// Reads TOML: `[[condition]]` tables with `node`, `label` or `at = [x, y, z]` (mm), `kind`, `value`, `unit`,
+/// `venous_pressure_mmHg`.
 ///
 /// # Errors
 ///
@@ -55,19 +62,20 @@ pub fn read_toml(text: &str) -> Result<Vec<Statement>, Fault> {
         Fault::line(
             line,
             e.message().replace('\n', " "),
-            "expected [[condition]] tables with node, label or at, kind, value, unit",
+            "expected [[condition]] tables with node, label or at, kind, value, unit, venous_pressure_mmHg",
         )
     })?;
     file.condition.into_iter().enumerate().map(|(i, e)| statement(e, &format!("condition {}", i + 1))).collect()
 }
 
-/// Reads CSV with the columns `node`, or `label`, or `x_mm,y_mm,z_mm`, then optionally `kind,value,unit`.
+/// Reads CSV with the columns `node`, or `label`, or `x_mm,y_mm,z_mm`, then optionally `kind,value,unit`,
+/// and `venous_pressure_mmHg` behind a resistance.
 ///
 /// # Errors
 ///
 /// The line, its value and what is accepted.
 pub fn read_csv(text: &str) -> Result<Vec<Statement>, Fault> {
-    const COLUMNS: [&str; 8] = ["node", "label", "x_mm", "y_mm", "z_mm", "kind", "value", "unit"];
+    const COLUMNS: [&str; 9] = ["node", "label", "x_mm", "y_mm", "z_mm", "kind", "value", "unit", VENOUS];
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
     let bad = |line: usize, found: String| Fault::line(line, found, format!("expected the columns {}", COLUMNS.join(",")));
     let header = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
@@ -92,6 +100,7 @@ pub fn read_csv(text: &str) -> Result<Vec<Statement>, Fault> {
             kind: field("kind").map(str::to_owned),
             value: number("value")?,
             unit: field("unit").map(str::to_owned),
+            venous_pressure_mmhg: number(VENOUS)?,
         };
         out.push(statement(entry, &format!("line {line}"))?);
     }
@@ -118,7 +127,10 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
         "inlet" => (Role::Inlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "ground" => (Role::Outlet, Condition::Pressure(0.0)),
         "pressure" => (Role::Outlet, Condition::Pressure(figure(Dimension::Pressure)?)),
-        "resistance" => (Role::Outlet, resistance(figure(Dimension::Resistance)?, place)?),
+        "resistance" => {
+            let venous = pascals(entry.venous_pressure_mmhg.unwrap_or(0.0));
+            (Role::Outlet, resistance(figure(Dimension::Resistance)?, venous, place)?)
+        }
         "flow" => {
             let flow = figure(Dimension::Flow)?;
             (if flow > 0.0 { Role::Inlet } else { Role::Outlet }, Condition::Flow(flow))
@@ -130,9 +142,9 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
     Ok(Statement { place: place.to_owned(), spec, role, condition })
 }
 
-fn resistance(resistance: f64, place: &str) -> Result<Condition, Fault> {
-    if resistance > 0.0 {
-        return Ok(Condition::Resistance { resistance, venous: 0.0 });
+fn resistance(resistance: f64, venous: f64, place: &str) -> Result<Condition, Fault> {
+    if resistance > 0.0 && venous.is_finite() {
+        return Ok(Condition::Resistance { resistance, venous });
     }
-    Err(Fault::item(place, format!("resistance {resistance}"), "expected a positive resistance"))
+    Err(Fault::item(place, format!("resistance {resistance}"), "expected a positive resistance, and a finite venous pressure"))
 }

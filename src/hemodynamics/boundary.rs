@@ -25,12 +25,17 @@ pub struct Given {
 pub enum FoundOutlets {
     /// Zero pressure, as in the paper.
     Ground,
-    /// Terminal resistances in proportion to 1/r³ (Murray's law), to zero venous pressure, that let this total flow
-    /// (m³/s) pass at the inlet pressure.
-    Murray {
-        /// m³/s.
-        flow: f64,
-    },
+    /// Terminal resistances in proportion to 1/r³ (Murray's law), to zero venous pressure.
+    Murray(Total),
+}
+
+/// What the terminal resistances of all outlets found come to, side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Total {
+    /// They let this flow pass at the highest pressure of any condition, m³/s.
+    Flow(f64),
+    /// Pa s/m³.
+    Resistance(f64),
 }
 
 /// The boundary conditions of a network.
@@ -89,9 +94,13 @@ impl Boundary {
             let mut cubes = cubes.into_iter();
             boundary.find(&found, Role::Outlet, |_| match outlets {
                 FoundOutlets::Ground => Condition::Pressure(0.0),
-                FoundOutlets::Murray { flow } => {
+                FoundOutlets::Murray(of_all) => {
                     let share = cubes.next().unwrap_or(total) / total;
-                    Condition::Resistance { resistance: pressure / (flow * share), venous: 0.0 }
+                    let resistance = match of_all {
+                        Total::Flow(flow) => pressure / (flow * share),
+                        Total::Resistance(resistance) => resistance / share,
+                    };
+                    Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
             boundary.found_outlets = found;

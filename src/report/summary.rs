@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::outcome::Outcome;
 use crate::candidates::{self, Attach, CandidateRadius};
+use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
 use crate::inference::{Keep, Params, Topology, Uncertain, Weight};
 use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
@@ -133,7 +134,10 @@ impl Summary {
                 "viscosity_cP": params.viscosity * 1e3,
                 "outlets_found": match outlets {
                     FoundOutlets::Ground => json!("ground"),
-                    FoundOutlets::Murray { flow } => json!({ "murray_mL_per_min": ml_per_min(flow) }),
+                    FoundOutlets::Murray(Total::Flow(flow)) => json!({ "murray_mL_per_min": ml_per_min(flow) }),
+                    FoundOutlets::Murray(Total::Resistance(resistance)) => {
+                        json!({ "murray_mmHg_s_per_mL": mmhg_s_per_ml(resistance) })
+                    }
                 },
                 "candidates": candidate_parameters(built),
             }),
