@@ -3,18 +3,18 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::bottleneck::{Bottleneck, TAKEN, Taken};
+use super::census::open_vessels;
 use super::forest::{Forest, key, keys};
 use super::likelihood::Sums;
 use super::params::Weight;
+use super::tally::{Samples, Tally, expectation, part};
 use crate::error::Result;
 use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::{DROP_CUT, is_diffused};
 use crate::rng::BLOCK;
-use crate::simd::{Bits, InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, masked_by, plus, plus_product, splat, zip};
+use crate::simd::{InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, plus, splat, zip};
 
-/// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
-const SUM_LANES: usize = 8;
 /// Resiliences are cut here, so that their keys stay finite as doubles.
 const MOST: f64 = f64::MAX / 8.0;
 
@@ -110,9 +110,6 @@ pub struct Job<'a> {
     pub bottleneck: Option<&'a Bottleneck>,
 }
 
-/// One figure for each sample of a block.
-type Samples = Lanes<{ BLOCK as usize }>;
-
 /// A block whose samples are taken in groups of `B`.
 pub struct InLanes<'a, const W: usize, const B: usize> {
     /// What the groups share.
@@ -133,7 +130,7 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
         let Self { job, solver, work, sums } = self;
         let vessels = job.flows.len();
         work.taken.fill([0; B]);
-        let present = job.present(simd);
+        let present = open_vessels(simd, job.masks);
         let mut global = Samples::ZERO;
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
             if first % W == 0 {
@@ -154,15 +151,18 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
         // Nothing flows where no vessel is open.
         let global = zip(simd, &global, &present, |sum, n| simd.div_f64s(sum, simd.max_f64s(n, simd.splat_f64s(1.0))));
         sums.samples = job.samples as u64;
-        sums.network_resilience = job.expectation(&global);
+        sums.network_resilience = expectation(&global, job.probability);
+        let tally = Tally { taken: &work.taken, vessels };
         let resilience = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
+        let one = |_, _| splat(simd, 1.0);
+        let global = |_, first| part(&*global, first);
         match (job.weight, job.probability) {
-            (Weight::Resilience, None) => job.accumulate(simd, &work.taken, resilience, sums),
-            (Weight::Resilience, Some(p)) => job.accumulate_weighted(simd, &work.taken, resilience, p, sums),
-            (Weight::Count, None) => job.accumulate(simd, &work.taken, |_, _| splat(simd, 1.0), sums),
-            (Weight::Count, Some(p)) => job.accumulate_weighted(simd, &work.taken, |_, _| splat(simd, 1.0), p, sums),
-            (Weight::Global, None) => job.accumulate(simd, &work.taken, |_, first| part(&*global, first), sums),
-            (Weight::Global, Some(p)) => job.accumulate_weighted(simd, &work.taken, |_, first| part(&*global, first), p, sums),
+            (Weight::Resilience, None) => tally.add_up(simd, resilience, sums),
+            (Weight::Resilience, Some(p)) => tally.add_up_weighted(simd, resilience, p, sums),
+            (Weight::Count, None) => tally.add_up(simd, one, sums),
+            (Weight::Count, Some(p)) => tally.add_up_weighted(simd, one, p, sums),
+            (Weight::Global, None) => tally.add_up(simd, global, sums),
+            (Weight::Global, Some(p)) => tally.add_up_weighted(simd, global, p, sums),
         }
     }
 }
@@ -220,74 +220,13 @@ impl Job<'_> {
         }
     }
 
-    /// The sum over the samples of what each gives, times what it counts.
-    fn expectation(&self, values: &Samples) -> f64 {
-        let mut lanes = [0.0; SUM_LANES];
-        for (sample, value) in values.iter().enumerate() {
-            lanes[sample % SUM_LANES] += value * self.probability.map_or(1.0, |p| p[sample]);
-        }
-        tree_sum(&lanes)
-    }
-
-    /// The sums of all vessels over the forests of the block, given what a vessel contributes to the samples from one on.
-    #[inline(always)]
-    fn accumulate<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        taken: &[Taken<B>],
-        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
-        sums: &mut Sums,
-    ) {
-        let vessels = self.flows.len();
-        for vessel in 0..vessels {
-            let word = word(taken, vessels - vessel, vessels + 1);
-            let (mut likelihood, mut square) = (Lanes::ZERO, Lanes::ZERO);
-            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
-                let value = masked_by(simd, &value(vessel, first), &ACROSS, word, first);
-                likelihood = plus(simd, &likelihood, &value);
-                square = plus_product(simd, &square, &value, &value);
-            }
-            sums.likelihood[vessel] = tree_sum(&likelihood);
-            sums.square[vessel] = tree_sum(&square);
-            sums.count[vessel] = f64::from(word.count_ones());
-        }
-    }
-
-    /// As [`Self::accumulate`], for samples that count by their probability.
-    #[inline(always)]
-    fn accumulate_weighted<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        taken: &[Taken<B>],
-        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
-        probability: &[f64; BLOCK as usize],
-        sums: &mut Sums,
-    ) {
-        let vessels = self.flows.len();
-        for vessel in 0..vessels {
-            let word = word(taken, vessels - vessel, vessels + 1);
-            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
-                let value = value(vessel, first);
-                let count = masked_by(simd, &part(probability, first), &ACROSS, word, first);
-                let weighted = zip(simd, &value, &count, |a, b| simd.mul_f64s(a, b));
-                likelihood = plus(simd, &likelihood, &weighted);
-                square = plus_product(simd, &square, &weighted, &value);
-                counted = plus(simd, &counted, &count);
-            }
-            sums.likelihood[vessel] = tree_sum(&likelihood);
-            sums.square[vessel] = tree_sum(&square);
-            sums.count[vessel] = tree_sum(&counted);
-        }
-    }
-
     /// The whole block, one sample after another, by the sparse solver and Kruskal's algorithm.
     ///
     /// # Errors
     ///
     /// The factorisation breaks down.
     pub fn one_by_one(&self, solver: &Cholesky, work: &mut Single, sums: &mut Sums) -> Result<()> {
-        let present = self.present(Scalar::new());
+        let present = open_vessels(Scalar::new(), self.masks);
         let Single { solver: memory, pressure, resilience, forest } = work;
         pressure.resize(self.nodes, 0.0);
         sums.clear();
@@ -319,74 +258,4 @@ impl Job<'_> {
         }
         Ok(())
     }
-
-    /// |Ẽ|: how many vessels are open in each sample, counted in bit planes.
-    #[inline(always)]
-    fn present<S: Simd>(&self, simd: S) -> Samples {
-        let mut planes = [0_u64; 32];
-        let (eights, rest) = self.masks.as_chunks();
-        for [a, b, c, d, e, f, g, h] in eights {
-            let pairs = [[a, b], [c, d], [e, f], [g, h]].map(|[a, b]| add_bits(&mut planes[0], *a, *b));
-            let fours = [[pairs[0], pairs[1]], [pairs[2], pairs[3]]].map(|[a, b]| add_bits(&mut planes[1], a, b));
-            let carry = add_bits(&mut planes[2], fours[0], fours[1]);
-            count_bits(&mut planes[3..], carry);
-        }
-        for mask in rest {
-            count_bits(&mut planes, *mask);
-        }
-        let (mut present, mut worth) = (Samples::ZERO, splat(simd, 1.0));
-        let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
-        for plane in &planes[..used] {
-            present = plus(simd, &present, &masked(simd, &worth, *plane, 0));
-            worth = plus(simd, &worth, &worth);
-        }
-        present
-    }
-}
-
-/// Adds two to a plane of bits; returns what is carried to the next one.
-#[inline(always)]
-fn add_bits(plane: &mut u64, a: u64, b: u64) -> u64 {
-    let differ = *plane ^ a;
-    let carry = (*plane & a) | (differ & b);
-    *plane = differ ^ b;
-    carry
-}
-
-/// Adds a word to the planes of a count.
-#[inline(always)]
-fn count_bits(planes: &mut [u64], mut carry: u64) {
-    for plane in planes {
-        if carry == 0 {
-            break;
-        }
-        (*plane, carry) = (*plane ^ carry, *plane & carry);
-    }
-}
-
-/// The next figures of a group or block.
-#[inline(always)]
-fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
-    let mut out = Lanes::ZERO;
-    out.copy_from_slice(&values[first..first + SUM_LANES]);
-    out
-}
-
-static ACROSS: Bits = Bits::ACROSS;
-
-/// The samples of a row, one group after another, as the bits [`ACROSS`] of a word.
-#[inline(always)]
-fn word<const B: usize>(taken: &[Taken<B>], row: usize, rows: usize) -> u64 {
-    let mut word = 0;
-    for eight in 0..BLOCK as usize / 8 {
-        let samples = taken[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
-        word |= u64::from_le_bytes(samples) & 0x0101_0101_0101_0101 << eight;
-    }
-    word
-}
-
-/// The sum of the lanes, pairwise.
-fn tree_sum(lanes: &[f64; SUM_LANES]) -> f64 {
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -2,6 +2,7 @@
 
 mod answer;
 mod bottleneck;
+mod census;
 mod cost;
 mod driver;
 mod forest;
@@ -9,6 +10,7 @@ mod group;
 mod likelihood;
 mod params;
 mod sampler;
+mod tally;
 mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
