@@ -83,7 +83,9 @@ fn terminal_resistances_leave_a_brains_flow() {
     for side in ["L", "R"] {
         let name = |stem: &str| format!("{side}-{stem}");
         let noted = [("ICA I", 223.0), ("M1", 125.0), ("A2", 87.0), ("P2", 66.0), ("PComm", -11.0)];
-        noted.iter().for_each(|(stem, q)| flow.check(&[(&name(stem), *q)]));
+        for (stem, q) in noted {
+            flow.check(&[(&name(stem), q)]);
+        }
     }
     let vertebrals = flow.of("L-VA") + flow.of("R-VA");
     assert!((vertebrals - 110.0).abs() <= 0.5, "{vertebrals}");

@@ -50,7 +50,7 @@ fn reals(value: &Value, key: &str) -> Vec<f64> {
 /// The mean over the cycle by the trapezoid rule.
 fn mean(values: &Value, key: &str) -> f64 {
     let (x, t) = (reals(values, key), reals(values, "t"));
-    let area: f64 = x.windows(2).zip(t.windows(2)).map(|(x, t)| (x[0] + x[1]) / 2.0 * (t[1] - t[0])).sum();
+    let area: f64 = x.windows(2).zip(t.windows(2)).map(|(x, t)| f64::midpoint(x[0], x[1]) * (t[1] - t[0])).sum();
     area / (t[t.len() - 1] - t[0])
 }
 
