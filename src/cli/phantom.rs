@@ -7,8 +7,8 @@ use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
 use willis::formats::{is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::network::Network;
-use willis::phantom::{Breaks, Kind, Truth, break_up};
+use willis::network::{Network, fragments};
+use willis::phantom::{Breaks, Kind, Truth, break_up, without};
 use willis::report::{StagedFile, graph_columns, staged::write_file};
 
 use super::input::length;
@@ -26,6 +26,9 @@ pub struct PhantomArgs {
     /// The file to write; its ending says the format: .swc, .vtp, .graphml or .csv (edges, with nodes beside them)
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
+    /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1
+    #[arg(long, value_name = "LABEL[,LABEL]", value_delimiter = ',')]
+    without: Vec<String>,
     /// Break it up as an extraction would (.swc only)
     #[arg(long = "break")]
     broken: bool,
@@ -41,7 +44,12 @@ impl PhantomArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
         let spacing = length("--spacing", Some(&self.spacing))?.unwrap_or_default();
-        let network = kind.network(spacing)?;
+        let network = without(&kind.network(spacing)?, &self.without)?;
+        let parts = fragments(&network, |_, _| true).count;
+        if parts > 1 {
+            let missing = self.without.join(", ");
+            terminal.say("note", format!("without {missing} the network falls into {parts} parts"));
+        }
         StagedFile::check(&self.output, force)?;
         let ending = self.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         if !self.broken {

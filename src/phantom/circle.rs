@@ -1,7 +1,7 @@
 //! The Circle of Willis as a network: the published lengths, radii and resistances along plausible courses.
 
 use super::alastruey::{NODES, ROOT, TABLE};
-use super::{curve::course, layout};
+use super::{curve::course, layout, part::part};
 use crate::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
 use crate::units::pascals;
 
@@ -60,18 +60,7 @@ pub fn cerebral(network: &Network) -> Network {
         let stem = label.strip_prefix("L-").or_else(|| label.strip_prefix("R-")).unwrap_or(label);
         STEMS.contains(&stem)
     };
-    let mut part = Network::new();
-    let mut row_of = vec![usize::MAX; network.node_count()];
-    let kept = || network.vessels().filter(|(_, vessel)| shown(&vessel.label));
-    for node in kept().flat_map(|(ends, _)| ends) {
-        row_of[node] = 0;
-    }
-    for (row, node) in network.nodes().enumerate().filter(|(row, _)| row_of[*row] == 0).collect::<Vec<_>>() {
-        row_of[row] = part.add_node(node.clone());
-    }
-    for (ends, vessel) in kept() {
-        part.add_vessel(ends.map(|end| row_of[end]), vessel.clone());
-    }
+    let mut part = part(network, |vessel| shown(&vessel.label));
     let degree = part.degrees(|_| true);
     for row in (0..part.node_count()).filter(|row| degree[*row] == 1) {
         if part.node(row).condition.is_none() {
