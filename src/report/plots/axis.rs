@@ -124,11 +124,12 @@ pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
 pub fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let rough = (high - low) / most as f64;
     let power = rough.log10().floor() as i32;
-    let unit = 10_f64.powi(power);
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|f| f * unit >= rough * (1.0 - 1e-9)).unwrap_or(10.0);
-    let step = factor * unit;
+    let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
+    let next = (1, power + 1);
+    let (factor, power) = [(1, power), (2, power), (5, power)].into_iter().find(wide).unwrap_or(next);
+    let step = factor as f64 * 10_f64.powi(power);
     let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor as i64, power) }).collect()
+    (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor, power) }).collect()
 }
 
 /// `k` times ten to the `power`, written out where that is short.
@@ -192,6 +193,7 @@ mod tests {
         assert_eq!(read(&linear_ticks(-120.0, 230.0, 6)), ["\u{2212}100", "0", "100", "200"]);
         assert_eq!(read(&linear_ticks(0.0, 0.5, 5)), ["0", "0.1", "0.2", "0.3", "0.4", "0.5"]);
         assert_eq!(read(&linear_ticks(0.0, 2940.0, 6)), ["0", "500", "1000", "1500", "2000", "2500"]);
+        assert_eq!(read(&linear_ticks(0.0, 0.04, 6)), ["0", "0.01", "0.02", "0.03", "0.04"]);
         assert_eq!(read(&linear_ticks(0.0, 5e-7, 5))[..2], ["0", "1\u{b7}10^\u{2212}7"]);
     }
 

@@ -111,13 +111,15 @@ pub fn flow_bars(flows: &[VesselFlow], dpi: u32) -> Result<Vec<u8>> {
     sheet.png()
 }
 
-/// A name cut to the room there is.
+/// A name with its middle left out where there is no room for it.
 fn fitting(sheet: &Sheet, name: &str) -> Result<String> {
+    let letters: Vec<char> = name.chars().collect();
     let mut cut = name.to_owned();
-    let mut letters = name.chars().count();
+    let mut kept = letters.len();
     while sheet.text_width(&cut, TEXT)? > NAME {
-        letters -= 1;
-        cut = name.chars().take(letters).chain(['\u{2026}']).collect();
+        kept -= 1;
+        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
+        cut = first.iter().chain(&['\u{2026}']).chain(last).collect();
     }
     Ok(cut)
 }
@@ -166,17 +168,17 @@ impl Axis {
     }
 }
 
-/// A flow with three or so significant digits.
+/// A flow with three significant digits, more before the point and fewer as a power of ten.
 fn figure(flow: f64) -> Label {
+    let sign = if flow < 0.0 { "\u{2212}" } else { "" };
     let size = flow.abs();
-    let digits = match size {
-        0.0 => "0".to_owned(),
-        100.0..1e5 => format!("{size:.0}"),
-        10.0..100.0 => format!("{size:.1}"),
-        0.01..10.0 => format!("{size:.2}"),
-        _ => format!("{size:.1e}"),
-    };
-    Label::plain(format!("{}{digits}", if flow < 0.0 { "\u{2212}" } else { "" }))
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        let text = format!("{size:.1e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return Label { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
+    }
+    let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
+    Label::plain(format!("{sign}{size:.decimals$}"))
 }
 
 /// The two colours between the title and the bars.
