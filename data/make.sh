@@ -13,3 +13,9 @@ phantom --spacing 5mm -o data/circle-of-willis/complete.graphml
 for missing in AComm L-A1 R-A1 L-P1 R-P1 L-PComm R-PComm L-PComm,R-PComm L-PComm,R-P1 R-PComm,L-P1; do
     phantom --spacing 5mm --without "$missing" -o "data/circle-of-willis/without-$(echo "$missing" | tr , -).graphml"
 done
+
+# The paper's boundary condition: every outlet at zero pressure.
+{
+    echo "node,kind"
+    for outlet in 23 24 27 28 29 30; do echo "$outlet,ground"; done
+} >data/circle-of-willis/outlets-at-ground.csv

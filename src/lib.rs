@@ -14,6 +14,7 @@
 //! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`perturbation::Occlusion`] |
 //! | MST(1/ρ) | [`inference::Forest`] |
 //! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`inference::Likelihood`] |
+//! | forward simulation under stenosis and occlusion | [`simulation::simulate`], [`state::State`] |
 //! | median threshold | [`inference::Keep::Median`] |
 //!
 //! ```
@@ -56,6 +57,7 @@ pub mod resilience;
 pub mod state;
 
 pub mod inference;
+pub mod simulation;
 
 pub mod phantom;
 

@@ -71,6 +71,17 @@ impl State {
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
         Ok(Self { pressure, vessels, network_resilience: if open > 0 { total / open as f64 } else { 0.0 }, inflow })
     }
+
+    /// How many vessels carry blood.
+    pub fn diffused(&self) -> usize {
+        self.vessels.iter().filter(|vessel| vessel.diffused).count()
+    }
+
+    /// The vessels whose Reynolds number is above [`LAMINAR_LIMIT`], by row, with that number.
+    pub fn beyond_laminar(&self) -> impl Iterator<Item = (usize, f64)> {
+        let numbers = self.vessels.iter().map(|vessel| vessel.reynolds).enumerate();
+        numbers.filter(|(_, reynolds)| *reynolds > LAMINAR_LIMIT)
+    }
 }
 
 fn vessel_state(tube: &Tube, ends: [Option<f64>; 2], viscosity: f64) -> VesselState {

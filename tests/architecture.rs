@@ -16,7 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["formats", "candidates", "hemodynamics", "perturbation"],
     &["resilience"],
     &["state"],
-    &["inference"],
+    &["inference", "simulation"],
     &["phenotype", "phantom"],
     &["experiments"],
     &["report"],

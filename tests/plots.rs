@@ -1,6 +1,6 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
-use willis::report::plots::{DEFAULT_DPI, Matrix, ZERO, colour, convergence, heat_map};
+use willis::report::plots::{DEFAULT_DPI, Matrix, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map};
 
 struct Picture {
     size: [usize; 2],
@@ -227,4 +227,57 @@ fn wrong_numbers_are_errors_that_name_them() {
     ] {
         assert!(error.starts_with(part), "{error}");
     }
+}
+
+const PERTURBED: [u8; 3] = [0xe6, 0x9f, 0x00];
+
+fn bars(flows: &[(f64, Option<f64>)]) -> Picture {
+    let flow = |(row, (unperturbed, perturbed)): (usize, &(f64, Option<f64>))| VesselFlow {
+        name: format!("vessel {row}"),
+        unperturbed: *unperturbed,
+        perturbed: *perturbed,
+    };
+    let flows: Vec<VesselFlow> = flows.iter().enumerate().map(flow).collect();
+    Picture::read(&flow_bars(&flows, DEFAULT_DPI).expect("bars"))
+}
+
+/// Below the legend: two vessels of -200 and 100 mL/min, of which the second turns round to half its flow. The first bar is
+/// twice as long as the second, both to the right; of the perturbed ones the first is as long as the second unperturbed
+/// one, and the second goes half as far to the left.
+#[test]
+fn bars_are_as_long_as_their_flows_and_only_a_reversed_one_goes_left() {
+    let picture = bars(&[(-200.0, Some(-100.0)), (100.0, Some(-50.0))]);
+    let [width, height] = picture.size;
+    let below = |rgb| -> Vec<[usize; 2]> {
+        let places = (height * 35 / 100..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        places.filter(|[x, y]| picture.at(*x, *y) == rgb).collect()
+    };
+    let split = |places: Vec<[usize; 2]>| {
+        let [_, [top, bottom]] = bounds(&places);
+        let (upper, lower): (Vec<_>, Vec<_>) = places.into_iter().partition(|[_, y]| *y < (top + bottom) / 2);
+        [bounds(&upper)[0], bounds(&lower)[0]]
+    };
+    let [first, second] = split(below(KEPT));
+    let [first_after, second_after] = split(below(PERTURBED));
+    let near = |a: usize, b: usize| assert!(a.abs_diff(b) <= 5, "{a} and {b}");
+    let length = |[left, right]: [usize; 2]| right - left;
+    near(first[0], second[0]);
+    near(length(first), 2 * length(second));
+    near(length(first_after), length(second));
+    near(second_after[1], second[0]);
+    near(2 * length(second_after), length(second));
+}
+
+#[test]
+fn forty_vessels_at_the_most_are_shown_and_none_is_no_fault() {
+    let many: Vec<(f64, Option<f64>)> = (1..=50).map(|q| (f64::from(q), None)).collect();
+    assert_eq!(bars(&many).size, bars(&many[..40]).size);
+    assert!(bars(&many).size[1] > bars(&many[..39]).size[1]);
+    bars(&[]);
+    bars(&[(0.0, None)]);
+    bars(&[(0.0, Some(0.0))]);
+    bars(&[(1e-12, None), (3e-13, None)]);
+    let refused = |q| flow_bars(&[VesselFlow { name: "BA".into(), unperturbed: q, perturbed: None }], DEFAULT_DPI);
+    assert!(refused(f64::NAN).expect_err("not finite").to_string().contains("BA"));
+    assert!(refused(f64::INFINITY).is_err());
 }

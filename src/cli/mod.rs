@@ -4,10 +4,13 @@ mod boundary;
 mod candidates;
 mod infer;
 mod input;
+mod perturbation;
 mod phantom;
 mod provenance;
 mod shell;
+mod simulate;
 mod tell;
+mod tell_flow;
 mod terminal;
 
 use clap::{Args, Parser, Subcommand};
@@ -32,6 +35,7 @@ pub struct Cli {
 enum Command {
     Infer(Box<infer::InferArgs>),
     Candidates(Box<candidates::CandidatesArgs>),
+    Simulate(Box<simulate::SimulateArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
     /// Print the manual page
@@ -93,6 +97,7 @@ impl Cli {
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
             Command::Candidates(args) => args.run(terminal, force),
+            Command::Simulate(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
             Command::Man => shell::man(),

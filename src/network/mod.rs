@@ -3,10 +3,12 @@
 mod contract;
 mod fragments;
 mod locate;
+mod naming;
 
 pub use contract::{Contraction, RadiusRule, contract};
 pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Located, locate, nearest, parse_position};
+pub use naming::vessels_called;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 

@@ -2,6 +2,8 @@
 
 pub mod enumeration;
 pub mod occlusion;
+pub mod stenosis;
 
 pub use enumeration::Enumeration;
 pub use occlusion::Occlusion;
+pub use stenosis::Stenosis;

@@ -1,14 +1,19 @@
 //! What a run leaves behind: tables, matrices, topologies, pictures and the record of how it was made.
 
 mod agreement;
+mod flow_record;
+mod flow_tables;
 pub mod outcome;
 pub mod plots;
+mod simulated;
 pub mod staged;
 pub mod summary;
 mod tables;
 
 pub use agreement::agreement;
+pub use flow_record::{FlowRecord, MOST_COLLATERALS};
 pub use outcome::{Outcome, write_outcome};
+pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary};
 pub use tables::graph_columns;

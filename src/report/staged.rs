@@ -10,13 +10,14 @@ use crate::error::{Error, Result};
 /// The record by which a folder of this program is known.
 const MARK: &str = "run.json";
 /// All that such a folder may hold; --force replaces no folder with anything else in it.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "edges.csv",
     "nodes.csv",
     "likelihood.npy",
     "likelihood.npz",
     "likelihood.png",
     "convergence.png",
+    "flow.png",
     MARK,
     "topology.graphml",
     "topology.vtp",

@@ -67,6 +67,20 @@ fn word_of_keep(keep: Keep) -> String {
     }
 }
 
+/// The input by path, format, checksum and unit.
+pub(super) fn input(provenance: &Provenance) -> Value {
+    json!({ "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units })
+}
+
+/// What outlets that were found are.
+pub(super) fn outlets_found(outlets: FoundOutlets) -> Value {
+    match outlets {
+        FoundOutlets::Ground => json!("ground"),
+        FoundOutlets::Murray(Total::Flow(flow)) => json!({ "murray_mL_per_min": ml_per_min(flow) }),
+        FoundOutlets::Murray(Total::Resistance(resistance)) => json!({ "murray_mmHg_s_per_mL": mmhg_s_per_ml(resistance) }),
+    }
+}
+
 fn candidate_parameters(built: Built<'_>) -> Value {
     let Built::Candidates(p) = built else { return Value::Null };
     json!({
@@ -79,7 +93,8 @@ fn candidate_parameters(built: Built<'_>) -> Value {
     })
 }
 
-fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
+/// The boundary conditions that were used, by node.
+pub(super) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     let found = |node: &usize| boundary.found_inlets.contains(node) || boundary.found_outlets.contains(node);
     let each = boundary.conditions.iter().map(|(node, condition)| {
         let mut value =
@@ -119,9 +134,7 @@ impl Summary {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
-            input: json!({
-                "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units,
-            }),
+            input: input(provenance),
             seed: params.seed,
             parameters: json!({
                 "epsilon": params.epsilon,
@@ -132,13 +145,7 @@ impl Summary {
                 "weight": match params.weight { Weight::Resilience => "resilience", Weight::Count => "count", Weight::Global => "global" },
                 "keep": word_of_keep(outcome.rule),
                 "viscosity_cP": params.viscosity * 1e3,
-                "outlets_found": match outlets {
-                    FoundOutlets::Ground => json!("ground"),
-                    FoundOutlets::Murray(Total::Flow(flow)) => json!({ "murray_mL_per_min": ml_per_min(flow) }),
-                    FoundOutlets::Murray(Total::Resistance(resistance)) => {
-                        json!({ "murray_mmHg_s_per_mL": mmhg_s_per_ml(resistance) })
-                    }
-                },
+                "outlets_found": outlets_found(outlets),
                 "candidates": candidate_parameters(built),
             }),
             boundary_conditions: conditions(network, outcome.boundary),

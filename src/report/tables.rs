@@ -7,19 +7,19 @@ use crate::hemodynamics::Boundary;
 use crate::network::{Condition, Network, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
-fn real(name: &'static str, values: impl Iterator<Item = f64>) -> Column {
+pub(super) fn real(name: &'static str, values: impl Iterator<Item = f64>) -> Column {
     Column { name, values: Values::Real(values.collect()) }
 }
 
-fn whole(name: &'static str, values: impl Iterator<Item = usize>) -> Column {
+pub(super) fn whole(name: &'static str, values: impl Iterator<Item = usize>) -> Column {
     Column { name, values: Values::Integer(values.map(|v| v as i64).collect()) }
 }
 
-fn text(name: &'static str, values: impl Iterator<Item = String>) -> Column {
+pub(super) fn text(name: &'static str, values: impl Iterator<Item = String>) -> Column {
     Column { name, values: Values::Text(values.collect()) }
 }
 
-fn axis(position: Option<Point>, axis: usize) -> f64 {
+pub(super) fn axis(position: Option<Point>, axis: usize) -> f64 {
     position.map_or(f64::NAN, |p| millimetres(p[axis]))
 }
 

@@ -10,6 +10,10 @@ pub const ZERO: Rgb = [0xf4, 0xf4, 0xf4];
 pub const KEPT: Rgb = [0x00, 0x72, 0xb2];
 /// Vessels that go (Okabe & Ito's vermilion).
 pub const PRUNED: Rgb = [0xd5, 0x5e, 0x00];
+/// Flow in the network as it is (Okabe & Ito's blue).
+pub const UNPERTURBED: Rgb = KEPT;
+/// Flow in the perturbed network (Okabe & Ito's orange, lighter than the blue in grey print).
+pub const PERTURBED: Rgb = [0xe6, 0x9f, 0x00];
 /// Text, axes and the threshold.
 pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
 /// Grid lines.

@@ -1,14 +1,16 @@
-//! The PNG pictures of a run: the likelihood matrix and its convergence.
+//! The PNG pictures of a run: the likelihood matrix and its convergence, the flows of a simulation.
 //!
 //! The pictures need no font of the system, and the same input gives the same bytes.
 
 mod axis;
 mod colour;
 mod convergence;
+mod flow_bars;
 mod heat_map;
 mod sheet;
 
 pub use colour::{ZERO, colour};
 pub use convergence::convergence;
+pub use flow_bars::{VesselFlow, flow_bars};
 pub use heat_map::{Matrix, heat_map};
 pub use sheet::DEFAULT_DPI;

@@ -1,0 +1,82 @@
+//! `willis simulate`: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use willis::error::{Error, Result};
+use willis::quantity::Dimension;
+use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
+use willis::simulation::simulate;
+
+use super::boundary::{BoundaryArgs, say_boundary};
+use super::infer::check_dpi;
+use super::input::InputArgs;
+use super::perturbation::PerturbationArgs;
+use super::shell::print_line;
+use super::tell_flow::say_simulated;
+use super::terminal::Terminal;
+
+/// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// The folder to write; it must not exist
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
+    output: PathBuf,
+    /// Blood viscosity
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP")]
+    viscosity: String,
+    /// Resolution of the picture
+    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    dpi: u32,
+    /// Print run.json on standard output too
+    #[arg(long, help_heading = "Answer")]
+    json: bool,
+    #[command(flatten)]
+    perturbation: PerturbationArgs,
+    #[command(flatten)]
+    boundary: BoundaryArgs,
+}
+
+impl SimulateArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        let start = Instant::now();
+        let viscosity = Dimension::Viscosity
+            .parse(&self.viscosity)
+            .map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?;
+        let outlets = self.boundary.found_outlets(false)?;
+        self.perturbation.check()?;
+        check_dpi(self.dpi)?;
+        if self.input.observed {
+            return Err(Error::parameter(
+                "--observed",
+                "",
+                "goes with infer and candidates; simulate uses every vessel as it is",
+            ));
+        }
+        StagedFolder::check(&self.output, force)?;
+
+        let loaded = self.input.load(terminal)?;
+        let network = &loaded.network;
+        let perturbations = self.perturbation.resolve(network)?;
+        let boundary = self.boundary.resolve(network, outlets, terminal)?;
+        say_boundary(terminal, network, &boundary);
+        let result = simulate(network, &boundary, viscosity, &perturbations)?;
+        let simulated = Simulated { network, boundary: &boundary, perturbations: &perturbations, result: &result, viscosity };
+        let record = FlowRecord::new(&simulated, &loaded.provenance, loaded.radius_rule, outlets);
+        say_simulated(terminal, &simulated);
+
+        let folder = StagedFolder::new(&self.output, force)?;
+        for note in write_simulated(&folder.path(), &simulated, &record, self.dpi)? {
+            terminal.say("note", note);
+        }
+        folder.commit()?;
+        if self.json {
+            print_line(&serde_json::to_string(&record).unwrap_or_default())?;
+        }
+        terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
+        Ok(())
+    }
+}
