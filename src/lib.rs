@@ -57,6 +57,8 @@ pub mod state;
 
 pub mod inference;
 
+pub mod modulation;
+
 pub mod phantom;
 
 pub mod report;
