@@ -309,6 +309,7 @@ fn parse_rule(text: &str) -> Result<Keep> {
     Ok(rule)
 }
 
-fn check_dpi(dpi: u32) -> Result<()> {
+/// Refuses a resolution that no picture is drawn at.
+pub fn check_dpi(dpi: u32) -> Result<()> {
     if (36..=1200).contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, "expected a number from 36 to 1200")) }
 }

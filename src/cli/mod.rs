@@ -4,6 +4,7 @@ mod boundary;
 mod candidates;
 mod infer;
 mod input;
+mod modulate;
 mod phantom;
 mod provenance;
 mod shell;
@@ -32,6 +33,7 @@ pub struct Cli {
 enum Command {
     Infer(Box<infer::InferArgs>),
     Candidates(Box<candidates::CandidatesArgs>),
+    Modulate(Box<modulate::ModulateArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
     /// Print the manual page
@@ -93,6 +95,7 @@ impl Cli {
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
             Command::Candidates(args) => args.run(terminal, force),
+            Command::Modulate(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
             Command::Man => shell::man(),

@@ -23,10 +23,8 @@ const STREAMS_OF_A_CLASS: u64 = 1 << 48;
 /// A network under modulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modulation {
-    /// The vessels at rest.
-    pub tubes: Vec<Tube>,
-    /// The flow at rest.
-    pub unperturbed: State,
+    /// The one instance without modulation.
+    pub unperturbed: Instances,
     /// The instances of each class.
     pub classes: Vec<(Class, Instances)>,
     /// The flow solver: `lanes` or `cholesky`.
@@ -44,9 +42,11 @@ pub struct Modulation {
 pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progress: &mut impl Progress) -> Result<Modulation> {
     params.validate()?;
     let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, params.viscosity)).collect();
-    let unperturbed = State::solve(network, boundary, &tubes, params.viscosity)?;
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
     let ends = circuit.ends.clone();
+    let mut unperturbed = Instances::default();
+    let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
+    unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &ends);
     let job = Job { network, boundary, params, tubes: &tubes, ends: &ends, solver: Solver::new(circuit) };
 
     let blocks = params.samples.div_ceil(BLOCK);
@@ -80,8 +80,7 @@ pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progres
         }
         classes.push((*class, instances));
     }
-    let solver = job.solver.name();
-    Ok(Modulation { tubes, unperturbed, classes, solver })
+    Ok(Modulation { unperturbed, classes, solver: job.solver.name() })
 }
 
 /// What all blocks share.

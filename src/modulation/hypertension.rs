@@ -3,11 +3,12 @@
 
 use std::f64::consts::PI;
 
+use super::driver::Modulation;
 use crate::stats::gamma::{Gamma, GammaFit};
 use crate::stats::quantile;
 
 /// Bins of equal width of a histogram.
-const BINS: usize = 50;
+pub const BINS: usize = 50;
 /// They reach up to this quantile; one more bin holds the rest.
 const COVERED: f64 = 0.99;
 /// The threshold of risk is this quantile over the unperturbed vessels.
@@ -24,14 +25,14 @@ pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
 
 /// The threshold of risk where none is given: the 95th percentile of the forces of the unperturbed vessels, Pa/m²; NaN
 /// without any.
-pub fn risk_threshold(unperturbed: &[f64]) -> f64 {
+fn risk_threshold(unperturbed: &[f64]) -> f64 {
     let defined: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
     quantile(&defined, RISK_QUANTILE).unwrap_or(f64::NAN)
 }
 
 /// The edges of the bins that all `classes` of forces share, rising from 0: 50 of equal width up to the largest of the
 /// classes' 99th percentiles, then one up to the largest force. Empty without a positive force.
-pub fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
+fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
     let (mut covered, mut most) = (0.0_f64, 0.0_f64);
     for forces in classes {
         let positive = positive(forces);
@@ -93,6 +94,35 @@ impl Hypertension {
             above: forces.iter().filter(|f| **f > threshold).count() as f64 / n,
             above_by_fit: by_fit(&|gamma| with_force * gamma.survival(threshold)),
             fit,
+        }
+    }
+}
+
+/// The hypertension of every class over the same bins and above the same threshold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HypertensionByClass {
+    /// Above this a vessel is at risk, Pa/m²; NaN when no vessel has a pressure.
+    pub threshold: f64,
+    /// The edges of the bins, Pa/m².
+    pub edges: Vec<f64>,
+    /// Of the one instance without modulation.
+    pub unperturbed: Hypertension,
+    /// By class.
+    pub classes: Vec<Hypertension>,
+}
+
+impl HypertensionByClass {
+    /// Looks at all vessels and instances. Without a `threshold` (Pa/m²) it is the 95th percentile over the unperturbed vessels.
+    pub fn of(modulation: &Modulation, threshold: Option<f64>) -> Self {
+        let at_rest = &modulation.unperturbed.force;
+        let forces = || modulation.classes.iter().map(|(_, instances)| &instances.force[..]);
+        let threshold = threshold.unwrap_or_else(|| risk_threshold(at_rest));
+        let edges = histogram_edges(forces().chain([&at_rest[..]]));
+        Self {
+            unperturbed: Hypertension::of(at_rest, &edges, threshold),
+            classes: forces().map(|forces| Hypertension::of(forces, &edges, threshold)).collect(),
+            threshold,
+            edges,
         }
     }
 }

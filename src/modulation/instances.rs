@@ -66,9 +66,9 @@ impl Instances {
         self.inflow.len()
     }
 
-    /// The distribution over the instances of one column of a table with `width` figures an instance.
-    pub fn column(table: &[f64], width: usize, at: usize) -> Distribution {
-        Distribution::of(table.iter().skip(at).step_by(width).copied().collect())
+    /// The distribution over the instances of one column of a table with `width` figures an instance, each put into a `unit`.
+    pub fn column(table: &[f64], width: usize, at: usize, unit: impl Fn(f64) -> f64) -> Distribution {
+        Distribution::of(table.iter().skip(at).step_by(width).map(|x| unit(*x)).collect())
     }
 
     /// Per instance of a table with `width` figures an instance, the mean of `figure` over those at the places that `counts`;

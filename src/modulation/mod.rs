@@ -10,6 +10,6 @@ mod solver;
 
 pub use class::{Class, Reading};
 pub use driver::{Modulation, modulate};
-pub use hypertension::{Hypertension, force, histogram_edges, risk_threshold};
+pub use hypertension::{BINS, Hypertension, HypertensionByClass};
 pub use instances::Instances;
 pub use params::Params;

@@ -78,7 +78,8 @@ fn candidate_parameters(built: Built<'_>) -> Value {
     })
 }
 
-fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
+/// The boundary conditions as run.json lists them.
+pub(super) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     let found = |node: &usize| boundary.found_inlets.contains(node) || boundary.found_outlets.contains(node);
     let each = boundary.conditions.iter().map(|(node, condition)| {
         let mut value =

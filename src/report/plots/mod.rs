@@ -6,9 +6,14 @@ mod axis;
 mod colour;
 mod convergence;
 mod heat_map;
+mod hypertension;
+mod linear;
+mod modulation;
 mod sheet;
 
 pub use colour::{ZERO, colour};
 pub use convergence::convergence;
 pub use heat_map::{Matrix, heat_map};
+pub use hypertension::{Histogram, Histograms, hypertension};
+pub use modulation::{Boxes, Panel, modulation};
 pub use sheet::DEFAULT_DPI;
