@@ -14,6 +14,7 @@
 //! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`perturbation::Occlusion`] |
 //! | MST(1/ρ) | [`inference::Forest`] |
 //! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`inference::Likelihood`] |
+//! | resistance modulation, hypertension | [`modulation::modulate`], [`modulation::Hypertension`] |
 //! | median threshold | [`inference::Keep::Median`] |
 //!
 //! ```

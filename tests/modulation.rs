@@ -194,6 +194,33 @@ fn an_instance_depends_on_seed_class_and_index_alone() {
     assert_ne!(bits(&of(Params { samples: 200, seed: 1, ..Params::default() })), bits(&whole));
 }
 
+/// By hand: when every vessel is modulated by the same u (a class of no width to speak of) and outlets are ground, pressures
+/// stay, flows fall by the factor of the resistance, and resilience falls by that times the factor of the volume.
+#[test]
+fn one_common_modulation_scales_the_flow() {
+    let (network, u) = (circle(), 0.3_f64);
+    let boundary = conditions(&network, true);
+    let geometry = (1.0 + u) / (1.0 - u).powi(4);
+    for (reading, resistance, volume) in [
+        (Reading::Increment, 1.0 + u, 1.0),
+        (Reading::Conductance, 1.0 / (1.0 - u), 1.0),
+        (Reading::Literal, 1.0 - u, 1.0),
+        (Reading::Geometry, geometry, (1.0 - u).powi(2) * (1.0 + u)),
+    ] {
+        let classes = vec![Class { low: u, high: u + 1e-13 }];
+        let result = run(&network, &boundary, &Params { classes, reading, samples: 3, ..Params::default() });
+        let (rest, found) = (&result.unperturbed, &result.classes[0].1);
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-10 * b.abs();
+        for i in 0..3 {
+            assert!(near(found.inflow[i] * resistance, rest.inflow[0]), "{reading:?}");
+            assert!(near(found.network_resilience[i] * resistance * volume, rest.network_resilience[0]), "{reading:?}");
+            assert!(
+                found.pressure.chunks(rest.pressure.len()).all(|row| row.iter().zip(&rest.pressure).all(|(a, b)| near(*a, *b)))
+            );
+        }
+    }
+}
+
 /// Every draw lies in its class; mean and variance are those of the uniform distribution: 60,000 draws, five standard errors.
 #[test]
 fn draws_are_uniform_within_their_class() {

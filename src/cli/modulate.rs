@@ -91,9 +91,9 @@ impl ModulateArgs {
 
         let modulated = params.vessels.as_ref().map_or(network.vessel_count(), |v| v.iter().filter(|v| **v).count());
         let how = format!("{} each, seed {}", plural(params.samples as usize, "instance"), params.seed);
-        let size =
-            format!("{} in {}", plural(modulated, "vessel"), plural(params.classes.len(), "class").replace("classs", "classes"));
-        terminal.say("modulating", format!("{size}, {how}, reading {}", params.reading.name()));
+        let classes = if params.classes.len() == 1 { "1 class".to_owned() } else { format!("{} classes", params.classes.len()) };
+        let reading = params.reading.name();
+        terminal.say("modulating", format!("{} in {classes}, {how}, reading {reading}", plural(modulated, "vessel")));
         let start = Instant::now();
         let mut progress = terminal.progress(params.samples * params.classes.len() as u64);
         let result = modulate(&network, &boundary, &params, &mut progress);

@@ -73,7 +73,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
         write_file(&folder.join(name), |out| out.write_all(&picture))?;
     }
     write_file(&folder.join("run.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, &record::record(outcome))?;
+        serde_json::to_writer_pretty(&mut *out, &record::Record::of(outcome))?;
         out.write_all(b"\n")
     })
 }

@@ -1,5 +1,6 @@
 //! run.json of a resistance modulation: how the run was made and what came out, enough to repeat it.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::ModulationOutcome;
@@ -24,44 +25,64 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
 }
 
 /// Everything that run.json holds.
-pub fn record(outcome: &ModulationOutcome<'_>) -> Value {
-    let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
-    let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
-    let classes = outcome.result.classes.iter().zip(&outcome.hypertension.classes).map(|((class, instances), hypertension)| {
-        let mut value = figures(outcome, instances, hypertension);
-        value["class"] = json!(class.to_string());
-        value
-    });
-    json!({
-        "willis": env!("CARGO_PKG_VERSION"),
-        "command": provenance.command,
-        "input": {
-            "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units,
-        },
-        "seed": params.seed,
-        "parameters": {
-            "classes": params.classes.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            "samples": params.samples,
-            "reading": params.reading.name(),
-            "modulated_edges": modulated,
-            "viscosity_cP": params.viscosity * 1e3,
-            "threshold_mmHg_per_mm2": mmhg_per_mm2(outcome.hypertension.threshold),
-            "outlets_found": match outcome.outlets {
-                FoundOutlets::Ground => json!("ground"),
-                FoundOutlets::Murray { flow } => json!({ "murray_mL_per_min": ml_per_min(flow) }),
-            },
-        },
-        "boundary_conditions": conditions(network, boundary),
-        "counts": {
-            "nodes": network.node_count(),
-            "vessels": network.vessel_count(),
-            "inlets": boundary.count(Role::Inlet),
-            "outlets": boundary.count(Role::Outlet),
-        },
-        "unperturbed": figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
-        "classes": classes.collect::<Vec<_>>(),
-        "solver": { "flow": outcome.result.solver },
-        "notes": provenance.notes,
-        "time": { "solving_s": outcome.seconds },
-    })
+#[derive(Debug, Serialize)]
+pub struct Record<'a> {
+    willis: &'static str,
+    command: &'a str,
+    input: Value,
+    seed: u64,
+    parameters: Value,
+    boundary_conditions: Vec<Value>,
+    counts: Value,
+    unperturbed: Value,
+    classes: Vec<Value>,
+    solver: Value,
+    notes: &'a [String],
+    time: Value,
+}
+
+impl<'a> Record<'a> {
+    /// Gathers the record of a run.
+    pub fn of(outcome: &ModulationOutcome<'a>) -> Self {
+        let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
+        let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
+        let by_class = outcome.result.classes.iter().zip(&outcome.hypertension.classes);
+        let classes = by_class.map(|((class, instances), hypertension)| {
+            let mut value = figures(outcome, instances, hypertension);
+            value["class"] = json!(class.to_string());
+            value
+        });
+        Self {
+            willis: env!("CARGO_PKG_VERSION"),
+            command: &provenance.command,
+            input: json!({
+                "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units,
+            }),
+            seed: params.seed,
+            parameters: json!({
+                "classes": params.classes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                "samples": params.samples,
+                "reading": params.reading.name(),
+                "modulated_edges": modulated,
+                "viscosity_cP": params.viscosity * 1e3,
+                "threshold_mmHg_per_mm2": mmhg_per_mm2(outcome.hypertension.threshold),
+                "outlets_found": match outcome.outlets {
+                    FoundOutlets::Ground => json!("ground"),
+                    FoundOutlets::Murray { flow } => json!({ "murray_mL_per_min": ml_per_min(flow) }),
+                },
+            }),
+            boundary_conditions: conditions(network, boundary),
+            counts: json!({
+                "nodes": network.node_count(),
+                "vessels": network.vessel_count(),
+                "inlets": boundary.count(Role::Inlet),
+                "outlets": boundary.count(Role::Outlet),
+            }),
+            unperturbed: figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
+            classes: classes.collect(),
+            solver: json!({ "flow": outcome.result.solver }),
+            notes: &provenance.notes,
+            time: json!({ "solving_s": outcome.seconds }),
+        }
+    }
 }

@@ -63,7 +63,7 @@ pub fn hypertension(histograms: &Histograms, dpi: u32) -> Result<Vec<u8>> {
     };
     legend(&mut sheet)?;
     // The threshold is always on the page.
-    let across = LinearRange { low: 0.0, high: if histograms.threshold > *last { 1.05 * histograms.threshold } else { *last } };
+    let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
     let most = histograms.classes.iter().flat_map(|h| h.density.iter().copied()).fold(0.0, f64::max);
     let up = LinearRange { low: 0.0, high: 1.1 * most };

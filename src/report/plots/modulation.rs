@@ -6,7 +6,7 @@ use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
 
-const INCHES: [f64; 2] = [6.4, 7.3];
+const WIDTH_INCHES: f64 = 6.4;
 /// Left and right of the axes, points.
 const SIDES: [f64; 2] = [62.0, 448.0];
 /// Top of the first panel, height of each and the gap between two, points.
@@ -14,6 +14,10 @@ const TOP: f64 = 54.0;
 const HEIGHT: f64 = 132.0;
 const GAP: f64 = 14.0;
 const TICK: f64 = 4.0;
+/// Height of a row of class names, width of a digit in them and room between two, points.
+const NAMES: [f64; 3] = [12.0, 5.3, 5.0];
+/// From the last row of names to the axis's own, and from there to the edge, points.
+const FOOT: [f64; 2] = [16.0, 14.0];
 /// Ticks of a panel at the most.
 const TICKS: usize = 7;
 /// A box's width and the two boxes' distance from the class's middle, as shares of its room.
@@ -40,7 +44,7 @@ pub struct Panel {
     pub boxes: Vec<Boxes>,
 }
 
-/// Draws a panel a quantity, one above the other, 6.4 by 7.3 inches at `dpi` pixels per inch (36 to 1200), as PNG.
+/// Draws a panel a quantity, one above the other, 6.4 inches wide at `dpi` pixels per inch (36 to 1200), as PNG.
 ///
 /// A box reaches from the first to the third quartile, its bar is the median, its whiskers reach from the 5th to the 95th
 /// percentile. A dashed line stands where nothing changes. Figures that are no number are left out.
@@ -49,25 +53,30 @@ pub struct Panel {
 ///
 /// When `dpi` is out of range.
 pub fn modulation(classes: &[String], panels: &[Panel; 3], dpi: u32) -> Result<Vec<u8>> {
-    let mut sheet = Sheet::new("modulation.png", INCHES, dpi)?;
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
+    let room = (right - left) / classes.len() as f64;
+    // Names too long for the room of a class stand on several rows in turn.
+    let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
+    let rows = ((digits * NAMES[1] + NAMES[2]) / room).ceil().max(1.0) as usize;
+    let bottom = TOP + 3.0 * HEIGHT + 2.0 * GAP;
+    let foot = bottom + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
+    let mut sheet = Sheet::new("modulation.png", [WIDTH_INCHES, (foot + FOOT[1]) / 72.0], dpi)?;
     let title = Label::plain("Response to resistance modulation, against the unperturbed network");
     sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
     legend(&mut sheet)?;
-    let room = (right - left) / classes.len() as f64;
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
         draw(&mut sheet, panel, top, room, at)?;
         top += HEIGHT + GAP;
     }
-    let bottom = top - GAP;
     for (class, name) in classes.iter().enumerate() {
+        let y = bottom + TICK + NAMES[0] * ((class % rows) as f64 + 0.6);
         sheet.line([[at(class), bottom], [at(class), bottom + TICK]], HAIR, INK, 1.0)?;
-        sheet.text(&Label::plain(name), [at(class), bottom + TICK + 8.0], TEXT, Align::Middle, Run::Right)?;
+        sheet.text(&Label::plain(name), [at(class), y], TEXT, Align::Middle, Run::Right)?;
     }
-    sheet.text(&Label::plain("modulation u, by class"), [middle, bottom + TICK + 24.0], TEXT, Align::Middle, Run::Right)?;
+    sheet.text(&Label::plain("modulation u, by class"), [middle, foot], TEXT, Align::Middle, Run::Right)?;
     sheet.png()
 }
 
