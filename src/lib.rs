@@ -15,6 +15,7 @@
 //! | MST(1/ρ) | [`inference::Forest`] |
 //! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`inference::Likelihood`] |
 //! | forward simulation under stenosis and occlusion | [`simulation::simulate`], [`state::State`] |
+//! | resistance modulation, hypertension | [`modulation::modulate`], [`modulation::Hypertension`] |
 //! | median threshold | [`inference::Keep::Median`] |
 //!
 //! ```
@@ -58,6 +59,8 @@ pub mod state;
 
 pub mod inference;
 pub mod simulation;
+
+pub mod modulation;
 
 pub mod phantom;
 

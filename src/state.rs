@@ -56,20 +56,28 @@ impl State {
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
         let circuit = Circuit::of_tubes(network, boundary, tubes)?;
         let pressure = steady::pressures(&circuit, |row| tubes[row].is_open())?;
-        let vessels: Vec<VesselState> = tubes
-            .iter()
-            .zip(&circuit.ends)
-            .map(|(tube, ends)| vessel_state(tube, ends.map(|n| pressure[n]), viscosity))
-            .collect();
+        Ok(Self::at_pressures(&circuit.ends, boundary, tubes, viscosity, pressure))
+    }
+
+    /// The state of `tubes` between the nodes `ends` at known pressures, Pa.
+    pub fn at_pressures(
+        ends: &[[usize; 2]],
+        boundary: &Boundary,
+        tubes: &[Tube],
+        viscosity: f64,
+        pressure: Vec<Option<f64>>,
+    ) -> Self {
+        let vessels: Vec<VesselState> =
+            tubes.iter().zip(ends).map(|(tube, ends)| vessel_state(tube, ends.map(|n| pressure[n]), viscosity)).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();
         let total: f64 = vessels.iter().map(|v| v.resilience).sum();
-        let mut out = vec![0.0; network.node_count()];
-        for (vessel, [a, b]) in vessels.iter().zip(&circuit.ends) {
+        let mut out = vec![0.0; pressure.len()];
+        for (vessel, [a, b]) in vessels.iter().zip(ends) {
             out[*a] += vessel.flow;
             out[*b] -= vessel.flow;
         }
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
-        Ok(Self { pressure, vessels, network_resilience: if open > 0 { total / open as f64 } else { 0.0 }, inflow })
+        Self { pressure, vessels, network_resilience: if open > 0 { total / open as f64 } else { 0.0 }, inflow }
     }
 
     /// How many vessels carry blood.

@@ -53,6 +53,16 @@ pub fn mmhg_s_per_ml(pascal_seconds_per_cubic_metre: f64) -> f64 {
     pascal_seconds_per_cubic_metre / SI_PER_MMHG_S_PER_ML
 }
 
+/// Pa/m² from mmHg/mm².
+pub fn pascals_per_square_metre(mmhg_per_mm2: f64) -> f64 {
+    mmhg_per_mm2 * (PASCAL_PER_MMHG * 1e6)
+}
+
+/// mmHg/mm² from Pa/m².
+pub fn mmhg_per_mm2(pascals_per_square_metre: f64) -> f64 {
+    pascals_per_square_metre / (PASCAL_PER_MMHG * 1e6)
+}
+
 /// Pa s from cP.
 pub fn pascal_seconds(centipoise: f64) -> f64 {
     centipoise / 1e3

@@ -16,7 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["formats", "candidates", "hemodynamics", "perturbation"],
     &["resilience"],
     &["state"],
-    &["inference", "simulation"],
+    &["inference", "simulation", "modulation"],
     &["phenotype", "phantom"],
     &["experiments"],
     &["report"],
@@ -29,11 +29,12 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("clap_mangen", &["cli/"]),
     ("ctrlc", &["main.rs", "cli/"]),
     ("indicatif", &["main.rs", "cli/"]),
-    ("rayon", &["inference/driver.rs", "cli/mod.rs", "cli/infer.rs"]),
+    ("rayon", &["inference/driver.rs", "modulation/driver.rs", "cli/mod.rs", "cli/infer.rs"]),
     ("kiddo", &["candidates/knn.rs"]),
     ("plotters", &["report/plots.rs", "report/plots/"]),
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
+    ("statrs", &["stats/gamma.rs"]),
 ];
 
 const MOST_LINES: usize = 400;

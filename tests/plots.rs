@@ -1,6 +1,10 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
-use willis::report::plots::{DEFAULT_DPI, Matrix, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map};
+use willis::report::plots::{
+    Boxes, DEFAULT_DPI, Histogram, Histograms, Matrix, Panel, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map,
+    hypertension, modulation,
+};
+use willis::stats::gamma::Gamma;
 
 struct Picture {
     size: [usize; 2],
@@ -280,4 +284,44 @@ fn forty_vessels_at_the_most_are_shown_and_none_is_no_fault() {
     let refused = |q| flow_bars(&[VesselFlow { name: "BA".into(), unperturbed: q, perturbed: None }], DEFAULT_DPI);
     assert!(refused(f64::NAN).expect_err("not finite").to_string().contains("BA"));
     assert!(refused(f64::INFINITY).is_err());
+}
+
+const EACH: [u8; 3] = [0x56, 0xb4, 0xe9];
+const WHOLE: [u8; 3] = [0xe6, 0x9f, 0x00];
+
+/// A box is filled from its first to its third quartile: twice the spread, twice the colour. No figures, no box.
+#[test]
+fn a_box_is_as_high_as_its_quartiles_are_apart() {
+    let boxes = |half: f64, whole: f64| Boxes { each: [-10.0, -half, 0.0, half, 10.0], whole: [-10.0, -whole, 0.0, whole, 10.0] };
+    let panel = |boxes: Boxes| Panel { name: "change".into(), unchanged: 0.0, boxes: vec![boxes] };
+    let drawn = |b: Boxes| {
+        let panels = [panel(b), panel(b), panel(b)];
+        let picture = modulation(&["0\u{2013}0.2".to_owned()], &panels, DEFAULT_DPI).expect("a picture");
+        let picture = Picture::read(&picture);
+        [EACH, WHOLE].map(|rgb| picture.count(rgb) as f64)
+    };
+    let (low, high, none) = (drawn(boxes(2.0, 4.0)), drawn(boxes(4.0, 8.0)), drawn(boxes(f64::NAN, f64::NAN)));
+    for at in [0, 1] {
+        assert!(((high[at] - none[at]) / (low[at] - none[at]) - 2.0).abs() < 0.15, "{low:?} {high:?} {none:?}");
+    }
+}
+
+/// Bars hold as much colour as density; a page grows with its classes; no force is said in words.
+#[test]
+fn a_histogram_is_as_large_as_its_density() {
+    let one = |density: Vec<f64>| Histogram { heading: "u".into(), density, fit: None };
+    let drawn = |classes: Vec<Histogram>, edges: &[f64]| {
+        let histograms = Histograms { edges: edges.to_vec(), threshold: 3.5, classes };
+        Picture::read(&hypertension(&histograms, DEFAULT_DPI).expect("a picture"))
+    };
+    let edges = [0.0, 1.0, 2.0, 3.0, 4.0];
+    let single = drawn(vec![one(vec![0.4, 0.2, 0.2, 0.2])], &edges);
+    let half = drawn(vec![one(vec![0.4, 0.05, 0.05, 0.0])], &edges);
+    let legend = drawn(vec![one(vec![0.0; 4])], &edges).count(EACH);
+    let areas = [&single, &half].map(|picture| (picture.count(EACH) - legend) as f64);
+    assert!((areas[1] / areas[0] - 0.5).abs() < 0.03, "{areas:?}");
+    let curve = Histogram { fit: Some(Gamma { shape: 0.7, scale: 2.0 }), ..one(vec![0.25; 4]) };
+    let double = drawn(vec![curve.clone(), curve], &edges);
+    assert!(double.size[1] > single.size[1] + 100);
+    assert!(drawn(vec![one(Vec::new())], &[]).count([0x1a; 3]) > 50);
 }

@@ -4,6 +4,7 @@ mod boundary;
 mod candidates;
 mod infer;
 mod input;
+mod modulate;
 mod perturbation;
 mod phantom;
 mod provenance;
@@ -36,6 +37,7 @@ enum Command {
     Infer(Box<infer::InferArgs>),
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
+    Modulate(Box<modulate::ModulateArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
     /// Print the manual page
@@ -98,6 +100,7 @@ impl Cli {
             Command::Infer(args) => args.run(terminal, force),
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),
+            Command::Modulate(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
             Command::Man => shell::man(),

@@ -18,7 +18,7 @@ pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes};
 pub use document::{Content, Document, Format, ReadOptions, read};
 pub use graphml::{read_graphml, write_graphml};
-pub use numpy::{write_npy, write_npz};
+pub use numpy::{NamedArray, write_arrays, write_npy, write_npz};
 pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use swc_points::{write_centerlines_swc, write_loops};
 pub use table::write_csv;

@@ -1,8 +1,9 @@
-//! NumPy arrays: a symmetric matrix as a dense `.npy` and as the `.npz` that `scipy.sparse.load_npz` reads.
+//! NumPy arrays: a symmetric matrix as a dense `.npy` and as the `.npz` that `scipy.sparse.load_npz` reads, and any arrays
+//! by name as `.npz`.
 
 use std::io::{self, Seek, Write};
 
-use ndarray::{Array1, Array2, arr0};
+use ndarray::{Array1, Array2, ArrayD, arr0};
 use ndarray_npy::{NpzWriter, WritableElement, WriteDataError, WriteNpyExt};
 use zip::{CompressionMethod, write::SimpleFileOptions};
 
@@ -94,6 +95,32 @@ pub fn write_npy(mut out: impl Write, n: usize, entries: &[(u32, u32, f64)]) -> 
     }
     matrix.write_npy(&mut out).map_err(io::Error::other)?;
     out.flush()
+}
+
+/// An array with the name by which `numpy.load` finds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedArray {
+    /// The name.
+    pub name: String,
+    /// Its length along each axis.
+    pub shape: Vec<usize>,
+    /// Its values in C order.
+    pub values: Vec<f64>,
+}
+
+/// Writes float64 arrays, one after another, as the uncompressed `.npz` of `numpy.savez`.
+///
+/// # Errors
+///
+/// Values that do not fill their shape (`InvalidInput`), or the writer's own.
+pub fn write_arrays(out: impl Write + Seek, arrays: impl IntoIterator<Item = NamedArray>) -> io::Result<()> {
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
+    let mut npz = NpzWriter::new_with_options(out, options);
+    for NamedArray { name, shape, values } in arrays {
+        let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
+        npz.add_array(name, &array).map_err(io::Error::other)?;
+    }
+    npz.finish().map_err(io::Error::other)?.flush()
 }
 
 fn check(n: usize, entries: &[(u32, u32, f64)]) -> io::Result<()> {

@@ -42,18 +42,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
     pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
-        let mut conductance = Vec::with_capacity(network.vessel_count());
-        for ((row, (ends, vessel)), tube) in network.vessels().enumerate().zip(tubes) {
-            let c = 1.0 / tube.resistance;
-            if !c.is_normal() && ends[0] != ends[1] && tube.is_open() {
-                return Err(Error::parameter(
-                    network.vessel_name(row),
-                    format!("of length {} m and radius {} m", vessel.length, vessel.radius),
-                    "expected a conductance that a double can hold",
-                ));
-            }
-            conductance.push(c);
-        }
+        let conductance = tubes.iter().enumerate().map(|(row, tube)| conductance(network, row, tube)).collect::<Result<_>>()?;
         let pressures = boundary.conditions.iter().filter_map(|(_, condition)| match condition {
             Condition::Pressure(p) => Some(*p),
             Condition::Resistance { venous, .. } => Some(*venous),
@@ -101,4 +90,23 @@ impl Circuit {
     pub fn grounds(&self, node: usize) -> bool {
         self.fixed[node].is_some() || self.shunt[node] > 0.0
     }
+}
+
+/// C = 1/R of the vessel in a row, m³/(Pa s).
+///
+/// # Errors
+///
+/// The conductance of an open vessel is infinite, not a number, or too small for a double.
+pub fn conductance(network: &Network, row: usize, tube: &Tube) -> Result<f64> {
+    let c = 1.0 / tube.resistance;
+    let [a, b] = network.ends(row);
+    if c.is_normal() || a == b || !tube.is_open() {
+        return Ok(c);
+    }
+    let vessel = network.vessel(row);
+    Err(Error::parameter(
+        network.vessel_name(row),
+        format!("of length {} m and radius {} m", vessel.length, vessel.radius),
+        "expected a conductance that a double can hold",
+    ))
 }

@@ -43,6 +43,8 @@ struct GroundStamp {
     place: u32,
     conductance: f64,
     inflow: f64,
+    /// Where the fixed pressure stands.
+    fixed: u32,
 }
 
 /// The memory of one worker that solves `B` samples side by side.
@@ -89,8 +91,12 @@ impl StarMesh {
                     let first = std::mem::take(&mut bare[ray as usize]);
                     rays.push(RayStamp { vessel, ray, first, conductance });
                 }
-                (None, Some(p)) => grounds.push(GroundStamp { vessel, place: slot[a], conductance, inflow: conductance * p }),
-                (Some(p), None) => grounds.push(GroundStamp { vessel, place: slot[b], conductance, inflow: conductance * p }),
+                (None, Some(p)) => {
+                    grounds.push(GroundStamp { vessel, place: slot[a], conductance, inflow: conductance * p, fixed: slot[b] });
+                }
+                (Some(p), None) => {
+                    grounds.push(GroundStamp { vessel, place: slot[b], conductance, inflow: conductance * p, fixed: slot[a] });
+                }
                 (Some(_), Some(_)) => {}
             }
         }
@@ -143,6 +149,32 @@ impl StarMesh {
         self.substitute_back(simd, work);
     }
 
+    /// Solves a group of samples that differ in the conductances of their vessels (m³/(Pa s)), zero for a closed one,
+    /// rather than in which are open; `stranded` as in [`StarMesh::solve`], for the first samples of a block.
+    #[inline(always)]
+    pub fn solve_with<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        conductance: &[Lanes<B>],
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.prepare(simd, 0, stranded, work);
+        for stamp in &self.rays {
+            let own = &conductance[stamp.vessel as usize];
+            let c = &mut work.conductance[stamp.ray as usize];
+            *c = if stamp.first { *own } else { plus(simd, c, own) };
+        }
+        for stamp in &self.grounds {
+            let own = &conductance[stamp.vessel as usize];
+            let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
+            work.ground[place] = plus(simd, &work.ground[place], own);
+            work.pressure[place] = plus_product(simd, &work.pressure[place], own, &pressure);
+        }
+        self.eliminate(simd, work);
+        self.substitute_back(simd, work);
+    }
+
     /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
     #[inline(always)]
     fn assemble<S: Simd, const B: usize>(
@@ -153,17 +185,7 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        for ray in &self.fill {
-            work.conductance[*ray as usize] = Lanes::ZERO;
-        }
-        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
-            work.ground[place] = splat(simd, *shunt);
-            work.pressure[place] = splat(simd, *source);
-        }
-        for (node, samples) in stranded {
-            let source = &mut work.pressure[self.slot[*node] as usize];
-            *source = masked(simd, source, !samples, first);
-        }
+        self.prepare(simd, first, stranded, work);
         for stamp in &self.rays {
             let open = masks[stamp.vessel as usize];
             let c = &mut work.conductance[stamp.ray as usize];
@@ -175,6 +197,22 @@ impl StarMesh {
             let (g, s) = (&mut work.ground[stamp.place as usize], &mut work.pressure[stamp.place as usize]);
             *g = plus(simd, g, &masked(simd, &splat(simd, stamp.conductance), open, first));
             *s = plus(simd, s, &masked(simd, &splat(simd, stamp.inflow), open, first));
+        }
+    }
+
+    /// What no vessel contributes to.
+    #[inline(always)]
+    fn prepare<S: Simd, const B: usize>(&self, simd: S, first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
+        for ray in &self.fill {
+            work.conductance[*ray as usize] = Lanes::ZERO;
+        }
+        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
+            work.ground[place] = splat(simd, *shunt);
+            work.pressure[place] = splat(simd, *source);
+        }
+        for (node, samples) in stranded {
+            let source = &mut work.pressure[self.slot[*node] as usize];
+            *source = masked(simd, source, !samples, first);
         }
     }
 

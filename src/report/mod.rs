@@ -3,6 +3,7 @@
 mod agreement;
 mod flow_record;
 mod flow_tables;
+mod modulation;
 pub mod outcome;
 pub mod plots;
 mod simulated;
@@ -12,6 +13,7 @@ mod tables;
 
 pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
+pub use modulation::{ModulationOutcome, write_modulation};
 pub use outcome::{Outcome, write_outcome};
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// The record by which a folder of this program is known.
 const MARK: &str = "run.json";
 /// All that such a folder may hold; --force replaces no folder with anything else in it.
-const FILES: [&str; 13] = [
+const FILES: [&str; 18] = [
     "edges.csv",
     "nodes.csv",
     "likelihood.npy",
@@ -24,6 +24,11 @@ const FILES: [&str; 13] = [
     "topology.swc",
     "topology-median.graphml",
     "topology-median.vtp",
+    "classes.csv",
+    "hypertension.csv",
+    "samples.npz",
+    "modulation.png",
+    "hypertension.png",
 ];
 const AGREEMENT: &str = "agreement.csv";
 

@@ -1,9 +1,19 @@
-//! Order statistics of plain samples.
+//! Statistics of plain samples: order statistics, distributions, the gamma distribution.
+
+mod distribution;
+pub mod gamma;
+
+pub use distribution::Distribution;
 
 /// The q-quantile by linear interpolation between order statistics, as `numpy.quantile`; `None` of nothing.
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
+    quantile_of_sorted(&sorted, q)
+}
+
+/// [`quantile`] of values in rising order.
+pub fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let at = q.clamp(0.0, 1.0) * last as f64;
     let (low, share) = (at.floor() as usize, at.fract());

@@ -14,6 +14,10 @@ pub const PRUNED: Rgb = [0xd5, 0x5e, 0x00];
 pub const UNPERTURBED: Rgb = KEPT;
 /// Flow in the perturbed network (Okabe & Ito's orange, lighter than the blue in grey print).
 pub const PERTURBED: Rgb = [0xe6, 0x9f, 0x00];
+/// What is shown of every vessel or node (Okabe & Ito's sky blue).
+pub const EACH: Rgb = [0x56, 0xb4, 0xe9];
+/// What is shown of the network as a whole (Okabe & Ito's orange).
+pub const WHOLE: Rgb = [0xe6, 0x9f, 0x00];
 /// Text, axes and the threshold.
 pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
 /// Grid lines.

@@ -7,10 +7,15 @@ mod colour;
 mod convergence;
 mod flow_bars;
 mod heat_map;
+mod hypertension;
+mod linear;
+mod modulation;
 mod sheet;
 
 pub use colour::{ZERO, colour};
 pub use convergence::convergence;
 pub use flow_bars::{VesselFlow, flow_bars};
 pub use heat_map::{Matrix, heat_map};
+pub use hypertension::{Histogram, Histograms, hypertension};
+pub use modulation::{Boxes, Panel, modulation};
 pub use sheet::DEFAULT_DPI;

@@ -113,6 +113,25 @@ impl Sheet {
         self.draw(|page| page.draw_path(dots, &ink(rgb, opacity).stroke_width(width)))
     }
 
+    /// A straight line of dashes 4 points long, 3 apart.
+    pub fn dashes(&mut self, [from, to]: [Place; 2], width: f64, rgb: Rgb) -> Result<()> {
+        const DASH: f64 = 4.0;
+        const STEP: f64 = 7.0;
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let at = |along: f64| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * (along / length).min(1.0));
+        for dash in 0..(length / STEP).ceil() as usize {
+            let start = dash as f64 * STEP;
+            self.line([at(start), at(start + DASH)], width, rgb, 1.0)?;
+        }
+        Ok(())
+    }
+
+    /// Fills a rectangle of any place and size (width, height), points.
+    pub fn rectangle(&mut self, corner: Place, size: [f64; 2], rgb: Rgb) -> Result<()> {
+        let (from, to) = (self.dot(corner), self.dot([corner[0] + size[0], corner[1] + size[1]]));
+        self.draw(|page| page.draw_rect(from, to, &ink(rgb, 1.0), true))
+    }
+
     /// A box around `corner` and `size` (width, height).
     pub fn frame(&mut self, [left, top]: Place, [width, height]: [f64; 2]) -> Result<()> {
         let (right, bottom) = (left + width, top + height);

@@ -1,0 +1,146 @@
+//! Hypertension: the pressure in a vessel over its cross-section, its distribution over vessels and instances, and the risk
+//! area above a threshold (Moriconi et al. 2019).
+
+use std::f64::consts::PI;
+
+use super::driver::Modulation;
+use crate::stats::gamma::{Gamma, GammaFit};
+use crate::stats::quantile;
+
+/// Bins of equal width of a histogram.
+pub const BINS: usize = 50;
+/// They reach up to this quantile; one more bin holds the rest.
+const COVERED: f64 = 0.99;
+/// The threshold of risk is this quantile over the unperturbed vessels.
+const RISK_QUANTILE: f64 = 0.95;
+
+/// The hypertension force of a vessel, Pa/m²: mean of the pressures (Pa) at its two ends over its cross-section π r², r (m)
+/// where it is narrowest. The paper calls it a force; a thin vessel under pressure has a large one. NaN without pressures.
+pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
+    match ends {
+        [Some(a), Some(b)] => f64::midpoint(a, b) / (PI * radius * radius),
+        _ => f64::NAN,
+    }
+}
+
+/// The threshold of risk where none is given: the 95th percentile of the forces of the unperturbed vessels, Pa/m²; NaN
+/// without any.
+fn risk_threshold(unperturbed: &[f64]) -> f64 {
+    let defined: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
+    quantile(&defined, RISK_QUANTILE).unwrap_or(f64::NAN)
+}
+
+/// The edges of the bins that all `classes` of forces share, rising from 0: 50 of equal width up to the largest of the
+/// classes' 99th percentiles, then one up to the largest force. Empty without a positive force.
+fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
+    let (mut covered, mut most) = (0.0_f64, 0.0_f64);
+    for forces in classes {
+        let positive = positive(forces);
+        covered = covered.max(quantile(&positive, COVERED).unwrap_or(0.0));
+        most = positive.iter().copied().fold(most, f64::max);
+    }
+    if covered <= 0.0 {
+        return Vec::new();
+    }
+    let mut edges: Vec<f64> = (0..=BINS).map(|i| covered * i as f64 / BINS as f64).collect();
+    if most > covered {
+        edges.push(most);
+    }
+    edges
+}
+
+/// The forces over which a gamma distribution is fitted.
+fn positive(forces: &[f64]) -> Vec<f64> {
+    forces.iter().copied().filter(|f| *f > 0.0).collect()
+}
+
+/// How the forces of a class are distributed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypertension {
+    /// Per bin how many positive forces lie in it, its upper edge included.
+    pub counts: Vec<u64>,
+    /// The gamma distribution of the positive forces; `None` when they do not differ. Its standard errors take them as
+    /// independent draws, which the vessels of one network are not: they are lower bounds.
+    pub fit: Option<GammaFit>,
+    /// The Kolmogorov-Smirnov distance between the positive forces and the fit; NaN without one.
+    pub distance: f64,
+    /// The share of forces that are zero, negative or undefined; the fit leaves them out.
+    pub without_force: f64,
+    /// The share of all forces above the threshold.
+    pub above: f64,
+    /// The same share by the fit: its survival function times the share of positive forces; NaN without a fit.
+    pub above_by_fit: f64,
+}
+
+impl Hypertension {
+    /// The distribution of `forces` (Pa/m²) over the bins between `edges`, and the share above `threshold`.
+    pub fn of(forces: &[f64], edges: &[f64], threshold: f64) -> Self {
+        let positive = positive(forces);
+        let mut counts = vec![0; edges.len().saturating_sub(1)];
+        for force in &positive {
+            let bin = edges.partition_point(|edge| edge < force);
+            if let Some(count) = bin.checked_sub(1).and_then(|bin| counts.get_mut(bin)) {
+                *count += 1;
+            }
+        }
+        let n = forces.len() as f64;
+        let with_force = positive.len() as f64 / n;
+        let fit = Gamma::fit(&positive);
+        let by_fit = |of: &dyn Fn(&Gamma) -> f64| fit.as_ref().map_or(f64::NAN, |fit| of(&fit.gamma));
+        Self {
+            counts,
+            distance: by_fit(&|gamma| gamma.distance(&positive)),
+            without_force: 1.0 - with_force,
+            above: forces.iter().filter(|f| **f > threshold).count() as f64 / n,
+            above_by_fit: by_fit(&|gamma| with_force * gamma.survival(threshold)),
+            fit,
+        }
+    }
+}
+
+/// The hypertension of every class over the same bins and above the same threshold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HypertensionByClass {
+    /// Above this a vessel is at risk, Pa/m²; NaN when no vessel has a pressure.
+    pub threshold: f64,
+    /// The edges of the bins, Pa/m².
+    pub edges: Vec<f64>,
+    /// Of the one instance without modulation.
+    pub unperturbed: Hypertension,
+    /// By class.
+    pub classes: Vec<Hypertension>,
+}
+
+impl HypertensionByClass {
+    /// Looks at all vessels and instances. Without a `threshold` (Pa/m²) it is the 95th percentile over the unperturbed vessels.
+    pub fn of(modulation: &Modulation, threshold: Option<f64>) -> Self {
+        let at_rest = &modulation.unperturbed.force;
+        let forces = || modulation.classes.iter().map(|(_, instances)| &instances.force[..]);
+        let threshold = threshold.unwrap_or_else(|| risk_threshold(at_rest));
+        let edges = histogram_edges(forces().chain([&at_rest[..]]));
+        Self {
+            unperturbed: Hypertension::of(at_rest, &edges, threshold),
+            classes: forces().map(|forces| Hypertension::of(forces, &edges, threshold)).collect(),
+            threshold,
+            edges,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_fall_into_their_bins_by_hand() {
+        let forces = [0.0, f64::NAN, 1.0, 2.0, 2.0, 10.0];
+        let edges = [0.0, 1.0, 2.0, 10.0];
+        let found = Hypertension::of(&forces, &edges, 2.0);
+        assert_eq!(found.counts, [1, 2, 1]);
+        assert!((found.without_force - 1.0 / 3.0).abs() < 1e-15);
+        assert!((found.above - 1.0 / 6.0).abs() < 1e-15);
+        assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
+        assert!((force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
+        assert!(force([None, Some(1.0)], 0.5).is_nan());
+    }
+}

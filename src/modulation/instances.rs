@@ -1,0 +1,86 @@
+//! The instances of one class: what flows in each, instance by instance.
+
+use super::class::Factors;
+use super::hypertension::force;
+use crate::hemodynamics::Tube;
+use crate::state::State;
+use crate::stats::Distribution;
+
+/// The figures of the instances of a class. A table holds one row an instance, and in it one figure a node or vessel.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Instances {
+    /// By node, Pa; NaN in floating components.
+    pub pressure: Vec<f64>,
+    /// Pressure drop by vessel, Pa, positive from its first node to its second.
+    pub drop: Vec<f64>,
+    /// Flow by vessel, m³/s, with the sign of the drop.
+    pub flow: Vec<f64>,
+    /// Resilience by vessel, W/m³.
+    pub resilience: Vec<f64>,
+    /// Hypertension force by vessel, Pa/m²; NaN in floating components.
+    pub force: Vec<f64>,
+    /// By what the resistance of each vessel was multiplied.
+    pub resistance_factor: Vec<f64>,
+    /// By what the radius of each vessel was multiplied.
+    pub radius_factor: Vec<f64>,
+    /// By what the length of each vessel was multiplied.
+    pub length_factor: Vec<f64>,
+    /// ρ_G by instance, W/m³.
+    pub network_resilience: Vec<f64>,
+    /// What flows in through the nodes with a boundary condition, by instance, m³/s.
+    pub inflow: Vec<f64>,
+}
+
+impl Instances {
+    /// Adds an instance.
+    pub fn push(&mut self, state: &State, tubes: &[Tube], factors: &[Factors], ends: &[[usize; 2]]) {
+        self.pressure.extend(state.pressure.iter().map(|p| p.unwrap_or(f64::NAN)));
+        self.drop.extend(state.vessels.iter().map(|v| v.drop));
+        self.flow.extend(state.vessels.iter().map(|v| v.flow));
+        self.resilience.extend(state.vessels.iter().map(|v| v.resilience));
+        self.force.extend(tubes.iter().zip(ends).map(|(tube, ends)| force(ends.map(|n| state.pressure[n]), tube.radius)));
+        self.resistance_factor.extend(factors.iter().map(|f| f.resistance));
+        self.radius_factor.extend(factors.iter().map(|f| f.radius));
+        self.length_factor.extend(factors.iter().map(|f| f.length));
+        self.network_resilience.push(state.network_resilience);
+        self.inflow.push(state.inflow);
+    }
+
+    /// Adds the instances of a later block.
+    pub fn append(&mut self, mut later: Self) {
+        let Self { pressure, drop, flow, resilience, force, resistance_factor, radius_factor, length_factor, .. } = &mut later;
+        self.pressure.append(pressure);
+        self.drop.append(drop);
+        self.flow.append(flow);
+        self.resilience.append(resilience);
+        self.force.append(force);
+        self.resistance_factor.append(resistance_factor);
+        self.radius_factor.append(radius_factor);
+        self.length_factor.append(length_factor);
+        self.network_resilience.append(&mut later.network_resilience);
+        self.inflow.append(&mut later.inflow);
+    }
+
+    /// How many instances there are.
+    pub fn count(&self) -> usize {
+        self.inflow.len()
+    }
+
+    /// The distribution over the instances of one column of a table with `width` figures an instance, each put into a `unit`.
+    pub fn column(table: &[f64], width: usize, at: usize, unit: impl Fn(f64) -> f64) -> Distribution {
+        Distribution::of(table.iter().skip(at).step_by(width).map(|x| unit(*x)).collect())
+    }
+
+    /// Per instance of a table with `width` figures an instance, the mean of `figure` over those at the places that `counts`;
+    /// figures that are no number are left out.
+    pub fn means(table: &[f64], width: usize, counts: &[bool], figure: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mean = |row: &[f64]| mean_of(row.iter().zip(counts).filter(|(_, counts)| **counts).map(|(x, _)| figure(*x)));
+        table.chunks_exact(width).map(mean).collect()
+    }
+}
+
+/// The mean of the figures that are numbers; NaN when none is.
+fn mean_of(figures: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = figures.filter(|x| !x.is_nan()).fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
+    sum / n
+}

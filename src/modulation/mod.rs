@@ -1,0 +1,15 @@
+//! Resistance modulation: how pressures, flows and resilience respond when the resistances of the vessels vary at random
+//! within classes of growing size (Moriconi et al. 2019).
+
+mod class;
+mod driver;
+mod hypertension;
+mod instances;
+mod params;
+mod solver;
+
+pub use class::{Class, Reading};
+pub use driver::{Modulation, modulate};
+pub use hypertension::{BINS, Hypertension, HypertensionByClass};
+pub use instances::Instances;
+pub use params::Params;

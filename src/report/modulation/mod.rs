@@ -1,0 +1,122 @@
+//! The output folder of a resistance modulation.
+
+mod pictures;
+mod record;
+mod tables;
+
+use std::io::Write;
+use std::path::Path;
+
+use super::staged::write_file;
+use super::summary::Provenance;
+use crate::error::Result;
+use crate::formats::{NamedArray, write_arrays, write_csv};
+use crate::hemodynamics::{Boundary, FoundOutlets};
+use crate::modulation::{HypertensionByClass, Instances, Modulation, Params, Reading};
+use crate::network::{Condition, Network};
+use crate::units::{ml_per_min, mmhg};
+
+/// A modulation and everything its files are made of.
+#[derive(Debug)]
+pub struct ModulationOutcome<'a> {
+    /// The network.
+    pub network: &'a Network,
+    /// Its boundary conditions.
+    pub boundary: &'a Boundary,
+    /// What outlets that were found are.
+    pub outlets: FoundOutlets,
+    /// Where the run comes from.
+    pub provenance: &'a Provenance,
+    /// How resistances were modulated.
+    pub params: &'a Params,
+    /// What came out.
+    pub result: &'a Modulation,
+    /// How hypertension is distributed.
+    pub hypertension: &'a HypertensionByClass,
+    /// How long the solves took, s.
+    pub seconds: f64,
+}
+
+impl ModulationOutcome<'_> {
+    /// Per node whether its pressure is free to change.
+    fn free(&self) -> Vec<bool> {
+        let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
+        (0..self.network.node_count()).map(|node| !fixed(node)).collect()
+    }
+
+    /// The mean pressure of the free nodes by instance, mmHg.
+    fn mean_pressure(&self, instances: &Instances) -> Vec<f64> {
+        Instances::means(&instances.pressure, self.network.node_count(), &self.free(), mmhg)
+    }
+}
+
+/// Writes every file of a modulation into a folder; `samples.npz` when `samples` is on.
+///
+/// # Errors
+///
+/// A file that cannot be written, or a resolution out of range.
+pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples: bool, dpi: u32) -> Result<()> {
+    for (name, columns) in [
+        ("classes.csv", tables::class_columns(outcome)),
+        ("nodes.csv", tables::node_columns(outcome)),
+        ("edges.csv", tables::vessel_columns(outcome)),
+        ("hypertension.csv", tables::hypertension_columns(outcome)),
+    ] {
+        write_file(&folder.join(name), |out| write_csv(out, &columns))?;
+    }
+    if samples {
+        write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
+    }
+    for (name, picture) in
+        [("modulation.png", pictures::response(outcome, dpi)?), ("hypertension.png", pictures::hypertension(outcome, dpi)?)]
+    {
+        write_file(&folder.join(name), |out| out.write_all(&picture))?;
+    }
+    write_file(&folder.join("run.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, &record::Record::of(outcome))?;
+        out.write_all(b"\n")
+    })
+}
+
+/// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
+/// those of the one unperturbed instance.
+fn arrays<'a>(outcome: &'a ModulationOutcome<'_>) -> impl Iterator<Item = NamedArray> + 'a {
+    let classes = &outcome.result.classes;
+    let bounds = classes.iter().flat_map(|(class, _)| [class.low, class.high]).collect();
+    let bounds = NamedArray { name: "classes".into(), shape: vec![classes.len(), 2], values: bounds };
+    let by_class = classes.iter().enumerate().flat_map(move |(at, (_, instances))| {
+        let name = format!("class{}", at + 1);
+        of_instances(outcome, &name, instances).into_iter().chain(of_factors(outcome, &name, instances))
+    });
+    let at_rest = of_instances(outcome, "unperturbed", &outcome.result.unperturbed);
+    std::iter::once(bounds).chain(at_rest).chain(by_class)
+}
+
+fn of_instances(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+    let (n, nodes, vessels) = (instances.count(), outcome.network.node_count(), outcome.network.vessel_count());
+    let array = |name: &str, shape: &[usize], table: &[f64], unit: fn(f64) -> f64| NamedArray {
+        name: format!("{of}_{name}"),
+        shape: shape.to_vec(),
+        values: table.iter().map(|x| unit(*x)).collect(),
+    };
+    vec![
+        array("pressure_mmHg", &[n, nodes], &instances.pressure, mmhg),
+        array("flow_mL_per_min", &[n, vessels], &instances.flow, ml_per_min),
+        array("drop_mmHg", &[n, vessels], &instances.drop, mmhg),
+        array("resilience_W_per_m3", &[n, vessels], &instances.resilience, |r| r),
+        array("rho_G_W_per_m3", &[n], &instances.network_resilience, |r| r),
+        array("total_inflow_mL_per_min", &[n], &instances.inflow, ml_per_min),
+    ]
+}
+
+/// By what the figures of every vessel were multiplied.
+fn of_factors(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+    let shape = vec![instances.count(), outcome.network.vessel_count()];
+    let array = |name, table: &[f64]| NamedArray { name: format!("{of}_{name}"), shape: shape.clone(), values: table.to_vec() };
+    let mut arrays = vec![array("resistance_factor", &instances.resistance_factor)];
+    if outcome.params.reading == Reading::Geometry {
+        arrays.push(array("radius_factor", &instances.radius_factor));
+        arrays.push(array("length_factor", &instances.length_factor));
+    }
+    arrays
+}

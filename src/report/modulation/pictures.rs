@@ -1,0 +1,78 @@
+//! What the pictures of a resistance modulation show.
+
+use super::ModulationOutcome;
+use crate::error::Result;
+use crate::modulation::{BINS, Class, Hypertension, Instances};
+use crate::report::plots::{self, Boxes, Histogram, Histograms, Panel};
+use crate::stats::{Distribution, gamma::Gamma};
+use crate::units::{mmhg, mmhg_per_mm2};
+
+/// A class as the pictures write it.
+fn name(class: Class) -> String {
+    format!("{}\u{2013}{}", class.low, class.high)
+}
+
+/// modulation.png: the change of pressure, and flow and resilience over those of the unperturbed network.
+pub fn response(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>> {
+    let (rest, classes) = (&outcome.result.unperturbed, &outcome.result.classes);
+    let free = outcome.free();
+    let pressure_at_rest = outcome.mean_pressure(rest)[0];
+    let panel = |name: &str, unchanged, boxes: &dyn Fn(&Instances) -> Boxes| Panel {
+        name: name.to_owned(),
+        unchanged,
+        boxes: classes.iter().map(|(_, instances)| boxes(instances)).collect(),
+    };
+    let panels = [
+        panel("pressure change (mmHg)", 0.0, &|i| Boxes {
+            each: each(&i.pressure, &rest.pressure, |node, p, at_rest| free[node].then(|| mmhg(p - at_rest))),
+            whole: quantiles(outcome.mean_pressure(i).into_iter().map(|p| p - pressure_at_rest)),
+        }),
+        panel("flow / unperturbed", 1.0, &|i| Boxes {
+            each: each(&i.flow, &rest.flow, ratio),
+            whole: quantiles(i.inflow.iter().map(|q| q / rest.inflow[0])),
+        }),
+        panel("resilience / unperturbed", 1.0, &|i| Boxes {
+            each: each(&i.resilience, &rest.resilience, ratio),
+            whole: quantiles(i.network_resilience.iter().map(|r| r / rest.network_resilience[0])),
+        }),
+    ];
+    let names: Vec<String> = classes.iter().map(|(class, _)| name(*class)).collect();
+    plots::modulation(&names, &panels, dpi)
+}
+
+/// A figure over that of the unperturbed network; none where nothing flows at rest.
+fn ratio(_: usize, figure: f64, at_rest: f64) -> Option<f64> {
+    (at_rest != 0.0).then(|| figure / at_rest)
+}
+
+/// The quantiles over all items and instances of `change`, from the item, its figure and its figure at rest.
+fn each(table: &[f64], at_rest: &[f64], change: impl Fn(usize, f64, f64) -> Option<f64>) -> [f64; 5] {
+    let rows = table.chunks_exact(at_rest.len());
+    let changes =
+        rows.flat_map(|row| row.iter().zip(at_rest).enumerate().filter_map(|(item, (x, rest))| change(item, *x, *rest)));
+    quantiles(changes)
+}
+
+fn quantiles(figures: impl Iterator<Item = f64>) -> [f64; 5] {
+    Distribution::of(figures.filter(|x| !x.is_nan()).collect()).quantiles
+}
+
+/// hypertension.png: the bins of equal width; what lies beyond them is in hypertension.csv.
+pub fn hypertension(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>> {
+    let found = outcome.hypertension;
+    let edges: Vec<f64> = found.edges.iter().take(BINS + 1).map(|edge| mmhg_per_mm2(*edge)).collect();
+    let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
+    let one = |(class, found): (Class, &Hypertension)| {
+        let total = found.counts.iter().sum::<u64>() as f64;
+        let density = found.counts.iter().zip(edges.windows(2)).map(|(count, bin)| *count as f64 / (total * (bin[1] - bin[0])));
+        let fit = found.fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
+        let figures = fit.map(|g| format!("shape {:.2}, scale {:.3}, KS {:.2}; ", g.shape, g.scale, found.distance));
+        let risk = format!("above threshold {}, by fit {}", percent(found.above), percent(found.above_by_fit));
+        let heading = format!("u {}: {}{risk}", name(class), figures.unwrap_or_default());
+        Histogram { heading, density: density.collect(), fit }
+    };
+    let classes = outcome.result.classes.iter().map(|(class, _)| *class).zip(&found.classes);
+    let histograms =
+        Histograms { threshold: mmhg_per_mm2(found.threshold), classes: classes.map(one).collect(), edges: edges.clone() };
+    plots::hypertension(&histograms, dpi)
+}

@@ -1,0 +1,122 @@
+//! The distribution of hypertension forces: a histogram a class, with its gamma distribution and the threshold of risk.
+
+use super::axis::Label;
+use super::colour::{EACH, GRID, INK, PRUNED};
+use super::linear::LinearRange;
+use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
+use crate::error::Result;
+use crate::stats::gamma::Gamma;
+
+const WIDTH_INCHES: f64 = 6.4;
+/// Left and right of the axes, points.
+const SIDES: [f64; 2] = [62.0, 448.0];
+/// Top of the first panel's heading, points.
+const TOP: f64 = 54.0;
+/// Height of a heading, of a panel and of the gap below it, points.
+const HEADING: f64 = 18.0;
+const HEIGHT: f64 = 100.0;
+const GAP: f64 = 10.0;
+/// Below the last panel, points.
+const FOOT: f64 = 42.0;
+const TICK: f64 = 4.0;
+/// Points of a density's curve.
+const CURVE: usize = 400;
+
+/// The forces of one class.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    /// What stands above the panel.
+    pub heading: String,
+    /// The density in each bin, mm²/mmHg.
+    pub density: Vec<f64>,
+    /// The fit, in mmHg/mm².
+    pub fit: Option<Gamma>,
+}
+
+/// The forces of all classes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histograms {
+    /// The edges of the bins, mmHg/mm², rising from 0; none when there is no force.
+    pub edges: Vec<f64>,
+    /// Above this a vessel is at risk, mmHg/mm².
+    pub threshold: f64,
+    /// By class.
+    pub classes: Vec<Histogram>,
+}
+
+/// Draws the histograms one above the other on common axes, 6.4 inches wide at `dpi` pixels per inch (36 to 1200), as PNG.
+///
+/// # Errors
+///
+/// When `dpi` is out of range.
+pub fn hypertension(histograms: &Histograms, dpi: u32) -> Result<Vec<u8>> {
+    let [left, right] = SIDES;
+    let each = HEADING + HEIGHT + GAP;
+    let points = TOP + each * histograms.classes.len() as f64 + FOOT;
+    let mut sheet = Sheet::new("hypertension.png", [WIDTH_INCHES, points / 72.0], dpi)?;
+    let middle = f64::midpoint(left, right);
+    let title = Label::plain("Hypertension: pressure over cross-section, all vessels and instances");
+    sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
+    let Some(last) = histograms.edges.last() else {
+        sheet.text(&Label::plain("no force above zero"), [middle, points / 2.0], TEXT, Align::Middle, Run::Right)?;
+        return sheet.png();
+    };
+    legend(&mut sheet)?;
+    // The threshold is always on the page.
+    let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
+    let x = |force: f64| left + (right - left) * across.share(force);
+    let most = histograms.classes.iter().flat_map(|h| h.density.iter().copied()).fold(0.0, f64::max);
+    let up = LinearRange { low: 0.0, high: 1.1 * most };
+    for (at, histogram) in histograms.classes.iter().enumerate() {
+        let top = TOP + each * at as f64 + HEADING;
+        let bottom = top + HEIGHT;
+        let y = |density: f64| bottom - HEIGHT * up.share(density).min(1.0);
+        sheet.text(&Label::plain(&histogram.heading), [left, top - HEADING / 2.0], TEXT, Align::Begin, Run::Right)?;
+        for tick in up.ticks(5) {
+            sheet.line([[left, y(tick.at)], [right, y(tick.at)]], HAIR, GRID, 1.0)?;
+            sheet.line([[left - TICK, y(tick.at)], [left, y(tick.at)]], HAIR, INK, 1.0)?;
+            sheet.text(&tick.label, [left - TICK - 3.0, y(tick.at)], TEXT, Align::End, Run::Right)?;
+        }
+        for (edges, density) in histograms.edges.windows(2).zip(&histogram.density).filter(|(_, density)| **density > 0.0) {
+            let (corner, size) = ([x(edges[0]), y(*density)], [x(edges[1]) - x(edges[0]), bottom - y(*density)]);
+            sheet.rectangle(corner, size, EACH)?;
+            sheet.frame(corner, size)?;
+        }
+        if let Some(gamma) = &histogram.fit {
+            let force = |i: usize| across.high * (i as f64 + 0.5) / CURVE as f64;
+            let curve: Vec<Place> = (0..CURVE).map(|i| [x(force(i)), y(gamma.density(force(i)))]).collect();
+            sheet.line(curve, 1.6, PRUNED, 1.0)?;
+        }
+        sheet.dashes([[x(histograms.threshold), top], [x(histograms.threshold), bottom]], 1.2, INK)?;
+        sheet.frame([left, top], [right - left, HEIGHT])?;
+    }
+    let bottom = points - FOOT - GAP;
+    for tick in across.ticks(9) {
+        sheet.line([[x(tick.at), bottom], [x(tick.at), bottom + TICK]], HAIR, INK, 1.0)?;
+        sheet.text(&tick.label, [x(tick.at), bottom + TICK + 8.0], TEXT, Align::Middle, Run::Right)?;
+    }
+    let name = Label::plain("hypertension force (mmHg/mm\u{b2})");
+    sheet.text(&name, [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
+    sheet.text(&Label::plain("density (mm\u{b2}/mmHg)"), [9.0, f64::midpoint(TOP, bottom)], TEXT, Align::Middle, Run::Up)?;
+    sheet.png()
+}
+
+fn legend(sheet: &mut Sheet) -> Result<()> {
+    const KEY: f64 = 20.0;
+    const SPACE: f64 = 5.0;
+    const Y: f64 = 36.0;
+    let mut x = SIDES[0];
+    for (at, text) in ["vessels and instances", "gamma distribution, fitted", "threshold of risk"].into_iter().enumerate() {
+        match at {
+            0 => {
+                sheet.rectangle([x, Y - 4.0], [KEY, 8.0], EACH)?;
+                sheet.frame([x, Y - 4.0], [KEY, 8.0])?;
+            }
+            1 => sheet.line([[x, Y], [x + KEY, Y]], 1.6, PRUNED, 1.0)?,
+            _ => sheet.dashes([[x, Y], [x + KEY, Y]], 1.2, INK)?,
+        }
+        sheet.text(&Label::plain(text), [x + KEY + SPACE, Y], TEXT, Align::Begin, Run::Right)?;
+        x += KEY + SPACE + sheet.text_width(text, TEXT)? + 20.0;
+    }
+    Ok(())
+}
