@@ -258,7 +258,7 @@ fn bars_are_as_long_as_their_flows_and_only_a_reversed_one_goes_left() {
     };
     let split = |places: Vec<[usize; 2]>| {
         let [_, [top, bottom]] = bounds(&places);
-        let (upper, lower): (Vec<_>, Vec<_>) = places.into_iter().partition(|[_, y]| *y < (top + bottom) / 2);
+        let (upper, lower): (Vec<_>, Vec<_>) = places.into_iter().partition(|[_, y]| *y < usize::midpoint(top, bottom));
         [bounds(&upper)[0], bounds(&lower)[0]]
     };
     let [first, second] = split(below(KEPT));

@@ -87,6 +87,18 @@ fn an_occluded_vessel_keeps_its_row_without_flow() {
 }
 
 #[test]
+fn what_an_occlusion_cuts_off_is_said() {
+    let here = folder();
+    fs::write(here.path().join("a.csv"), EDGES).expect("written");
+    let arguments = ["simulate", "a.csv", "-o", "out", "--flow", "a=100", "--outlet", "d", "--occlude", "wide,thin"];
+    let output = willis(here.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("fixed flow at a has no way on") && said.contains("3 nodes, joined to no pressure"), "{said}");
+    assert_eq!(table(here.path(), "nodes.csv").1("pressure_mmHg_perturbed"), ["", "", "0", ""]);
+}
+
+#[test]
 fn a_vessel_is_named_by_label_or_row_and_a_label_means_all_that_carry_it() {
     let here = folder();
     for (extra, rows) in [

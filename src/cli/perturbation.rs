@@ -76,7 +76,7 @@ fn stenosis(text: &str) -> Result<(&str, Change), String> {
     if percent >= 100.0 {
         return Err("leaves nothing open; expected a reduction below 100%, or --occlude to close the vessel".into());
     }
-    if !(percent >= 0.0) {
+    if percent.is_nan() || percent < 0.0 {
         return Err("expected a reduction from 0% to below 100%".into());
     }
     let reduction = percent / 100.0;

@@ -1,6 +1,6 @@
 //! What `willis simulate` tells a person: resilience, inflow, and what a perturbation did to them.
 
-use willis::network::Network;
+use willis::network::{Condition, Network};
 use willis::perturbation::Stenosis;
 use willis::report::{MOST_COLLATERALS, Simulated};
 use willis::simulation::{Change, Collateral, Perturbation, collaterals, reversals};
@@ -19,6 +19,7 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
     say_beyond_laminar(terminal, network, before, "");
+    say_stranded(terminal, simulated, before, "");
     let Some(after) = &simulated.result.perturbed else { return };
 
     for perturbation in simulated.perturbations {
@@ -30,6 +31,12 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     let diffused = format!("{} -> {} diffused", count(before.diffused() as u64), plural(after.diffused(), "vessel"));
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
     say_beyond_laminar(terminal, network, after, " after the perturbation");
+    say_stranded(terminal, simulated, after, " after the perturbation");
+    let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
+    let lost = floating(after).saturating_sub(floating(before));
+    if lost > 0 {
+        terminal.say("cut off", format!("{}, joined to no pressure any more", plural(lost, "node")));
+    }
     let gains = collaterals(before, after, simulated.perturbations);
     say_changes(terminal, network, "collateral", "more flow in", &gains);
     let turned = reversals(before, after, simulated.perturbations);
@@ -64,6 +71,16 @@ fn say_beyond_laminar(terminal: Terminal, network: &Network, state: &State, when
                 count(LAMINAR_LIMIT as u64)
             ),
         );
+    }
+}
+
+/// Fixed flows into a part that nothing joins to a pressure.
+fn say_stranded(terminal: Terminal, simulated: &Simulated<'_>, state: &State, when: &str) {
+    for (node, condition) in &simulated.boundary.conditions {
+        if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
+            let id = &simulated.network.node(*node).id;
+            terminal.say("warning", format!("the fixed flow at {id} has no way on{when}; it is taken as 0"));
+        }
     }
 }
 
