@@ -22,7 +22,7 @@ pub struct Bottleneck {
     fill: Vec<u32>,
 }
 
-/// Whether a vessel is in the forest of each sample of a group: zero, or [`TAKEN`]. There are as many as vessels, last vessel
+/// Whether a vessel is in the forest of each sample of a group: zero, or `TAKEN`. There are as many as vessels, last vessel
 /// first, after one that means nothing.
 pub type Taken<const B: usize> = [u8; B];
 /// What marks a vessel of the forest.
