@@ -263,7 +263,7 @@ fn a_gamma_fit_errs_by_its_standard_errors() {
     }
 }
 
-const SCIPY: &str = r#"
+const SCIPY: &str = r"
 import sys
 import numpy as np, scipy.stats as st
 rows = [np.array(line.split(), float) for line in sys.stdin]
@@ -271,7 +271,7 @@ for row in rows:
     k, _, scale = st.gamma.fit(row, floc=0)
     d = st.kstest(row, st.gamma(k, scale=scale).cdf).statistic
     print(repr(float(k)), repr(float(scale)), repr(float(d)), repr(float(st.gamma.sf(1.5, k, scale=scale))), repr(float(st.gamma.pdf(1.5, k, scale=scale))))
-"#;
+";
 
 /// Shape and scale to 1e-6, where scipy's own search stops; the functions of the distribution to 1e-6 with them.
 #[test]
@@ -284,7 +284,7 @@ fn scipy_fits_the_same_gamma_distribution() {
     };
     let cases = [(0.3, 5.0), (1.0, 1.0), (2.5, 0.7), (12.0, 0.1), (300.0, 0.005)];
     let rows: Vec<Vec<f64>> = (0..).zip(cases).map(|(seed, (k, s))| gamma_draws(k, s, seed, 5000)).collect();
-    let text: String = rows.iter().map(|r| r.iter().map(|x| format!("{x:e} ")).collect::<String>() + "\n").collect();
+    let text: String = rows.iter().map(|r| r.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n").collect();
     let mut child =
         Command::new(python).args(["-c", SCIPY]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("python starts");
     child.stdin.take().expect("its input").write_all(text.as_bytes()).expect("written");

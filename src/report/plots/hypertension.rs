@@ -66,7 +66,7 @@ pub fn hypertension(histograms: &Histograms, dpi: u32) -> Result<Vec<u8>> {
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
     let most = histograms.classes.iter().flat_map(|h| h.density.iter().copied()).fold(0.0, f64::max);
-    let up = LinearRange { low: 0.0, high: 1.1 * most };
+    let up = LinearRange { low: 0.0, high: if most > 0.0 { 1.1 * most } else { 1.0 } };
     for (at, histogram) in histograms.classes.iter().enumerate() {
         let top = TOP + each * at as f64 + HEADING;
         let bottom = top + HEIGHT;

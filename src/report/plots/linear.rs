@@ -28,7 +28,7 @@ impl LinearRange {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Ticks at a step of 1, 2 or 5 times a power of ten, at most `most` of them.
+    /// Ticks at a step of 1, 2 or 5 times a power of ten, at most `most` (two or more) of them.
     pub fn ticks(&self, most: usize) -> Vec<Tick> {
         let span = self.high - self.low;
         let power = (span / most as f64).log10().floor() as i32;
