@@ -174,13 +174,20 @@ fn say_outcome(terminal: Terminal, outcome: &ModulationOutcome<'_>) {
     let instances = outcome.result.classes.iter().map(|(_, i)| i.count()).sum::<usize>();
     let took = format!("{} in {:.2} s, {} solver", plural(instances, "instance"), outcome.seconds, outcome.result.solver);
     terminal.say("solved", took);
+    let change = |values: &[f64], rest: &[f64]| {
+        let ratio = mean(values) / rest[0];
+        if ratio.is_finite() { brief(ratio) } else { "-".to_owned() }
+    };
     for ((class, instances), hypertension) in outcome.result.classes.iter().zip(&outcome.hypertension.classes) {
-        let resilience = brief(mean(&instances.network_resilience) / rest.network_resilience[0]);
-        let inflow = brief(mean(&instances.inflow) / rest.inflow[0]);
+        let resilience = change(&instances.network_resilience, &rest.network_resilience);
+        let inflow = change(&instances.inflow, &rest.inflow);
         let risk = brief(100.0 * hypertension.above);
         terminal.say(
             &class.to_string(),
             format!("resilience x {resilience}, inflow x {inflow}, {risk} % of vessels above the threshold of hypertension"),
         );
+    }
+    if rest.inflow[0] == 0.0 {
+        terminal.say("note", "nothing flows in this network: its inlets and outlets are at one pressure, or not connected");
     }
 }
