@@ -18,4 +18,4 @@ done
 {
     echo "node,kind"
     for outlet in 23 24 27 28 29 30; do echo "$outlet,ground"; done
-} >data/circle-of-willis/outlets-at-ground.csv
+} >data/outlets-at-ground.csv

@@ -5,7 +5,6 @@ import os
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from xml.etree import ElementTree
 
 from networks import ROOT, WORK
 
@@ -29,12 +28,6 @@ def rows(path):
     """The rows of a CSV file."""
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
-
-
-def ends_in_graph(path):
-    """The pairs of nodes that a GraphML file joins."""
-    root = ElementTree.parse(path).getroot()
-    return [(e.get("source"), e.get("target")) for e in root.iter() if e.tag.rsplit("}")[-1] == "edge"]
 
 
 def everywhere(job, items):

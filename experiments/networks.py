@@ -16,8 +16,8 @@ WORK = ROOT / "target/experiments"
 class Network:
     """A graph file and what the experiments need to know of it."""
 
-    def __init__(self, group, name, path, conditions, artery, collateral):
-        self.group, self.name, self.path = group, name, path
+    def __init__(self, group, name, path, conditions, artery, collateral, has_positions=True):
+        self.group, self.name, self.path, self.has_positions = group, name, path, has_positions
         # Arguments of willis by boundary condition: "ground" and "terminals".
         self.conditions = conditions
         # The inflow artery to narrow, the communicating artery to occlude (None: there is none).
@@ -47,7 +47,7 @@ def write_graphml(path, nodes, edges):
 
 def literature():
     """The published circle and its ten variants, which ship with the project."""
-    grounded = ROOT / "data/circle-of-willis/outlets-at-ground.csv"
+    grounded = ROOT / "data/outlets-at-ground.csv"
     for path in sorted((ROOT / "data/circle-of-willis").glob("*.graphml"), key=lambda p: (p.stem != "complete", p.stem)):
         conditions = {"ground": ["--bc", str(grounded)], "terminals": []}
         labels = path.read_text()
@@ -137,7 +137,7 @@ def padmos():
     grounded = path.with_suffix(".ground.csv")
     grounded.write_text("node,kind\n" + "".join(f"{node},ground\n" for node in terminals))
     artery = next(e[2]["label"] for e in edges if e[2]["label"].startswith("L") and "int. carotid" in e[2]["label"])
-    yield Network("padmos-patient0", "padmos-patient0", path, {"ground": ["--bc", str(grounded)], "terminals": []}, artery, "L. PCoA")
+    yield Network("padmos-patient0", "padmos-patient0", path, {"ground": ["--bc", str(grounded)], "terminals": []}, artery, "L. PCoA", has_positions=False)
 
 
 def networks():

@@ -1,4 +1,4 @@
-"""Broken and over-connected phenotypes, pruned at the median for three occlusion probabilities."""
+"""Phenotypes with redundant connections, and broken ones, pruned at the median for three occlusion probabilities."""
 import json
 import re
 import sys
@@ -7,54 +7,35 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 import common
-from networks import SHARED, WORK, literature
+from networks import WORK, literature, networks
 
 EPSILONS = ["0.2", "0.3", "0.5"]
 SEEDS = range(5)
+# The arteries that make the circle.
+CIRCLE = re.compile(r"A1|P1|PComm|AComm|PCoA|ACoA")
 
 
-def parts_and_cycles(edges):
-    """Connected parts and independent cycles of a list of node pairs."""
-    parent = {}
-
-    def root(node):
-        parent.setdefault(node, node)
-        while parent[node] != node:
-            parent[node] = parent[parent[node]]
-            node = parent[node]
-        return node
-
-    cycles = 0
-    for a, b in edges:
-        a, b = root(a), root(b)
-        if a == b:
-            cycles += 1
-        parent[a] = b
-    return len({root(node) for node in parent}), cycles
-
-
-def figures(group, name, out, epsilon, truth):
-    edges = common.rows(out / "edges.csv")
-    ids = {row["node"]: row["id"] for row in common.rows(out / "nodes.csv")}
-    above = [e for e in edges if e["above_median"] == "1"]
-    parts, cycles = parts_and_cycles([(e["node_a"], e["node_b"]) for e in above])
-    row = {"group": group, "network": name, "epsilon": epsilon, "vessels": len(edges), "above_median": len(above), "parts": parts, "cycles": cycles}
-    if truth:
-        joined = {frozenset((ids[e["node_a"]], ids[e["node_b"]])) for e in above}
-        offered = {frozenset((ids[e["node_a"]], ids[e["node_b"]])) for e in edges}
-        breaks = [frozenset(map(str, b["ids"])) for b in truth["breaks"]]
-        row["breaks"] = len(breaks)
-        row["breaks_offered"] = sum(b in offered for b in breaks)
-        row["breaks_bridged"] = sum(b in joined for b in breaks)
-        row["true_cycles"] = truth["cycles"]
-        row["phenotype_kept"] = int(cycles == truth["cycles"] and row["breaks_bridged"] == len(breaks))
-    else:
-        row.update(dict.fromkeys(("breaks", "breaks_offered", "breaks_bridged", "true_cycles", "phenotype_kept"), ""))
-    return row
-
-
-def infer(source, out, extra=()):
+def infer(source, out, extra):
     common.willis("infer", source, "-o", out, "--preset", "paper", "--epsilon", ",".join(EPSILONS), "-n", 1000, "--seed", 0, "--dpi", 72, *extra)
+
+
+def redundant(network):
+    """The network's own vessels are known; candidates between nearest ends are added, and all is on trial."""
+    out = WORK / "redundant-topologies" / network.name
+    infer(network.path, out, ["--observed", *network.conditions["ground"]])
+    results = []
+    for epsilon in EPSILONS:
+        edges = common.rows(out / f"epsilon-{epsilon}" / "edges.csv")
+        true = [e for e in edges if e["origin"] == "observed"]
+        false = [e for e in edges if e["origin"] == "candidate"]
+        circle = [e for e in true if CIRCLE.search(e["label"])]
+        above = lambda some: sum(e["above_median"] == "1" for e in some)
+        results.append({
+            "extraction": "whole", "group": network.group, "network": network.name, "epsilon": epsilon,
+            "true": len(true), "true_above": above(true), "false": len(false), "false_above": above(false),
+            "circle": len(circle), "circle_above": above(circle),
+        })
+    return results
 
 
 def without(name):
@@ -63,59 +44,73 @@ def without(name):
     return ["--without", ",".join(labels)] if labels else []
 
 
-def phantom(job):
+def broken(job):
+    """A broken extraction of a phenotype: the breaks of known place are what is to be found."""
     network, seed = job
     folder = WORK / "redundant-topologies" / f"{network.name}-{seed}"
     folder.mkdir(parents=True, exist_ok=True)
     source = folder / "extraction.swc"
     common.willis("phantom", "cerebral", *without(network.name), "--break", "--spacing", "1mm", "--seed", seed, "-o", source)
-    truth = json.loads(source.with_suffix(".truth.json").read_text())
-    out = folder / "out"
-    infer(source, out)
-    graph = common.ends_in_graph(network.path)
-    truth["cycles"] = parts_and_cycles(graph)[1]
-    return [figures("literature", f"{network.name}", out / f"epsilon-{e}", e, truth) for e in EPSILONS]
+    breaks = {frozenset(map(str, b["ids"])) for b in json.loads(source.with_suffix(".truth.json").read_text())["breaks"]}
+    infer(source, folder / "out", [])
+    results = []
+    for epsilon in EPSILONS:
+        out = folder / "out" / f"epsilon-{epsilon}"
+        ids = {row["node"]: row["id"] for row in common.rows(out / "nodes.csv")}
+        candidates = [e for e in common.rows(out / "edges.csv") if e["origin"] == "candidate"]
+        right = [frozenset((ids[e["node_a"]], ids[e["node_b"]])) in breaks for e in candidates]
+        above = [e["above_median"] == "1" for e in candidates]
+        results.append({
+            "extraction": f"broken, seed {seed}", "group": network.group, "network": network.name, "epsilon": epsilon,
+            "true": len(breaks), "true_above": sum(r and a for r, a in zip(right, above)),
+            "false": len(right) - sum(right), "false_above": sum(a and not r for r, a in zip(right, above)),
+            "circle": "", "circle_above": "",
+        })
+    return results
 
 
-def real(job):
-    group, path, extra = job
-    out = WORK / "redundant-topologies" / path.stem
-    infer(path, out, extra)
-    return [figures(group, path.stem, out / f"epsilon-{e}", e, None) for e in EPSILONS]
-
-
-jobs = [(network, seed) for network in literature() for seed in SEEDS]
-results = [row for rows in common.everywhere(phantom, jobs) for row in rows]
-trees = sorted(SHARED.glob("brava/*.vtp"))
-if not trees:
-    print(f"skipped: no {SHARED / 'brava'}", file=sys.stderr)
-results += [row for rows in common.everywhere(real, [("brava", path, ()) for path in trees]) for row in rows]
+results = [row for rows in common.everywhere(redundant, [n for n in networks() if n.has_positions]) for row in rows]
+results += [row for rows in common.everywhere(broken, [(network, seed) for network in literature() for seed in SEEDS]) for row in rows]
 common.write_results(HERE, results)
 
-lines, groups = [], {}
-for r in results:
-    groups.setdefault((r["group"], r["network"] if r["group"] == "literature" else "all", r["epsilon"]), []).append(r)
-for (group, name, epsilon), some in groups.items():
-    mean = lambda key: sum(r[key] for r in some) / len(some)
-    if group == "literature":
-        share = lambda key: f"{sum(r[key] for r in some)} of {sum(r['breaks'] for r in some)}"
-        lines.append([name, epsilon, len(some), share("breaks_offered"), share("breaks_bridged"), f"{some[0]['true_cycles']}", f"{mean('cycles'):.1f}", f"{sum(r['phenotype_kept'] for r in some)} of {len(some)}"])
-common.splice(HERE / "README.md", "phenotypes", common.table(["phenotype", "ε", "extractions", "breaks among the candidates", "breaks bridged", "true cycles", "cycles above the median", "phenotype kept"], lines))
-lines = [[group, epsilon, len(some), f"{common.quantile([r['vessels'] for r in some], 0.5):.0f}", f"{common.quantile([r['above_median'] for r in some], 0.5):.0f}", f"{common.quantile([r['cycles'] for r in some], 0.5):.0f}"]
-         for (group, name, epsilon), some in groups.items() if group != "literature"]
-common.splice(HERE / "README.md", "subjects", common.table(["subjects", "ε", "n", "vessels (median)", "above the median", "cycles left"], lines))
+
+def total(some, key):
+    return sum(row[key] for row in some)
+
+
+def share(some, what):
+    return f"{total(some, what + '_above')} of {total(some, what)} ({100 * total(some, what + '_above') / max(1, total(some, what)):.0f} %)"
+
+
+whole = [r for r in results if r["extraction"] == "whole"]
+lines = []
+for group in dict.fromkeys(r["group"] for r in whole):
+    for epsilon in EPSILONS:
+        some = [r for r in whole if r["group"] == group and r["epsilon"] == epsilon]
+        labelled = [r for r in some if r["circle"]]
+        kept = f"{sum(r['circle'] == r['circle_above'] for r in labelled)} of {len(labelled)}" if labelled else ""
+        lines.append([group, len(some), epsilon, share(some, "true"), share(some, "false"), share(labelled, "circle") if labelled else "", kept])
+header = ["networks", "n", "ε", "true vessels above the median", "redundant ones", "vessels of the circle", "phenotype kept whole"]
+common.splice(HERE / "README.md", "whole", common.table(header, lines))
+lines = []
+for epsilon in EPSILONS:
+    some = [r for r in results if r["extraction"] != "whole" and r["epsilon"] == epsilon]
+    lines.append([len(some), epsilon, share(some, "true"), share(some, "false")])
+common.splice(HERE / "README.md", "broken", common.table(["extractions", "ε", "true breaks bridged above the median", "false bridges"], lines))
 
 plt = common.pyplot()
 if plt:
     drawing, axis = plt.subplots(figsize=(6.5, 3.6), layout="constrained")
-    names = list(dict.fromkeys(r["network"] for r in results if r["group"] == "literature"))
+    groups = list(dict.fromkeys(r["group"] for r in whole))
     for i, epsilon in enumerate(EPSILONS):
-        shares = []
-        for name in names:
-            some = groups["literature", name, epsilon]
-            shares.append(sum(r["breaks_bridged"] for r in some) / max(1, sum(r["breaks"] for r in some)))
-        axis.bar([at + 0.26 * (i - 1) for at in range(len(names))], shares, 0.24, color=["#0072B2", "#E69F00", "#009E73"][i], label=f"ε = {epsilon}")
-    axis.set_xticks(range(len(names)), names, rotation=40, ha="right", fontsize=7)
-    axis.set(ylabel="true breaks bridged above the median", ylim=(0, 1))
-    axis.legend(frameon=False, fontsize=8, ncols=3, loc="upper right")
-    drawing.savefig(HERE / "bridged.png", dpi=150)
+        for j, (what, name) in enumerate((("true", "true vessels"), ("false", "redundant connections"))):
+            some = [[r for r in whole if r["group"] == group and r["epsilon"] == epsilon] for group in groups]
+            at = [place + 0.27 * (i - 1) + 0.12 * (j - 0.5) for place in range(len(groups))]
+            shares = [total(rows, what + "_above") / total(rows, what) for rows in some]
+            axis.bar(at, shares, 0.11, color=["#0072B2", "#D55E00"][j], label=name if i == 0 else None)
+            for x, y in zip(at, shares):
+                axis.annotate(f"ε {epsilon}" if j == 0 else "", (x + 0.06, max(y, 0)), fontsize=6, ha="center", va="bottom", xytext=(0, 2), textcoords="offset points")
+    axis.set_xticks(range(len(groups)), [f"{g}\n(n = {sum(r['group'] == g for r in whole) // len(EPSILONS)})" for g in groups])
+    axis.set(ylabel="share above the median", ylim=(0, 0.65))
+    axis.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
+    drawing.savefig(HERE / "kept.png", dpi=150)

@@ -7,6 +7,7 @@ sys.path.insert(0, str(HERE.parent))
 import common
 from networks import WORK, networks
 
+SAMPLES = 1000
 CLASSES = ["0:0.2", "0.2:0.3", "0.3:0.5"]
 READINGS = {"increment": "R(1+u)", "conductance": "R/(1-u)", "literal": "R(1-u)", "geometry": "r(1-u), l(1+u')"}
 
@@ -14,7 +15,7 @@ READINGS = {"increment": "R(1+u)", "conductance": "R/(1-u)", "literal": "R(1-u)"
 def one(job):
     network, condition, reading = job
     out = WORK / "resistance-modulation" / network.name / condition / reading
-    arguments = ["-n", 1000, "--seed", 0, "--classes", ",".join(CLASSES), "--reading", reading]
+    arguments = ["-n", SAMPLES, "--seed", 0, "--classes", ",".join(CLASSES), "--reading", reading]
     common.willis("modulate", network.path, "-o", out, *arguments, *network.conditions[condition])
     results = []
     rows = common.rows(out / "classes.csv")
@@ -26,6 +27,7 @@ def one(job):
             "rho_G_ratio": float(figures["rho_G_W_per_m3"]["ratio"]),
             "inflow_ratio": float(figures["total_inflow_mL_per_min"]["ratio"]),
             "mean_pressure_change_mmHg": float(pressure["mean"] or "nan") - float(pressure["unperturbed"] or "nan"),
+            "pressure_std_error_mmHg": float(pressure["std"] or "nan") / SAMPLES**0.5,
         })
     return results
 
@@ -60,7 +62,7 @@ for group in groups:
     for outlets in ("ground", "terminals"):
         for reading, formula in READINGS.items():
             some = select(group=group, outlets=outlets, reading=reading, **{"class": CLASSES[-1]})
-            all_three = sum(r["rho_G_ratio"] < 1 and r["inflow_ratio"] < 1 and r["mean_pressure_change_mmHg"] > 0.05 for r in some)
+            all_three = sum(r["rho_G_ratio"] < 1 and r["inflow_ratio"] < 1 and r["mean_pressure_change_mmHg"] > 3 * r["pressure_std_error_mmHg"] for r in some)
             ratios = [r["rho_G_ratio"] for r in some]
             lines.append([group, len(some), outlets, formula, f"{common.quantile(ratios, 0.5):.3f} ({min(ratios):.3f}-{max(ratios):.3f})",
                           f"{mean(some, 'inflow_ratio'):.3f}", f"{mean(some, 'mean_pressure_change_mmHg'):+.2f}", f"{all_three} of {len(some)}"])

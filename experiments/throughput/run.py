@@ -44,5 +44,7 @@ if plt:
         axis.plot([r["vessels"] for r in some], [r["microseconds"] for r in some], "o", ms=4, color=common.COLOURS[group], label=group, alpha=0.8, mec="none")
     axis.axhspan(200, 600, color="grey", alpha=0.25, lw=0, label="the paper: 0.4 ± 0.2 ms")
     axis.set(xscale="log", yscale="log", xlabel="vessels", ylabel="µs a simulation, one thread")
+    axis.set_xticks([10, 20, 50, 100, 200, 300], ["10", "20", "50", "100", "200", "300"])
+    axis.minorticks_off()
     axis.legend(frameon=False, fontsize=8, loc="center right")
     drawing.savefig(HERE / "throughput.png", dpi=150)
