@@ -109,7 +109,7 @@ if plt:
             shares = [total(rows, what + "_above") / total(rows, what) for rows in some]
             axis.bar(at, shares, 0.11, color=["#0072B2", "#D55E00"][j], label=name if i == 0 else None)
             for x, y in zip(at, shares):
-                axis.annotate(f"ε {epsilon}" if j == 0 else "", (x + 0.06, max(y, 0)), fontsize=6, ha="center", va="bottom", xytext=(0, 2), textcoords="offset points")
+                axis.annotate(f"ε {epsilon}" if j == 0 else "", (x, y), fontsize=6, ha="center", va="bottom", xytext=(0, 2), textcoords="offset points")
     axis.set_xticks(range(len(groups)), [f"{g}\n(n = {sum(r['group'] == g for r in whole) // len(EPSILONS)})" for g in groups])
     axis.set(ylabel="share above the median", ylim=(0, 0.65))
     axis.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
