@@ -77,8 +77,8 @@ impl<const B: usize> Kernel for Grow<'_, B> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.program.clear(self.widest);
-        for (vessel, keys) in self.keys.iter().enumerate() {
-            self.program.offer(simd, vessel, keys, self.widest);
+        for (offer, keys) in self.program.offers().iter().zip(self.keys) {
+            offer.put(simd, keys, self.widest);
         }
         self.program.grow(simd, self.widest, self.taken);
     }

@@ -30,11 +30,26 @@ pub const TAKEN: u8 = u8::MAX;
 
 /// Where a vessel's keys go.
 #[derive(Debug, Clone, Copy)]
-struct Offer {
+pub struct Offer {
     /// Its ray; `NOWHERE` for one that is in no forest.
     ray: u32,
     /// Whether it is the first of its ray.
     first: bool,
+}
+
+impl Offer {
+    /// Of the vessels in order, each to a place of its own.
+    pub fn one_each(vessels: usize) -> Vec<Self> {
+        (0..vessels as u32).map(|ray| Self { ray, first: true }).collect()
+    }
+
+    /// Offers the keys of the vessel, one a lane, zero where it is not diffused.
+    #[inline(always)]
+    pub fn put<S: Simd, const B: usize>(self, simd: S, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
+        if let Some(m) = widest.get_mut(self.ray as usize) {
+            *m = if self.first { *keys } else { wider(simd, m, keys) };
+        }
+    }
 }
 
 impl Bottleneck {
@@ -72,13 +87,9 @@ impl Bottleneck {
         }
     }
 
-    /// Offers the keys of a vessel, one a lane, zero where it is not diffused. All vessels are offered, in order.
-    #[inline(always)]
-    pub fn offer<S: Simd, const B: usize>(&self, simd: S, vessel: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
-        let offer = self.offers[vessel];
-        if let Some(m) = widest.get_mut(offer.ray as usize) {
-            *m = if offer.first { *keys } else { wider(simd, m, keys) };
-        }
+    /// Where the keys of each vessel go. All are offered, in order.
+    pub fn offers(&self) -> &[Offer] {
+        &self.offers
     }
 
     /// Grows the forests of the keys offered and marks their vessels.

@@ -2,7 +2,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::bottleneck::{Bottleneck, TAKEN, Taken};
+use super::bottleneck::{Bottleneck, Offer, TAKEN, Taken};
 use super::census::open_vessels;
 use super::forest::{Forest, key, keys};
 use super::likelihood::Sums;
@@ -41,26 +41,31 @@ pub struct Single {
 #[derive(Debug)]
 pub struct Memory<const W: usize, const B: usize> {
     flow: star_mesh::Workspace<W>,
-    /// Per slot the least drop that is more than rounding, Pa.
-    cut: Vec<Lanes<W>>,
+    level: Vec<Level<W>>,
     /// ρ of every vessel, one group after another.
     resilience: Vec<Lanes<B>>,
+    /// Keys by ray of the forest program, or by vessel.
     key: Vec<Lanes<B>>,
-    widest: Vec<Lanes<B>>,
     /// Every vessel's place in the forests, one group after another.
     taken: Vec<Taken<B>>,
     forest: Forest,
 }
 
+/// The pressure at a slot above the circuit's level, and the least drop that is more than rounding beside it, Pa.
+#[derive(Debug, Clone, Copy)]
+struct Level<const W: usize> {
+    pressure: Lanes<W>,
+    cut: Lanes<W>,
+}
+
 impl<const W: usize, const B: usize> Memory<W, B> {
-    /// Memory for so many vessels and rays of the forest program.
-    pub fn new(flow: star_mesh::Workspace<W>, vessels: usize, rays: usize) -> Self {
+    /// Memory for so many vessels and keys.
+    pub fn new(flow: star_mesh::Workspace<W>, vessels: usize, keys: usize) -> Self {
         Self {
-            cut: vec![Lanes::ZERO; flow.pressure.len()],
+            level: vec![Level { pressure: Lanes::ZERO, cut: Lanes::ZERO }; flow.pressure.len()],
             flow,
             resilience: vec![Lanes::ZERO; vessels * BLOCK as usize / B],
-            key: vec![Lanes::ZERO; vessels],
-            widest: vec![Lanes::ZERO; rays],
+            key: vec![Lanes::ZERO; keys],
             taken: vec![[0; B]; (vessels + 1) * BLOCK as usize / B],
             forest: Forest::default(),
         }
@@ -108,6 +113,8 @@ pub struct Job<'a> {
     pub weight: Weight,
     /// The forest program; Kruskal's algorithm without one.
     pub bottleneck: Option<&'a Bottleneck>,
+    /// Where the keys of each vessel go.
+    pub offers: &'a [Offer],
 }
 
 /// A block whose samples are taken in groups of `B`.
@@ -135,16 +142,16 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
             if first % W == 0 {
                 solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
-                job.cut(simd, &work.flow.pressure, &mut work.cut);
+                job.level(simd, &work.flow.pressure, &mut work.level);
             }
             if let Some(program) = job.bottleneck {
-                program.clear(&mut work.widest);
+                program.clear(&mut work.key);
             }
             let total = job.resiliences(simd, at, work);
             global[first..first + B].copy_from_slice(&*total);
             let taken = &mut work.taken[at * (vessels + 1)..][..=vessels];
             match job.bottleneck {
-                Some(program) => program.grow(simd, &mut work.widest, taken),
+                Some(program) => program.grow(simd, &mut work.key, taken),
                 None => job.kruskal(&mut work.forest, &work.key, taken),
             }
         }
@@ -168,28 +175,29 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
 }
 
 impl Job<'_> {
-    /// Per slot the least drop that is more than rounding.
+    /// What the vessels at a slot need to know of it.
     #[inline(always)]
-    fn cut<S: Simd, const W: usize>(&self, simd: S, pressure: &[Lanes<W>], cut: &mut [Lanes<W>]) {
-        let (level, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
-        for (cut, pressure) in cut.iter_mut().zip(pressure) {
-            *cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, level))));
+    fn level<S: Simd, const W: usize>(&self, simd: S, pressure: &[Lanes<W>], level: &mut [Level<W>]) {
+        let (above, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
+        for (level, pressure) in level.iter_mut().zip(pressure) {
+            level.pressure = *pressure;
+            level.cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, above))));
         }
     }
 
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
     fn resiliences<S: Simd, const W: usize, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<W, B>) -> Lanes<B> {
-        let Memory { flow: star_mesh::Workspace { pressure, .. }, cut, resilience, key: all_keys, widest, .. } = work;
         let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
         let at = group * B % W;
-        let (pressure, cut, widest) = (&pressure[..], &cut[..pressure.len()], &mut widest[..]);
+        let (level, key) = (&work.level[..], &mut work.key[..]);
         let mut sum = Lanes::ZERO;
-        let resilience = &mut resilience[group * self.flows.len()..][..self.flows.len()];
-        for (vessel, ((flow, mask), resilience)) in self.flows.iter().zip(self.masks).zip(resilience).enumerate() {
-            let [a, b] = flow.slots.map(|slot| slot as usize);
-            let drop: Lanes<B> = zip(simd, &pressure[a].part(simd, at), &pressure[b].part(simd, at), |a, b| simd.sub_f64s(a, b));
-            let least = zip(simd, &cut[a].part(simd, at), &cut[b].part(simd, at), |a, b| simd.max_f64s(a, b));
+        let resilience = &mut work.resilience[group * self.flows.len()..][..self.flows.len()];
+        let vessels = self.flows.iter().zip(self.masks).zip(self.offers).zip(resilience);
+        for (vessel, (((flow, mask), offer), resilience)) in vessels.enumerate() {
+            let [a, b] = flow.slots.map(|slot| &level[slot as usize]);
+            let drop = zip(simd, &a.pressure.part(simd, at), &b.pressure.part(simd, at), |a, b| simd.sub_f64s(a, b));
+            let least = zip(simd, &a.cut.part(simd, at), &b.cut.part(simd, at), |a, b| simd.max_f64s(a, b));
             let factor = simd.splat_f64s(flow.factor);
             let rho = zip(simd, &drop, &least, |drop, least| {
                 let flows = simd.greater_than_f64s(simd.abs_f64s(drop), least);
@@ -200,11 +208,7 @@ impl Job<'_> {
             let keys = map(simd, &rho, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero));
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
-            if let Some(program) = self.bottleneck {
-                program.offer(simd, vessel, &keys, widest);
-            } else {
-                all_keys[vessel] = keys;
-            }
+            offer.put(simd, &keys, key);
         }
         sum
     }

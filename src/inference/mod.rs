@@ -14,7 +14,7 @@ mod tally;
 mod threshold;
 
 pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
-pub use bottleneck::{Bottleneck, Taken};
+pub use bottleneck::{Bottleneck, Offer, Taken};
 pub use driver::{Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};

@@ -1,6 +1,6 @@
 //! A block of samples: mask, flow, resilience, forest. A serial step that allocates nothing after its first block.
 
-use super::bottleneck::Bottleneck;
+use super::bottleneck::{Bottleneck, Offer};
 use super::cost;
 use super::group::{self, Flow, Group};
 use super::likelihood::Sums;
@@ -51,6 +51,8 @@ pub struct Sampler {
     circuit: Circuit,
     solve: Solve,
     bottleneck: Option<Bottleneck>,
+    /// Where the keys of the vessels go when there is no forest program.
+    places: Vec<Offer>,
     flows: Vec<Flow>,
     ends: Vec<[usize; 2]>,
     masks: Masks,
@@ -126,6 +128,7 @@ impl Sampler {
             if matches!(solve, Solve::Lanes(_)) { Bottleneck::compile(network.node_count(), &in_forest, limit) } else { None };
         let instructions = InstructionSet::detect();
         Ok(Self {
+            places: Offer::one_each(network.vessel_count()),
             bottleneck: lanes,
             masks: patterns(keep, params)?,
             weight: params.weight,
@@ -163,7 +166,7 @@ impl Sampler {
 
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
-        let rays = self.bottleneck.as_ref().map_or(0, Bottleneck::rays);
+        let rays = self.bottleneck.as_ref().map_or(self.flows.len(), Bottleneck::rays);
         let group = match &self.solve {
             Solve::Lanes(program) if self.lanes == 16 => {
                 Group::Sixteen(group::Memory::new(program.workspace(), self.flows.len(), rays))
@@ -207,6 +210,7 @@ impl Sampler {
             nodes: self.circuit.node_count(),
             weight: self.weight,
             bottleneck: self.bottleneck.as_ref(),
+            offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
         };
         match (&mut work.group, &self.solve) {
             (Group::Eight(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
