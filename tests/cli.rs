@@ -241,3 +241,14 @@ fn a_venous_pressure_can_be_stated_in_three_ways() {
         }
     }
 }
+
+/// `--outlets` is for outlets that are found; where all are stated it says so instead of passing over it in silence.
+#[test]
+fn an_option_for_found_outlets_says_when_there_are_none() {
+    let here = folder();
+    let circle = data("circle-of-willis/complete.graphml");
+    for command in ["infer", "simulate", "modulate"] {
+        let output = willis(here.path(), &[command, &circle, "-o", command, "--outlets", "ground"]);
+        assert!(output.status.success() && stderr(&output).contains("--outlets changes nothing"), "{}", stderr(&output));
+    }
+}

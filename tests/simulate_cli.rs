@@ -224,6 +224,8 @@ fn conditions_that_drive_no_flow_are_refused() {
     refused(&input, &simulate(&["--dpi", "7"]), &["--dpi", "7"]);
     // Two parts, the inlet in one and the outlet in the other.
     let apart = b"node_a,node_b,length_mm,radius_mm\na,b,20,2\nc,d,20,2\n";
-    let arguments = simulate(&["--inlet", "a", "--outlet", "d"]);
-    refused(&[("a.csv", apart)], &arguments, &["drive no flow", "one connected part"]);
+    for command in ["simulate", "modulate"] {
+        let arguments = [command, "a.csv", "-o", "out", "--inlet", "a", "--outlet", "d"];
+        refused(&[("a.csv", apart)], &arguments, &["drive no flow", "one connected part"]);
+    }
 }

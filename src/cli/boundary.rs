@@ -68,7 +68,11 @@ impl BoundaryArgs {
             given.extend(source);
         }
         let given: Vec<Given> = given.into_values().collect();
-        Boundary::resolve(network, &given, outlets)
+        let boundary = Boundary::resolve(network, &given, outlets)?;
+        if self.outlets.is_some() && boundary.found_outlets.is_empty() {
+            terminal.say("note", "--outlets changes nothing: every outlet is stated; --outlet SPEC=ground or --bc replaces it");
+        }
+        Ok(boundary)
     }
 
     fn file_conditions(&self, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {

@@ -187,7 +187,4 @@ fn say_outcome(terminal: Terminal, outcome: &ModulationOutcome<'_>) {
             format!("resilience x {resilience}, inflow x {inflow}, {risk} % of vessels above the threshold of hypertension"),
         );
     }
-    if rest.inflow[0] == 0.0 {
-        terminal.say("note", "nothing flows in this network: its inlets and outlets are at one pressure, or not connected");
-    }
 }

@@ -5,7 +5,8 @@ use petgraph::unionfind::UnionFind;
 
 use super::boundary::Boundary;
 use super::circuit::Circuit;
-use crate::network::{Condition, Fragments};
+use crate::error::{Error, Result};
+use crate::network::{Condition, Fragments, Network, fragments};
 
 /// Per node whether its component over the open vessels is grounded by a fixed pressure or a terminal resistance.
 pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {
@@ -57,4 +58,20 @@ pub fn parts_that_carry(parts: &Fragments, boundary: &Boundary) -> Vec<bool> {
         grounds.first().is_some_and(|first| injected || grounds.iter().any(|p| p != first))
     };
     conditions.iter().map(carries).collect()
+}
+
+/// Refuses boundary conditions between which no blood can flow.
+///
+/// # Errors
+///
+/// No connected part of the network has an inlet and an outlet at different pressures, or a flow and an outlet.
+pub fn drives_flow(network: &Network, boundary: &Boundary) -> Result<()> {
+    if parts_that_carry(&fragments(network, |_, _| true), boundary).contains(&true) {
+        return Ok(());
+    }
+    Err(Error::parameter(
+        "boundary conditions",
+        "drive no flow",
+        "expected an inlet and an outlet at different pressures (or a flow and an outlet) in one connected part of the network",
+    ))
 }

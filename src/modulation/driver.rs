@@ -11,6 +11,7 @@ use super::params::Params;
 use super::solver::{LANES, Memory, Solver};
 use crate::error::{Error, Result};
 use crate::hemodynamics::circuit::conductance;
+use crate::hemodynamics::floating::drives_flow;
 use crate::hemodynamics::{Boundary, Circuit, Tube};
 use crate::inference::Progress;
 use crate::network::Network;
@@ -38,9 +39,10 @@ pub struct Modulation {
 ///
 /// # Errors
 ///
-/// A parameter or a vessel out of its range, a breakdown of the Cholesky solver, or a stop by `progress`.
+/// A parameter or a vessel out of its range, boundary conditions that drive no flow, a breakdown of the Cholesky solver, or a stop by `progress`.
 pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progress: &mut impl Progress) -> Result<Modulation> {
     params.validate()?;
+    drives_flow(network, boundary)?;
     let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, params.viscosity)).collect();
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
     let ends = circuit.ends.clone();
