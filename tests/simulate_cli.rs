@@ -229,3 +229,34 @@ fn conditions_that_drive_no_flow_are_refused() {
         refused(&[("a.csv", apart)], &arguments, &["drive no flow", "one connected part"]);
     }
 }
+
+/// 90 mmHg over 30 and 60 mmHg·s/mL in series drive 1 mL/s, whatever Poiseuille's law would say of the sizes.
+#[test]
+fn a_stated_resistance_stands_in_the_place_of_poiseuilles_law() {
+    let here = folder();
+    let csv = "node_a,node_b,length_mm,radius_mm,resistance_mmHg_s_per_mL\na,b,10,1,30\nb,c,99,0.2,60\n";
+    let graphml = "<graphml>\
+        <key id=\"l\" for=\"edge\" attr.name=\"length_mm\" attr.type=\"double\"/>\
+        <key id=\"r\" for=\"edge\" attr.name=\"radius_mm\" attr.type=\"double\"/>\
+        <key id=\"z\" for=\"edge\" attr.name=\"resistance_mmHg_s_per_mL\" attr.type=\"double\"/>\
+        <graph><node id=\"a\"/><node id=\"b\"/><node id=\"c\"/>\
+        <edge source=\"a\" target=\"b\"><data key=\"l\">10</data><data key=\"r\">1</data><data key=\"z\">30</data></edge>\
+        <edge source=\"b\" target=\"c\"><data key=\"l\">99</data><data key=\"r\">0.2</data><data key=\"z\">60</data></edge>\
+        </graph></graphml>";
+    for (name, content) in [("g.csv", csv), ("g.graphml", graphml)] {
+        std::fs::write(here.path().join(name), content).expect("written");
+        let arguments = ["simulate", name, "-o", "out", "--force", "-q", "--inlet", "a=90mmHg", "--outlet", "c=ground"];
+        let output = willis(here.path(), &arguments);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+        let mut edges = csv::Reader::from_path(here.path().join("out/edges.csv")).expect("edges.csv");
+        let column = edges.headers().expect("a header").iter().position(|h| h == "flow_mL_per_min").expect("flows");
+        let flows: Vec<f64> = edges.records().map(|r| r.expect("a row")[column].parse().expect("a flow")).collect();
+        assert!(flows.len() == 2 && flows.iter().all(|q| (q - 60.0).abs() < 1e-9), "{name}: {flows:?}");
+    }
+    let broken = csv.replace(",30\n", ",-30\n");
+    refused(
+        &[("g.csv", broken.as_bytes())],
+        &["simulate", "g.csv", "-o", "out"],
+        &["g.csv:2", "resistance_mmHg_s_per_mL -30", "positive"],
+    );
+}
