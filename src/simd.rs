@@ -92,15 +92,6 @@ impl<const B: usize> Lanes<B> {
         const { assert!(B.is_multiple_of(S::F64_LANES), "a group is made of whole vectors") }
         S::as_mut_simd_f64s(&mut self.0).0
     }
-
-    /// The lanes from the one numbered `first` on.
-    #[inline(always)]
-    pub fn part<S: Simd, const A: usize>(&self, _: S, first: usize) -> Lanes<A> {
-        let mut out = Lanes::ZERO;
-        let vectors = out.vectors_mut::<S>();
-        vectors.copy_from_slice(&self.vectors::<S>()[first / S::F64_LANES..][..vectors.len()]);
-        out
-    }
 }
 
 impl<const B: usize> std::ops::Deref for Lanes<B> {

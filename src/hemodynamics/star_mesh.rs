@@ -115,6 +115,11 @@ impl StarMesh {
         self.program.joins()
     }
 
+    /// How many conductances there are, fill included.
+    pub fn rays(&self) -> usize {
+        self.program.rays()
+    }
+
     /// Where the pressure of a node stands in a workspace.
     pub fn slot(&self, node: usize) -> usize {
         self.slot[node] as usize

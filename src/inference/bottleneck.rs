@@ -190,7 +190,8 @@ fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [Taken<B>
 }
 
 /// The numbers of the lanes.
-static LANE: [u64; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+static LANE: [u64; 32] =
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31];
 
 /// The larger of two, lane by lane.
 #[inline(always)]

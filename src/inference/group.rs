@@ -23,9 +23,11 @@ pub enum Group {
     /// One sample at a time, for the sparse solver.
     One(Box<Single>),
     /// Eight samples side by side.
-    Eight(Memory<8, 8>),
+    Eight(Memory<8>),
     /// Sixteen samples side by side.
-    Sixteen(Memory<32, 16>),
+    Sixteen(Memory<16>),
+    /// Thirty-two samples side by side.
+    ThirtyTwo(Memory<32>),
 }
 
 /// The memory of a group of one.
@@ -37,11 +39,11 @@ pub struct Single {
     forest: Forest,
 }
 
-/// The memory of groups of `B`, of which the flow is solved for `W` samples at a time.
+/// The memory of a group of `B`.
 #[derive(Debug)]
-pub struct Memory<const W: usize, const B: usize> {
-    flow: star_mesh::Workspace<W>,
-    level: Vec<Level<W>>,
+pub struct Memory<const B: usize> {
+    flow: star_mesh::Workspace<B>,
+    level: Vec<Level<B>>,
     /// ρ of every vessel, one group after another.
     resilience: Vec<Lanes<B>>,
     /// Keys by ray of the forest program, or by vessel.
@@ -53,14 +55,14 @@ pub struct Memory<const W: usize, const B: usize> {
 
 /// The pressure at a slot above the circuit's level, and the least drop that is more than rounding beside it, Pa.
 #[derive(Debug, Clone, Copy)]
-struct Level<const W: usize> {
-    pressure: Lanes<W>,
-    cut: Lanes<W>,
+struct Level<const B: usize> {
+    pressure: Lanes<B>,
+    cut: Lanes<B>,
 }
 
-impl<const W: usize, const B: usize> Memory<W, B> {
+impl<const B: usize> Memory<B> {
     /// Memory for so many vessels and keys.
-    pub fn new(flow: star_mesh::Workspace<W>, vessels: usize, keys: usize) -> Self {
+    pub fn new(flow: star_mesh::Workspace<B>, vessels: usize, keys: usize) -> Self {
         Self {
             level: vec![Level { pressure: Lanes::ZERO, cut: Lanes::ZERO }; flow.pressure.len()],
             flow,
@@ -72,11 +74,17 @@ impl<const W: usize, const B: usize> Memory<W, B> {
     }
 }
 
-/// The width of a group: what is forced, or what suits the instruction set.
-pub fn lanes(instructions: InstructionSet, forced: Option<&str>) -> usize {
+/// Rays of both programs up to which a group of thirty-two is the fastest: beyond, its memory leaves the nearest caches.
+const RAYS_OF_32: usize = 1024;
+
+/// The width of a group: what is forced, or what suits the instruction set and programs with so many rays.
+pub fn lanes(instructions: InstructionSet, rays: usize, forced: Option<&str>) -> usize {
     match (forced, instructions) {
         (Some("8"), _) => 8,
-        (Some("16"), _) | (_, InstructionSet::Avx512 | InstructionSet::Avx2) => 16,
+        (Some("16"), _) => 16,
+        (Some("32"), _) => 32,
+        (_, InstructionSet::Avx512) if rays <= RAYS_OF_32 => 32,
+        (_, InstructionSet::Avx512 | InstructionSet::Avx2) => 16,
         _ => 8,
     }
 }
@@ -118,18 +126,18 @@ pub struct Job<'a> {
 }
 
 /// A block whose samples are taken in groups of `B`.
-pub struct InLanes<'a, const W: usize, const B: usize> {
+pub struct InLanes<'a, const B: usize> {
     /// What the groups share.
     pub job: Job<'a>,
     /// The compiled solver.
     pub solver: &'a StarMesh,
     /// The memory of a group.
-    pub work: &'a mut Memory<W, B>,
+    pub work: &'a mut Memory<B>,
     /// Receives the sums.
     pub sums: &'a mut Sums,
 }
 
-impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
+impl<const B: usize> Kernel for InLanes<'_, B> {
     type Output = ();
 
     #[inline(always)]
@@ -140,10 +148,8 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
         let present = open_vessels(simd, job.masks);
         let mut global = Samples::ZERO;
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
-            if first % W == 0 {
-                solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
-                job.level(simd, &work.flow.pressure, &mut work.level);
-            }
+            solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
+            job.level(simd, &work.flow.pressure, &mut work.level);
             if let Some(program) = job.bottleneck {
                 program.clear(&mut work.key);
             }
@@ -177,7 +183,7 @@ impl<const W: usize, const B: usize> Kernel for InLanes<'_, W, B> {
 impl Job<'_> {
     /// What the vessels at a slot need to know of it.
     #[inline(always)]
-    fn level<S: Simd, const W: usize>(&self, simd: S, pressure: &[Lanes<W>], level: &mut [Level<W>]) {
+    fn level<S: Simd, const B: usize>(&self, simd: S, pressure: &[Lanes<B>], level: &mut [Level<B>]) {
         let (above, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
         for (level, pressure) in level.iter_mut().zip(pressure) {
             level.pressure = *pressure;
@@ -187,17 +193,16 @@ impl Job<'_> {
 
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
-    fn resiliences<S: Simd, const W: usize, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<W, B>) -> Lanes<B> {
+    fn resiliences<S: Simd, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<B>) -> Lanes<B> {
         let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
-        let at = group * B % W;
         let (level, key) = (&work.level[..], &mut work.key[..]);
         let mut sum = Lanes::ZERO;
         let resilience = &mut work.resilience[group * self.flows.len()..][..self.flows.len()];
         let vessels = self.flows.iter().zip(self.masks).zip(self.offers).zip(resilience);
         for (vessel, (((flow, mask), offer), resilience)) in vessels.enumerate() {
             let [a, b] = flow.slots.map(|slot| &level[slot as usize]);
-            let drop = zip(simd, &a.pressure.part(simd, at), &b.pressure.part(simd, at), |a, b| simd.sub_f64s(a, b));
-            let least = zip(simd, &a.cut.part(simd, at), &b.cut.part(simd, at), |a, b| simd.max_f64s(a, b));
+            let drop = zip(simd, &a.pressure, &b.pressure, |a, b| simd.sub_f64s(a, b));
+            let least = zip(simd, &a.cut, &b.cut, |a, b| simd.max_f64s(a, b));
             let factor = simd.splat_f64s(flow.factor);
             let rho = zip(simd, &drop, &least, |drop, least| {
                 let flows = simd.greater_than_f64s(simd.abs_f64s(drop), least);

@@ -68,7 +68,7 @@ pub struct Workspace {
     group: Group,
 }
 
-/// The variable that forces 8 or 16 samples side by side.
+/// The variable that forces 8, 16 or 32 samples side by side.
 pub const FORCE_LANES: &str = "WILLIS_LANES";
 
 impl Sampler {
@@ -127,12 +127,14 @@ impl Sampler {
         let lanes =
             if matches!(solve, Solve::Lanes(_)) { Bottleneck::compile(network.node_count(), &in_forest, limit) } else { None };
         let instructions = InstructionSet::detect();
+        let of_solve = if let Solve::Lanes(program) = &solve { program.rays() } else { 0 };
+        let rays = of_solve + lanes.as_ref().map_or(0, Bottleneck::rays);
         Ok(Self {
             places: Offer::one_each(network.vessel_count()),
             bottleneck: lanes,
             masks: patterns(keep, params)?,
             weight: params.weight,
-            lanes: group::lanes(instructions, std::env::var(FORCE_LANES).ok().as_deref()),
+            lanes: group::lanes(instructions, rays, std::env::var(FORCE_LANES).ok().as_deref()),
             circuit,
             solve,
             flows,
@@ -167,12 +169,11 @@ impl Sampler {
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
         let rays = self.bottleneck.as_ref().map_or(self.flows.len(), Bottleneck::rays);
-        let group = match &self.solve {
-            Solve::Lanes(program) if self.lanes == 16 => {
-                Group::Sixteen(group::Memory::new(program.workspace(), self.flows.len(), rays))
-            }
-            Solve::Lanes(program) => Group::Eight(group::Memory::new(program.workspace(), self.flows.len(), rays)),
-            Solve::Cholesky(_) => Group::One(Box::default()),
+        let group = match (&self.solve, self.lanes) {
+            (Solve::Lanes(program), 32) => Group::ThirtyTwo(group::Memory::new(program.workspace(), self.flows.len(), rays)),
+            (Solve::Lanes(program), 16) => Group::Sixteen(group::Memory::new(program.workspace(), self.flows.len(), rays)),
+            (Solve::Lanes(program), _) => Group::Eight(group::Memory::new(program.workspace(), self.flows.len(), rays)),
+            (Solve::Cholesky(_), _) => Group::One(Box::default()),
         };
         Workspace { masks: Vec::with_capacity(self.flows.len()), probability: [0.0; BLOCK as usize], group }
     }
@@ -215,6 +216,7 @@ impl Sampler {
         match (&mut work.group, &self.solve) {
             (Group::Eight(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
             (Group::Sixteen(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            (Group::ThirtyTwo(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
             (Group::One(memory), Solve::Cholesky(factor)) => job.one_by_one(factor, memory, sums)?,
             _ => {}
         }
