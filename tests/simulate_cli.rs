@@ -220,7 +220,9 @@ fn conditions_that_drive_no_flow_are_refused() {
         &["--outlet", "d=5mmHg", "one condition"],
     );
     refused(&input, &simulate(&["--inlet", "a", "--outlet", "d", "--viscosity", "0"]), &["--viscosity", "0", "positive"]);
-    refused(&input, &simulate(&["--observed"]), &["--observed", "simulate"]);
+    for command in ["simulate", "modulate"] {
+        refused(&input, &[command, "a.csv", "-o", "out", "--observed"], &["--observed", command]);
+    }
     refused(&input, &simulate(&["--dpi", "7"]), &["--dpi", "7"]);
     // Two parts, the inlet in one and the outlet in the other.
     let apart = b"node_a,node_b,length_mm,radius_mm\na,b,20,2\nc,d,20,2\n";

@@ -11,12 +11,11 @@ use willis::formats::write_csv;
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer, infer_until_stable};
 use willis::network::Network;
-use willis::quantity::Dimension;
 use willis::report::summary::Built;
 use willis::report::{Outcome, Provenance, StagedFolder, Summary, agreement, staged::write_file, write_outcome};
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{CandidateArgs, InputArgs};
+use super::input::{CandidateArgs, InputArgs, viscosity};
 use super::shell::print_line;
 use super::tell::{say_built, say_outcome};
 use super::terminal::{Terminal, count, is_stopped, plural};
@@ -204,7 +203,6 @@ impl InferArgs {
     }
 
     fn params(&self, epsilon: f64) -> Result<Params> {
-        let viscosity = Dimension::Viscosity.parse(&self.viscosity);
         let paper = self.paper();
         let params = Params {
             epsilon,
@@ -220,8 +218,7 @@ impl InferArgs {
                 Contribution::Global => Weight::Global,
             },
             uniform_prior: matches!(self.prior.unwrap_or(if paper { Prior::Uniform } else { Prior::None }), Prior::Uniform),
-            viscosity: viscosity
-                .map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?,
+            viscosity: viscosity(&self.viscosity)?,
             solver: match self.solver {
                 SolverName::Auto => Solver::Auto,
                 SolverName::Lanes => Solver::Lanes,

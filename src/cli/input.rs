@@ -121,6 +121,15 @@ pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
 }
 
 impl InputArgs {
+    /// Refuses what only commands that build candidates know.
+    pub fn refuse_candidates(&self, command: &str) -> Result<()> {
+        if self.observed {
+            let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
+            return Err(Error::parameter("--observed", "", why));
+        }
+        Ok(())
+    }
+
     fn scale(&self) -> Result<Scale> {
         let unit = match self.units {
             Unit::Mm => LengthUnit::Millimetre,
@@ -295,4 +304,9 @@ fn implausible(network: &Network, unit: LengthUnit) -> Option<String> {
         brief(median),
         brief(span)
     ))
+}
+
+/// Viscosity, Pa s, from `--viscosity`.
+pub fn viscosity(text: &str) -> Result<f64> {
+    Dimension::Viscosity.parse(text).map_err(|accepted| Error::parameter("--viscosity", format!("\"{text}\""), accepted))
 }

@@ -6,14 +6,13 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use willis::error::{Error, Result};
 use willis::modulation::{Class, HypertensionByClass, Params, Reading, modulate};
-use willis::network::Network;
-use willis::quantity::Dimension;
+use willis::network::{Network, vessels_called};
 use willis::report::{ModulationOutcome, StagedFolder, write_modulation};
 use willis::units::pascals_per_square_metre;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::infer::check_dpi;
-use super::input::InputArgs;
+use super::input::{InputArgs, viscosity};
 use super::terminal::{Terminal, brief, is_stopped, plural};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -55,8 +54,8 @@ pub struct ModulateArgs {
     /// What a modulation by u means
     #[arg(long, value_enum, default_value = "increment", help_heading = "Modulation")]
     reading: Meaning,
-    /// Modulate only the vessels with these labels [default: all vessels]
-    #[arg(long, value_name = "LABEL,...", value_delimiter = ',', help_heading = "Modulation")]
+    /// Modulate only these vessels, by label or edge:ROW [default: all vessels]
+    #[arg(long, value_name = "VESSEL,...", value_delimiter = ',', help_heading = "Modulation")]
     vessels: Option<Vec<String>>,
     /// Blood viscosity
     #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", help_heading = "Modulation")]
@@ -80,11 +79,12 @@ impl ModulateArgs {
         let threshold = self.threshold()?;
         let outlets = self.boundary.found_outlets(false)?;
         check_dpi(self.dpi)?;
+        self.input.refuse_candidates("modulate")?;
         StagedFolder::check(&self.output, force)?;
 
         let loaded = self.input.load(terminal)?;
         let network = loaded.network;
-        params.vessels = self.vessels.as_ref().map(|labels| labelled(&network, labels)).transpose()?;
+        params.vessels = self.vessels.as_ref().map(|names| called(&network, names)).transpose()?;
         let boundary = self.boundary.resolve(&network, outlets, terminal)?;
         say_boundary(terminal, &network, &boundary);
         let folder = StagedFolder::new(&self.output, force)?;
@@ -133,9 +133,7 @@ impl ModulateArgs {
                 Meaning::Geometry => Reading::Geometry,
             },
             vessels: None,
-            viscosity: Dimension::Viscosity
-                .parse(&self.viscosity)
-                .map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?,
+            viscosity: viscosity(&self.viscosity)?,
         };
         params.validate()?;
         Ok(params)
@@ -159,12 +157,16 @@ fn parse_class(text: &str) -> Result<Class> {
     class.ok_or_else(|| Error::parameter("--classes", format!("\"{text}\""), "expected LOW:HIGH with 0 <= low < high < 1"))
 }
 
-/// Per vessel whether its label is among `labels`.
-fn labelled(network: &Network, labels: &[String]) -> Result<Vec<bool>> {
-    if let Some(label) = labels.iter().find(|label| network.vessels().all(|(_, v)| v.label != **label) || label.is_empty()) {
-        return Err(Error::parameter("--vessels", format!("\"{label}\""), "expected the label of a vessel in the network"));
+/// Per vessel whether it is called by one of the `names`.
+fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
+    let mut called = vec![false; network.vessel_count()];
+    for name in names {
+        let rows = vessels_called(network, name).map_err(|why| Error::parameter("--vessels", format!("\"{name}\""), why))?;
+        for row in rows {
+            called[row] = true;
+        }
     }
-    Ok(network.vessels().map(|(_, v)| labels.contains(&v.label)).collect())
+    Ok(called)
 }
 
 /// What became of the network in each class.

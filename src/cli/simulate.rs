@@ -4,14 +4,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use willis::error::{Error, Result};
-use willis::quantity::Dimension;
+use willis::error::Result;
 use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
 use willis::simulation::simulate;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::infer::check_dpi;
-use super::input::InputArgs;
+use super::input::{InputArgs, viscosity};
 use super::perturbation::PerturbationArgs;
 use super::shell::print_line;
 use super::tell_flow::say_simulated;
@@ -43,19 +42,11 @@ pub struct SimulateArgs {
 impl SimulateArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let viscosity = Dimension::Viscosity
-            .parse(&self.viscosity)
-            .map_err(|accepted| Error::parameter("--viscosity", format!("\"{}\"", self.viscosity), accepted))?;
+        let viscosity = viscosity(&self.viscosity)?;
         let outlets = self.boundary.found_outlets(false)?;
         self.perturbation.check()?;
         check_dpi(self.dpi)?;
-        if self.input.observed {
-            return Err(Error::parameter(
-                "--observed",
-                "",
-                "goes with infer and candidates; simulate uses every vessel as it is",
-            ));
-        }
+        self.input.refuse_candidates("simulate")?;
         StagedFolder::check(&self.output, force)?;
 
         let loaded = self.input.load(terminal)?;

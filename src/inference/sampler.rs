@@ -130,7 +130,7 @@ impl Sampler {
         let of_solve = if let Solve::Lanes(program) = &solve { program.rays() } else { 0 };
         let rays = of_solve + lanes.as_ref().map_or(0, Bottleneck::rays);
         Ok(Self {
-            places: Offer::one_each(network.vessel_count()),
+            places: if lanes.is_some() { Vec::new() } else { Offer::one_each(network.vessel_count()) },
             bottleneck: lanes,
             masks: patterns(keep, params)?,
             weight: params.weight,

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::plots::{Matrix, convergence, heat_map};
-use super::staged::write_file;
+use super::staged::{write_file, write_record};
 use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
@@ -66,10 +66,7 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dp
         notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
     }
     pictures(folder, outcome, &matrix, dpi)?;
-    write_file(&folder.join("run.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, summary)?;
-        out.write_all(b"\n")
-    })?;
+    write_record(folder, summary)?;
     Ok(notes)
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::flow_record::FlowRecord;
 use super::flow_tables::{node_columns, vessel_columns};
 use super::plots::{VesselFlow, flow_bars};
-use super::staged::write_file;
+use super::staged::{write_file, write_record};
 use crate::error::Result;
 use crate::formats::{write_csv, write_vtp};
 use crate::hemodynamics::Boundary;
@@ -47,10 +47,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     }
     let picture = flow_bars(&flows(simulated), dpi)?;
     write_file(&folder.join("flow.png"), |out| out.write_all(&picture))?;
-    write_file(&folder.join("run.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, record)?;
-        out.write_all(b"\n")
-    })?;
+    write_record(folder, record)?;
     Ok(notes)
 }
 

@@ -1,6 +1,7 @@
 //! Output that appears whole or not at all: written beside its place, then renamed.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -194,6 +195,18 @@ impl StagedFile {
     pub fn commit(self) -> Result<()> {
         fs::rename(self.path(), &self.target).map_err(write_error(&self.target))
     }
+}
+
+/// Writes the record of a run into its folder.
+///
+/// # Errors
+///
+/// As [`write_file`].
+pub fn write_record(folder: &Path, record: &impl serde::Serialize) -> Result<()> {
+    write_file(&folder.join(MARK), |out| {
+        serde_json::to_writer_pretty(&mut *out, record)?;
+        out.write_all(b"\n")
+    })
 }
 
 /// Writes a file through a buffer and onto the disk, or says which file it was.

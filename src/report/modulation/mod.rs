@@ -7,7 +7,7 @@ mod tables;
 use std::io::Write;
 use std::path::Path;
 
-use super::staged::write_file;
+use super::staged::{write_file, write_record};
 use super::summary::Provenance;
 use crate::error::Result;
 use crate::formats::{NamedArray, write_arrays, write_csv};
@@ -72,10 +72,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     {
         write_file(&folder.join(name), |out| out.write_all(&picture))?;
     }
-    write_file(&folder.join("run.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, &record::Record::of(outcome))?;
-        out.write_all(b"\n")
-    })
+    write_record(folder, &record::Record::of(outcome))
 }
 
 /// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
