@@ -1,6 +1,6 @@
 //! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use petgraph::unionfind::UnionFind;
 
@@ -19,9 +19,65 @@ pub struct Centerlines {
     pub strand: Vec<u32>,
     /// Pairs of linked points.
     pub links: Vec<[u32; 2]>,
+    /// The anatomical names of the links.
+    pub labels: Labels,
+}
+
+/// The anatomical names of links; most have none.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Labels {
+    names: Vec<String>,
+    row_of: BTreeMap<String, u32>,
+    /// Per link the row of its name plus one; 0, or beyond the end, for none.
+    of_link: Vec<u32>,
+}
+
+impl Labels {
+    /// Names a link; an empty name is none.
+    pub fn set(&mut self, link: usize, name: &str) {
+        if name.is_empty() {
+            if let Some(slot) = self.of_link.get_mut(link) {
+                *slot = 0;
+            }
+            return;
+        }
+        let row = *self.row_of.entry(name.to_owned()).or_insert_with(|| {
+            self.names.push(name.to_owned());
+            self.names.len() as u32 - 1
+        });
+        if self.of_link.len() <= link {
+            self.of_link.resize(link + 1, 0);
+        }
+        self.of_link[link] = row + 1;
+    }
+
+    /// The name of a link; empty where it has none.
+    pub fn of(&self, link: usize) -> &str {
+        match self.of_link.get(link) {
+            None | Some(0) => "",
+            Some(row) => &self.names[*row as usize - 1],
+        }
+    }
 }
 
 impl Centerlines {
+    /// Adds a point (m) of a strand and returns its row.
+    pub fn add_point(&mut self, position: Point, radius: f64, id: u64, strand: u32) -> u32 {
+        self.points.push(position);
+        self.radii.push(radius);
+        self.ids.push(id);
+        self.strand.push(strand);
+        self.points.len() as u32 - 1
+    }
+
+    /// Links two points, under an anatomical name unless it is empty.
+    pub fn add_link(&mut self, ends: [u32; 2], label: &str) {
+        self.links.push(ends);
+        if !label.is_empty() {
+            self.labels.set(self.links.len() - 1, label);
+        }
+    }
+
     /// Makes one point of coincident points: those of different polylines, the two ends of a closed polyline's only
     /// link run, and linked points without a distance between them. Returns how many points went.
     ///
@@ -65,10 +121,13 @@ impl Centerlines {
         }
         let gone = class.len() - kept.len();
         let mut seen = std::collections::HashSet::new();
-        self.links = (self.links.iter())
-            .map(|link| [new_index[link[0] as usize], new_index[link[1] as usize]])
-            .filter(|[a, b]| a != b && seen.insert([*a.min(b), *a.max(b)]))
-            .collect();
+        let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
+        for (row, link) in links.into_iter().enumerate() {
+            let [a, b] = link.map(|p| new_index[p as usize]);
+            if a != b && seen.insert([a.min(b), a.max(b)]) {
+                self.add_link([a, b], labels.of(row));
+            }
+        }
         self.points = kept.iter().map(|p| self.points[*p]).collect();
         self.radii = kept.iter().map(|p| self.radii[*p]).collect();
         self.ids = kept.iter().map(|p| self.ids[*p]).collect();
@@ -113,13 +172,10 @@ mod tests {
         let mut c = Centerlines::default();
         for (s, points) in strands.iter().enumerate() {
             for (i, p) in points.iter().enumerate() {
+                let row = c.add_point(*p, 1.0, c.points.len() as u64, s as u32);
                 if i > 0 {
-                    c.links.push([c.points.len() as u32 - 1, c.points.len() as u32]);
+                    c.add_link([row - 1, row], ["", "a", "b"][s]);
                 }
-                c.ids.push(c.points.len() as u64);
-                c.points.push(*p);
-                c.radii.push(1.0);
-                c.strand.push(s as u32);
             }
         }
         c
@@ -130,6 +186,7 @@ mod tests {
         let mut c = line(&[&[[0.0; 3], [1.0, 0.0, 0.0]], &[[1.0, 1e-8, 0.0], [2.0, 0.0, 0.0]]]);
         assert_eq!(c.weld(1e-6), 1);
         assert_eq!(c.links, [[0, 1], [1, 2]]);
+        assert_eq!([c.labels.of(0), c.labels.of(1)], ["", "a"]);
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl Case {
     pub fn read(path: &str) -> Result<Self> {
         match read(Path::new(path), &ReadOptions::default())?.content {
             Content::Graph(network) => Self::new(network),
-            Content::Centerlines(_) => Err(format!("{path}: expected a graph").into()),
+            Content::Centerlines(_) | Content::Vessels(_) => Err(format!("{path}: expected a graph").into()),
         }
     }
 

@@ -170,20 +170,59 @@ impl InputArgs {
             loops: self.loops.clone(),
         };
         let document = read(&self.input, &options)?;
-        if matches!(document.content, Content::Graph(_)) {
+        if !matches!(document.content, Content::Centerlines(_)) {
             let given = [("--radius-array", self.radius_array.as_ref()), ("--default-radius", self.default_radius.as_ref())];
             if let Some((option, value)) = given.into_iter().find_map(|(option, value)| Some((option, value?))) {
-                return Err(Error::parameter(option, value, "goes with centerlines; this input is a graph"));
+                return Err(Error::parameter(
+                    option,
+                    value,
+                    "goes with centerlines; the vessels of this input state their radii",
+                ));
             }
-        } else if self.observed {
-            return Err(Error::parameter("--observed", "", "goes with a graph; centerlines are observed anyway"));
+        }
+        if self.observed && !matches!(document.content, Content::Graph(_)) {
+            return Err(Error::parameter("--observed", "", "goes with a candidate graph; these vessels are observed anyway"));
         }
         let mut notes = document.notes;
         if let Some([x, y, z]) = scale.spacing.filter(|[x, y, z]| x != y || y != z) {
             notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
         }
         let heading = format!("{}, {}", document.format.name(), scale.unit.symbol());
-        let (network, ready) = match document.content {
+        let ready = matches!(document.content, Content::Graph(_));
+        let network = self.network(document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
+        if network.vessel_count() == 0 {
+            return Err(willis::error::Fault::file(
+                "no vessel",
+                "expected centerlines with at least two linked points, or edges",
+            )
+            .in_file(&self.input));
+        }
+        notes.extend(implausible(&network, scale.unit));
+        for note in &notes {
+            terminal.say("note", note);
+        }
+        let network = if self.observed && ready { observed(network) } else { network };
+        let provenance = Provenance {
+            command: command_line(),
+            input: self.input.display().to_string(),
+            format: document.format.name().to_owned(),
+            sha256: document.sha256,
+            units: scale.unit.symbol().to_owned(),
+            notes,
+        };
+        Ok(Loaded { network, provenance, fragments: !ready || self.observed, radius_rule })
+    }
+
+    /// Makes a network of what was read and says how large it is.
+    fn network(
+        &self,
+        content: Content,
+        heading: &str,
+        (radius_rule, default_radius): (RadiusRule, Option<f64>),
+        terminal: Terminal,
+        notes: &mut Vec<String>,
+    ) -> Result<Network> {
+        match content {
             Content::Centerlines(mut lines) => {
                 let points = lines.points.len();
                 let welded = lines.weld(WELD_TOLERANCE);
@@ -212,7 +251,17 @@ impl InputArgs {
                 if made.default_radii > 0 {
                     notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
                 }
-                (made.network, false)
+                Ok(made.network)
+            }
+            Content::Vessels(network) => {
+                let size = format!(
+                    "{}, {}{}",
+                    plural(network.node_count(), "node"),
+                    plural(network.vessel_count(), "vessel"),
+                    radii(&network)
+                );
+                terminal.say("read", format!("{}: {heading}: {size}", self.input.display()));
+                Ok(network)
             }
             Content::Graph(network) => {
                 let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
@@ -228,30 +277,9 @@ impl InputArgs {
                         radii(&network)
                     ),
                 );
-                (network, true)
+                Ok(network)
             }
-        };
-        if network.vessel_count() == 0 {
-            return Err(willis::error::Fault::file(
-                "no vessel",
-                "expected centerlines with at least two linked points, or edges",
-            )
-            .in_file(&self.input));
         }
-        notes.extend(implausible(&network, scale.unit));
-        for note in &notes {
-            terminal.say("note", note);
-        }
-        let network = if self.observed && ready { observed(network) } else { network };
-        let provenance = Provenance {
-            command: command_line(),
-            input: self.input.display().to_string(),
-            format: document.format.name().to_owned(),
-            sha256: document.sha256,
-            units: scale.unit.symbol().to_owned(),
-            notes,
-        };
-        Ok(Loaded { network, provenance, fragments: !ready || self.observed, radius_rule })
     }
 }
 

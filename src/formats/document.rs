@@ -1,45 +1,23 @@
-//! The one place that decides which format a file has, by its content first and by its ending then.
+//! Reads a file of any format: the one place that knows every reader.
 
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, xml};
+use super::sniff::{Format, format_of};
+use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
 use crate::units::Scale;
-
-/// The formats that can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// SWC: one centerline point a line.
-    Swc,
-    /// VTK XML PolyData.
-    Vtp,
-    /// GraphML.
-    GraphMl,
-    /// A table of edges, with a table of nodes beside it or not.
-    Csv,
-}
-
-impl Format {
-    /// The usual name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Swc => "SWC",
-            Self::Vtp => "VTP",
-            Self::GraphMl => "GraphML",
-            Self::Csv => "CSV",
-        }
-    }
-}
 
 /// What a file holds.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),
+    /// Vessels that an image showed, as they stand.
+    Vessels(Network),
     /// A ready graph, whose edges are vessels as they stand.
     Graph(Network),
 }
@@ -110,6 +88,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
             (Content::Graph(network), notes)
         }
+        other => return Err(here(Fault::file(format!("{} cannot be read", other.name()), "expected another format"))),
     };
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
@@ -135,35 +114,4 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 fn hexadecimal(bytes: &[u8]) -> String {
     let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
     Sha256::digest(bytes).iter().flat_map(digits).collect()
-}
-
-const ACCEPTED: &str = "expected SWC (.swc), VTK PolyData (.vtp), GraphML (.graphml) or a CSV table of edges (.csv)";
-
-fn format_of(path: &Path, bytes: &[u8]) -> std::result::Result<Format, Fault> {
-    if bytes.trim_ascii().is_empty() {
-        return Err(Fault::file("the file is empty", ACCEPTED));
-    }
-    match xml::root(bytes) {
-        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
-            return Ok(Format::Vtp);
-        }
-        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", ACCEPTED)),
-        Some(("graphml", _)) => return Ok(Format::GraphMl),
-        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), ACCEPTED)),
-        None => {}
-    }
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("swc") => return Ok(Format::Swc),
-        Some("csv") => return Ok(Format::Csv),
-        _ => {}
-    }
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
-    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    match lines.next() {
-        Some(line) if csv_graph::is_header(line) => Ok(Format::Csv),
-        Some(line) if line.split_whitespace().count() == 7 && line.split_whitespace().all(|w| w.parse::<f64>().is_ok()) => {
-            Ok(Format::Swc)
-        }
-        _ => Err(Fault::file("the format is not known", ACCEPTED)),
-    }
 }

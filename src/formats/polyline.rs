@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::geometry::{Point, distance};
-use crate::network::{Network, PathPoint};
+use crate::network::{Network, PathPoint, Vessel};
 
 /// Each node as a point; one without radius has that of its widest vessel, or NaN where it has no vessel.
 pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
@@ -19,6 +19,17 @@ pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
         Ok(PathPoint { position, radius: node.radius.unwrap_or(widest), id: None })
     };
     network.nodes().zip(widest).map(point).collect()
+}
+
+#[allow(dead_code)]
+/// Every vessel from node to node: along its path, or straight where it has none.
+pub(super) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
+    let at = node_points(network)?;
+    let line = |([a, b], vessel): ([usize; 2], &Vessel)| {
+        let inner = between(&vessel.path, at[a].position, at[b].position, true);
+        [at[a]].into_iter().chain(inner).chain([at[b]]).collect()
+    };
+    Ok(network.vessels().map(line).collect())
 }
 
 /// The points of a path without those that its two nodes are, in the sense asked for.

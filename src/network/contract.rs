@@ -24,6 +24,8 @@ pub struct Contraction {
     pub repaired_radii: usize,
     /// Vessels that had no radius at all and took the default.
     pub default_radii: usize,
+    /// Vessels whose links have different names.
+    pub mixed_labels: usize,
 }
 
 impl RadiusRule {
@@ -66,7 +68,7 @@ impl Vessel {
 /// Contracts centerlines to a network of observed vessels.
 ///
 /// Nodes are the points of degree other than two, in point order, and the first point of every pure ring. Missing
-/// radii are interpolated linearly over arc length along their vessel.
+/// radii are interpolated linearly over arc length along their vessel. A vessel has the name that the longest part of it has.
 ///
 /// # Errors
 ///
@@ -105,41 +107,57 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
             ..Node::default()
         });
     }
-    for points in walks {
-        add(&mut out, lines, &points, [row_of[points[0]], row_of[points[points.len() - 1]]], rule, default_radius)?;
+    for walk in walks {
+        let ends = [0, walk.points.len() - 1].map(|at| row_of[walk.points[at]]);
+        add(&mut out, lines, &walk, ends, rule, default_radius)?;
     }
     out.repaired_radii = lines.radii.iter().filter(|r| !is_radius(**r)).count();
     Ok(out)
 }
 
-/// The points from a node along a link to the next node.
-fn walk(
-    start: usize,
-    next: usize,
-    link: usize,
-    neighbours: &[Vec<(usize, usize)>],
-    is_node: &[bool],
-    used: &mut [bool],
-) -> Vec<usize> {
-    let (mut points, mut at) = (vec![start, next], next);
+/// A run from node to node.
+struct Walk {
+    points: Vec<usize>,
+    links: Vec<usize>,
+}
+
+/// The run from a node along a link to the next node.
+fn walk(start: usize, next: usize, link: usize, neighbours: &[Vec<(usize, usize)>], is_node: &[bool], used: &mut [bool]) -> Walk {
+    let (mut walk, mut at) = (Walk { points: vec![start, next], links: vec![link] }, next);
     used[link] = true;
     while !is_node[at] {
         let Some((next, link)) = neighbours[at].iter().find(|(_, link)| !used[*link]) else { break };
         used[*link] = true;
         at = *next;
-        points.push(at);
+        walk.points.push(at);
+        walk.links.push(*link);
     }
-    points
+    walk
+}
+
+/// The name that the longest part of a run has, and whether there are others.
+fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
+    let mut lengths: Vec<(&str, f64)> = Vec::new();
+    for (ends, link) in walk.points.windows(2).zip(&walk.links) {
+        let (name, length) = (lines.labels.of(*link), distance(lines.points[ends[0]], lines.points[ends[1]]));
+        match lengths.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += length,
+            None => lengths.push((name, length)),
+        }
+    }
+    let longest = lengths.iter().fold(("", -1.0), |best, this| if this.1 > best.1 { *this } else { best });
+    (longest.0.to_owned(), lengths.len() > 1)
 }
 
 fn add(
     out: &mut Contraction,
     lines: &Centerlines,
-    points: &[usize],
+    walk: &Walk,
     ends: [usize; 2],
     rule: RadiusRule,
     default_radius: Option<f64>,
 ) -> Result<(), Fault> {
+    let points = &walk.points;
     let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
     if !interpolate(&mut radii, points, lines) {
@@ -155,7 +173,9 @@ fn add(
     }
     let path = points.iter().zip(&radii);
     let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
-    let vessel = Vessel::along(path, rule);
+    let (label, mixed) = label(lines, walk);
+    out.mixed_labels += usize::from(mixed);
+    let vessel = Vessel { label, ..Vessel::along(path, rule) };
     if vessel.length <= 0.0 {
         return Err(Fault::item(name(), "length 0", "expected points at different positions"));
     }

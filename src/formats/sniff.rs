@@ -1,0 +1,137 @@
+//! Which format a file has: by its content first, by its ending then.
+
+use std::path::Path;
+
+use super::{csv_graph, xml};
+use crate::error::Fault;
+
+/// The formats that are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// SWC: one centerline point a line.
+    Swc,
+    /// VTK XML PolyData.
+    Vtp,
+    /// VTK legacy PolyData.
+    Vtk,
+    /// GraphML.
+    GraphMl,
+    /// A table of edges, with a table of nodes beside it or not.
+    Csv,
+    /// A table of points, `fragment,x,y,z,radius`.
+    Points,
+    /// Voreen's tables of nodes and edges.
+    Voreen,
+    /// VesselVio's tables of vertices and edges.
+    VesselVio,
+    /// 3D Slicer markups.
+    Markups,
+    /// ITK tubes.
+    Tre,
+    /// A skeleton graph as NumPy arrays.
+    Npz,
+    /// VTrails' geodesic trees, a MATLAB 7.3 file.
+    VTrails,
+}
+
+impl Format {
+    /// The usual name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Swc => "SWC",
+            Self::Vtp => "VTP",
+            Self::Vtk => "VTK legacy",
+            Self::GraphMl => "GraphML",
+            Self::Csv => "CSV",
+            Self::Points => "CSV of points",
+            Self::Voreen => "Voreen CSV",
+            Self::VesselVio => "VesselVio CSV",
+            Self::Markups => "Slicer markups",
+            Self::Tre => "TRE",
+            Self::Npz => "NPZ",
+            Self::VTrails => "VTrails MAT",
+        }
+    }
+}
+
+const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups or NPZ";
+
+/// Decides by the first bytes, then by the ending, then by the first line that says something.
+pub(super) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(Fault::file("the file is empty", ACCEPTED));
+    }
+    if let Some(format) = by_signature(bytes)? {
+        return Ok(format);
+    }
+    match xml::root(bytes) {
+        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
+            return Ok(Format::Vtp);
+        }
+        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", ACCEPTED)),
+        Some(("graphml", _)) => return Ok(Format::GraphMl),
+        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), ACCEPTED)),
+        None => {}
+    }
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
+    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let first = lines.next().unwrap_or_default();
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("swc") => return Ok(Format::Swc),
+        Some("csv" | "tsv") => return Ok(table(first).unwrap_or(Format::Csv)),
+        _ => {}
+    }
+    if let Some(format) = table(first) {
+        return Ok(format);
+    }
+    if first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok()) {
+        return Ok(Format::Swc);
+    }
+    Err(Fault::file("the format is not known", ACCEPTED))
+}
+
+/// The formats that begin in a way of their own.
+fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
+    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+    let starts = |signature: &[u8]| bytes.starts_with(signature);
+    if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
+        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+    }
+    if starts(b"\x1f\x8b") {
+        return Err(Fault::file("the file is compressed by gzip", "expected it unpacked (gunzip)"));
+    }
+    if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
+        return Ok(Some(Format::VTrails));
+    }
+    if starts(b"MATLAB 5.0 MAT-file") {
+        return Err(Fault::file("a MATLAB file before version 7.3", "expected it saved with -v7.3"));
+    }
+    if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
+        return Ok(Some(Format::Npz));
+    }
+    if starts(b"# vtk DataFile") {
+        return Ok(Some(Format::Vtk));
+    }
+    let text = bytes.trim_ascii_start();
+    if text.starts_with(b"{") {
+        return Ok(Some(Format::Markups));
+    }
+    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+    let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
+    Ok(["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')).then_some(Format::Tre))
+}
+
+/// The table that a header line begins.
+fn table(header: &str) -> Option<Format> {
+    let columns: Vec<&str> = header.split([',', ';', '\t']).map(|column| column.trim().trim_matches('"')).collect();
+    let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column.eq_ignore_ascii_case(name)));
+    if has(&["node1id", "node2id"]) {
+        Some(Format::Voreen)
+    } else if csv_graph::is_header(header) {
+        Some(Format::Csv)
+    } else if has(&["fragment", "x", "y", "z"]) || has(&["fragment", "x_mm", "y_mm", "z_mm"]) {
+        Some(Format::Points)
+    } else {
+        None
+    }
+}
