@@ -6,11 +6,9 @@ use clap::{Args, ValueEnum};
 use willis::candidates::{self, Attach, CandidateRadius};
 use willis::error::{Error, Result};
 use willis::formats::{Content, ReadOptions, read};
-use willis::geometry::box_diagonal;
 use willis::network::{Network, Origin, RadiusRule, contract, fragments};
 use willis::quantity::Dimension;
 use willis::report::Provenance;
-use willis::stats::median;
 use willis::units::{LengthUnit, Scale, millimetres};
 
 use super::provenance::command_line;
@@ -18,8 +16,6 @@ use super::terminal::{Terminal, brief, count, plural};
 
 /// Coincident points of different polylines are one node within this share of the bounding box.
 const WELD_TOLERANCE: f64 = 1e-6;
-/// Median radii (mm) outside this range are no vessel of a human body.
-const PLAUSIBLE_RADIUS_MM: std::ops::Range<f64> = 0.002..20.0;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Unit {
@@ -44,9 +40,9 @@ pub struct InputArgs {
     /// Centerlines (SWC, VTP) or a ready candidate graph (GraphML, CSV of edges)
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
     pub input: PathBuf,
-    /// The unit of coordinates and radii in INPUT
-    #[arg(long, value_enum, default_value = "mm")]
-    units: Unit,
+    /// The unit of coordinates and radii in INPUT [default: mm]
+    #[arg(long, value_enum)]
+    units: Option<Unit>,
     /// Voxel spacing in mm, with --units voxel: one number, or three
     #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',')]
     spacing: Option<Vec<f64>>,
@@ -131,7 +127,7 @@ impl InputArgs {
     }
 
     fn scale(&self) -> Result<Scale> {
-        let unit = match self.units {
+        let unit = match self.units.unwrap_or(Unit::Mm) {
             Unit::Mm => LengthUnit::Millimetre,
             Unit::Um => LengthUnit::Micrometre,
             Unit::Cm => LengthUnit::Centimetre,
@@ -187,7 +183,8 @@ impl InputArgs {
         if let Some([x, y, z]) = scale.spacing.filter(|[x, y, z]| x != y || y != z) {
             notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
         }
-        let heading = format!("{}, {}", document.format.name(), scale.unit.symbol());
+        let assumed = if self.units.is_none() { " assumed" } else { "" };
+        let heading = format!("{}, {}{assumed}", document.format.name(), scale.unit.symbol());
         let ready = matches!(document.content, Content::Graph(_));
         let network = self.network(document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
         if network.vessel_count() == 0 {
@@ -197,7 +194,6 @@ impl InputArgs {
             )
             .in_file(&self.input));
         }
-        notes.extend(implausible(&network, scale.unit));
         for note in &notes {
             terminal.say("note", note);
         }
@@ -319,19 +315,6 @@ fn radii(network: &Network) -> String {
     let radii = || network.vessels().map(|(_, v)| millimetres(v.radius));
     let (low, high) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
     if low <= high { format!(", radius {} - {} mm", brief(low), brief(high)) } else { String::new() }
-}
-
-/// A warning when radii look like another unit.
-fn implausible(network: &Network, unit: LengthUnit) -> Option<String> {
-    let radii: Vec<f64> = network.vessels().map(|(_, v)| millimetres(v.radius)).collect();
-    let median = median(&radii).filter(|r| !PLAUSIBLE_RADIUS_MM.contains(r))?;
-    let span = millimetres(box_diagonal(network.nodes().filter_map(|n| n.position)));
-    let used = unit.symbol();
-    Some(format!(
-        "the median radius is {} mm and the extent {} mm, with lengths in {used}: implausible for vessels; see --units",
-        brief(median),
-        brief(span)
-    ))
 }
 
 /// Viscosity, Pa s, from `--viscosity`.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::sniff::{Format, format_of};
+use super::unit_check::unit_check;
 use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
@@ -99,6 +100,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         let added = add_loops(without_mark(&bytes), lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{added} links are those of {}", loops.display()));
     }
+    notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
 }
 

@@ -12,6 +12,7 @@ mod sniff;
 mod swc;
 mod swc_points;
 mod table;
+mod unit_check;
 mod vtp;
 mod xml;
 

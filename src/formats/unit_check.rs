@@ -1,0 +1,96 @@
+//! Whether the lengths of a file look like the unit in which they were taken.
+
+use super::document::Content;
+use crate::centerline::is_radius;
+use crate::geometry::{Point, box_diagonal};
+use crate::stats::median;
+use crate::units::{LengthUnit, Scale, millimetres};
+
+/// Median radii of brain vessels, mm: from capillaries to the internal carotid artery.
+const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
+/// A share of coordinates or radii above which they are called whole numbers.
+const MOST: f64 = 0.95;
+/// Fewer points than this prove nothing.
+const FEWEST: usize = 10;
+/// How far from a whole number a voxel index or a squared distance of voxels may lie.
+const ROUNDING: f64 = 1e-4;
+
+/// What a person should know about the unit, one line each; nothing where all looks like vessels.
+pub(super) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
+    let (points, radii) = measures(content);
+    let mut notes = Vec::new();
+    if scale.unit != LengthUnit::Voxel && points.len() >= FEWEST {
+        let file = |mm: f64, axis: usize| millimetres(mm) / scale.axes()[axis];
+        let whole = |x: f64| (x - x.round()).abs() <= ROUNDING;
+        let share = |n: usize, of: usize| n as f64 >= MOST * of as f64;
+        let lattice = points.iter().filter(|p| (0..3).all(|axis| whole(2.0 * file(p[axis], axis)))).count();
+        let squares = radii.iter().filter(|r| whole(file(**r, 0).powi(2))).count();
+        let distinct = radii.iter().any(|r| *r != radii[0]);
+        if share(lattice, points.len()) {
+            notes.push(format!("the coordinates are whole or half numbers, {VOXELS}"));
+        } else if radii.len() >= FEWEST && distinct && share(squares, radii.len()) {
+            notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives, {VOXELS}"));
+        }
+    }
+    let Some(found) = median(&radii).map(millimetres).filter(|r| !MEDIAN_RADIUS_MM.contains(r)) else { return notes };
+    let per_unit = |unit: LengthUnit| Scale { unit, spacing: None }.axes()[0];
+    let raw = found / scale.axes()[0];
+    let others = [LengthUnit::Micrometre, LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre];
+    let fitting = others.into_iter().filter(|unit| *unit != scale.unit && MEDIAN_RADIUS_MM.contains(&(raw * per_unit(*unit))));
+    let advice = if scale.unit == LengthUnit::Voxel {
+        "see --spacing".to_owned()
+    } else {
+        let names: Vec<&str> = fitting.map(LengthUnit::symbol).chain(["voxels"]).collect();
+        format!("perhaps they are {}: see --units and --spacing", names.join(" or "))
+    };
+    notes.push(format!(
+        "the median radius is {:.3} mm and the extent {:.3} mm, with lengths in {}, which no brain vessels have; {advice}",
+        found,
+        millimetres(box_diagonal(points.iter().copied())),
+        scale.unit.symbol()
+    ));
+    notes
+}
+
+const VOXELS: &str = "as of voxels; if they are, give --units voxel --spacing S";
+
+/// Positions and radii, m: of the points, or of the nodes and vessels.
+fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {
+    match content {
+        Content::Centerlines(lines) => (lines.points.clone(), lines.radii.iter().copied().filter(|r| is_radius(*r)).collect()),
+        Content::Vessels(network) | Content::Graph(network) => {
+            (network.nodes().filter_map(|n| n.position).collect(), network.vessels().map(|(_, v)| v.radius).collect())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centerline::Centerlines;
+
+    /// Points of a spiral with the given radii, in mm, taken as `unit`.
+    fn notes(unit: LengthUnit, place: impl Fn(f64) -> f64, radius: impl Fn(usize) -> f64) -> String {
+        let scale = Scale { unit, spacing: None };
+        let mut lines = Centerlines::default();
+        for i in 0..20 {
+            let t = i as f64;
+            let position = scale.position([place(7.3 * t.sin()), place(7.3 * t.cos()), place(t * 1.1)]);
+            lines.add_point(position, scale.length(radius(i)), i as u64, 0);
+        }
+        unit_check(&Content::Centerlines(lines), &scale).join("\n")
+    }
+
+    #[test]
+    fn vessels_in_millimetres_pass_and_other_units_are_named() {
+        let mm = |i: usize| 1.2 + 0.013 * i as f64;
+        assert_eq!(notes(LengthUnit::Millimetre, |x| x, mm), "");
+        let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
+        assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
+        assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
+        assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
+        let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());
+        assert!(distance_transform.contains("distance transform"), "{distance_transform}");
+        assert_eq!(notes(LengthUnit::Millimetre, |x| x, |_| 1.0), "", "one radius for all proves nothing");
+    }
+}
