@@ -4,7 +4,6 @@ mod pictures;
 mod record;
 mod tables;
 
-use std::io::Write;
 use std::path::Path;
 
 use super::staged::{write_file, write_record};
@@ -67,11 +66,8 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     if samples {
         write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
     }
-    for (name, picture) in
-        [("modulation.png", pictures::response(outcome, dpi)?), ("hypertension.png", pictures::hypertension(outcome, dpi)?)]
-    {
-        write_file(&folder.join(name), |out| out.write_all(&picture))?;
-    }
+    pictures::response(outcome).write(folder, dpi)?;
+    pictures::hypertension(outcome).write(folder, dpi)?;
     write_record(folder, &record::Record::of(outcome))
 }
 
