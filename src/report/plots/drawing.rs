@@ -33,7 +33,7 @@ impl Drawing {
         let [wide, high] = [width, height].map(|dots| f64::from(dots) / 100.0);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{wide}pt\" height=\"{high}pt\" viewBox=\"0 0 {width} {height}\" \
-             role=\"img\" aria-label=\"{}\">\n<path fill=\"#fff\" d=\"M0 0h{width}v{height}H0z\"/>\n{}</svg>\n",
+             role=\"img\" aria-label=\"{}\">\n<path fill=\"#fff\" d=\"M0 0H{width}V{height}H0z\"/>\n{}</svg>\n",
             self.name, self.elements
         )
     }
@@ -109,7 +109,8 @@ impl Page for Drawing {
         Ok(true)
     }
 
-    fn image(&mut self, from: Dot, to: Dot, image: &Image) -> Result<bool, String> {
+    fn image(&mut self, from: Dot, to: Dot, image: &dyn Fn() -> Image) -> Result<bool, String> {
+        let image = image();
         let side = image.side as u32;
         let file = png([side; 2], &image.rgb, None)?;
         let ((x, y), width, height, data) = (from, to.0 - from.0, to.1 - from.1, STANDARD.encode(file));

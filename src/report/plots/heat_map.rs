@@ -15,6 +15,8 @@ const BAR: [f64; 2] = [18.0, 13.0];
 const TICK: f64 = 4.0;
 /// The smallest mark of a vessel, points: a lone vessel among thousands of nodes stays visible.
 const MARK: f64 = 1.0;
+/// A pixel that no one sees, points.
+const UNSEEN: f64 = 0.05;
 /// Where a page would hold more rectangles than this it holds one image instead,
 const RECTANGLES: usize = 4000;
 /// of about so many pixels a side: 600 per inch.
@@ -85,7 +87,8 @@ pub fn heat_map(matrix: &Matrix<'_>) -> Result<Figure> {
 fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
     let range = LogRange::of(cells.iter().map(|cell| cell.1));
     let room = sheet.pixels(SIDE);
-    let side = even(room, nodes);
+    // Where no one sees a pixel, none is given up for equal cells.
+    let side = if sheet.points(1) < UNSEEN { room } else { even(room, nodes) };
     let corner = CORNER.map(|c| sheet.pixels(c) + (room - side) / 2);
     sheet.fill(corner, [side, side], ZERO)?;
     if let Some(range) = range {
@@ -105,8 +108,7 @@ fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
     let middle = CORNER[0] + SIDE / 2.0;
     sheet.text(&title, [middle, CORNER[1] / 2.0], TITLE, Align::Middle, Run::Right)?;
     if let Some(range) = range {
-        bar(sheet, range)?;
-        return Ok(());
+        return bar(sheet, range);
     }
     let note = Label::plain("no likelihood above zero");
     sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)
@@ -138,13 +140,16 @@ fn squares(
 
 /// The matrix as an image, on a page that takes one.
 fn image(sheet: &mut Sheet<'_>, corner: [usize; 2], side: usize, cells: &[Cell], nodes: usize, range: LogRange) -> Result<bool> {
-    let pixels = even(IMAGE, nodes);
-    let mut image = Image::new(pixels, ZERO);
-    let mark = (MARK / SIDE * pixels as f64).round() as usize;
-    for (at, size, rgb) in squares(cells, nodes, range, pixels, mark) {
-        image.fill(at, size, rgb);
-    }
-    sheet.image(corner, [side, side], &image)
+    let make = || {
+        let pixels = even(IMAGE, nodes);
+        let mut image = Image::new(pixels, ZERO);
+        let mark = (MARK / SIDE * pixels as f64).round() as usize;
+        for (at, size, rgb) in squares(cells, nodes, range, pixels, mark) {
+            image.fill(at, size, rgb);
+        }
+        image
+    };
+    sheet.image(corner, [side, side], &make)
 }
 
 fn node_axes(sheet: &mut Sheet<'_>, [left, top]: [f64; 2], span: f64, nodes: usize) -> Result<()> {

@@ -91,7 +91,7 @@ pub trait Page {
         Ok(false)
     }
     /// An image in a rectangle.
-    fn image(&mut self, _from: Dot, _to: Dot, _image: &Image) -> Result<bool, String> {
+    fn image(&mut self, _from: Dot, _to: Dot, _image: &dyn Fn() -> Image) -> Result<bool, String> {
         Ok(false)
     }
 }
@@ -134,7 +134,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Puts an image on whole pixels; false where a page has dots of its own.
-    pub fn image(&mut self, corner: [usize; 2], size: [usize; 2], image: &Image) -> Result<bool> {
+    pub fn image(&mut self, corner: [usize; 2], size: [usize; 2], image: &dyn Fn() -> Image) -> Result<bool> {
         let [from, to] = self.whole(corner, size);
         self.done(|page| page.image(from, to, image))
     }
