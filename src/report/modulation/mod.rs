@@ -37,6 +37,11 @@ pub struct ModulationOutcome<'a> {
 }
 
 impl ModulationOutcome<'_> {
+    /// What run.json holds.
+    pub fn record(&self) -> impl serde::Serialize {
+        record::Record::of(self)
+    }
+
     /// Per node whether its pressure is free to change.
     fn free(&self) -> Vec<bool> {
         let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
@@ -68,7 +73,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     }
     pictures::response(outcome).write(folder, dpi)?;
     pictures::hypertension(outcome).write(folder, dpi)?;
-    write_record(folder, &record::Record::of(outcome))
+    write_record(folder, &outcome.record())
 }
 
 /// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
