@@ -39,6 +39,7 @@ pub mod quantity;
 pub mod rng;
 pub mod simd;
 pub mod stats;
+pub mod suggestion;
 pub mod units;
 
 pub mod elimination;

@@ -1,5 +1,6 @@
 //! Figures with a unit, as a person types them: `12mm`, `100 mmHg`, `3.5cP`; a bare number takes the customary unit.
 
+use crate::suggestion::did_you_mean;
 use crate::units::{cubic_metres_per_second, metres, pascal_seconds, pascal_seconds_per_cubic_metre, pascals};
 
 type Unit = (&'static str, fn(f64) -> f64);
@@ -57,8 +58,14 @@ impl Dimension {
     pub fn parse(self, text: &str) -> Result<f64, String> {
         let (number, unit) = parts(text).ok_or_else(|| self.accepted())?;
         let name = if unit.is_empty() { self.units()[0].0 } else { unit };
-        let (_, to_si) = self.units().iter().find(|(n, _)| *n == name).ok_or_else(|| self.accepted())?;
+        let unknown = || format!("{}{}", self.near(text), self.accepted());
+        let (_, to_si) = self.units().iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
         Some(to_si(number)).filter(|si| si.is_finite()).ok_or_else(|| self.accepted())
+    }
+
+    /// `did you mean "mmHg"? ` for a number with almost a unit of this dimension; otherwise empty.
+    pub fn near(self, text: &str) -> String {
+        parts(text).map_or(String::new(), |(_, unit)| did_you_mean(unit, self.units().iter().map(|(name, _)| *name)))
     }
 
     /// Whether the text is a number followed by a unit of this dimension.
@@ -88,6 +95,13 @@ mod tests {
         assert_eq!(Pressure.parse("1e3Pa"), Ok(1000.0));
         assert_eq!(Viscosity.parse("3.5cP"), Ok(0.0035));
         assert!(Resistance.has_unit_in("2.5mmHg.s/mL") && !Resistance.has_unit_in("2.5mmHg"));
+    }
+
+    #[test]
+    fn a_unit_mistyped_is_offered_rightly_typed() {
+        assert!(Pressure.parse("90mmhg").is_err_and(|e| e.starts_with("did you mean \"mmHg\"? expected ")));
+        assert_eq!(Resistance.near("20mmHg.s/ml"), "did you mean \"mmHg.s/mL\"? ");
+        assert_eq!(Pressure.near("90 furlongs") + &Length.near("mm"), "");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// From the bottom: a module may use those of earlier rows, and itself.
 const LAYERS: &[&[&str]] = &[
     &["error"],
-    &["units", "simd", "stats"],
+    &["units", "simd", "stats", "suggestion"],
     &["rng"],
     &["quantity"],
     &["elimination", "geometry"],
@@ -33,6 +33,8 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("rayon", &["inference/driver.rs", "modulation/driver.rs", "cli/mod.rs", "cli/infer.rs"]),
     ("kiddo", &["candidates/knn.rs"]),
     ("plotters", &["report/plots.rs", "report/plots/"]),
+    ("ab_glyph", &["report/plots/font.rs"]),
+    ("strsim", &["suggestion.rs"]),
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
     ("statrs", &["stats/gamma.rs"]),

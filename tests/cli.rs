@@ -112,10 +112,12 @@ fn the_shipped_example_gives_every_file_and_the_same_bytes_at_any_thread_count()
         let names: Vec<String> = files.iter().map(|(name, _)| name.display().to_string()).collect();
         for name in [
             "convergence.png",
+            "convergence.svg",
             "edges.csv",
             "likelihood.npy",
             "likelihood.npz",
             "likelihood.png",
+            "likelihood.svg",
             "nodes.csv",
             "run.json",
             "topology-median.graphml",

@@ -6,12 +6,14 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 10] = [
     "classes.csv",
     "edges.csv",
     "hypertension.csv",
     "hypertension.png",
+    "hypertension.svg",
     "modulation.png",
+    "modulation.svg",
     "nodes.csv",
     "run.json",
     "samples.npz",
@@ -104,7 +106,7 @@ fn centerlines_are_modulated_without_candidates() {
     let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
     assert_eq!(record["counts"]["vessels"], 3);
     assert_eq!(record["parameters"]["outlets_found"], "ground");
-    assert_eq!(names(&here.path().join("out")), FILES[..7]);
+    assert_eq!(names(&here.path().join("out")), FILES[..9]);
 }
 
 const SCRIPT: &str = r#"

@@ -10,6 +10,7 @@ use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
 use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
 use willis::quantity::Dimension;
+use willis::suggestion::did_you_mean;
 use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
 
 use super::terminal::{Terminal, brief, plural};
@@ -42,10 +43,11 @@ impl BoundaryArgs {
         let usual = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
         let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
         let refused = || {
+            let meant = did_you_mean(text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
             Error::parameter(
                 "--outlets",
                 format!("\"{text}\""),
-                "expected ground, murray, or murray= a positive total flow (700mL/min) or resistance (8mmHg.s/mL)",
+                meant + "expected ground, murray, or murray= a positive total flow (700mL/min) or resistance (8mmHg.s/mL)",
             )
         };
         match text.split_once('=') {
@@ -134,8 +136,12 @@ fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role,
                 Ok((spec, Role::Outlet, Condition::Resistance { resistance, venous }))
             }
             Some((spec, value)) => {
-                let accepted = "expected ground, a pressure (5mmHg) or a resistance (20mmHg.s/mL)";
-                Ok((spec, Role::Outlet, Condition::Pressure(Dimension::Pressure.parse(value).map_err(|_| accepted.to_owned())?)))
+                let meant = match Dimension::Pressure.near(value) {
+                    near if near.is_empty() => did_you_mean(value, ["ground"]) + &Dimension::Resistance.near(value),
+                    near => near,
+                };
+                let accepted = format!("{meant}expected ground, a pressure (5mmHg) or a resistance (20mmHg.s/mL)");
+                Ok((spec, Role::Outlet, Condition::Pressure(Dimension::Pressure.parse(value).map_err(|_| accepted)?)))
             }
         },
         _ => {

@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 use willis::candidates::build;
 use willis::error::{Error, Result};
 use willis::formats::write_graphml;
+use willis::network::Origin;
 use willis::report::{StagedFile, graph_columns, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
+use super::shell::print_json;
 use super::tell::say_built;
 use super::terminal::{Terminal, plural};
 
@@ -26,6 +29,9 @@ pub struct CandidatesArgs {
     output: PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
+    /// Print a summary on standard output, as JSON
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     boundary: BoundaryArgs,
 }
@@ -53,6 +59,20 @@ impl CandidatesArgs {
         let file = StagedFile::new(&self.output, force)?;
         write_file(&file.path(), |out| write_graphml(out, &graph, &nodes, &vessels))?;
         file.commit()?;
+        if self.json {
+            let source = &loaded.provenance;
+            let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
+            print_json(&json!({
+                "willis": env!("CARGO_PKG_VERSION"),
+                "command": source.command,
+                "input": { "path": source.input, "format": source.format, "sha256": source.sha256, "units": source.units },
+                "notes": source.notes,
+                "output": self.output.display().to_string(),
+                "counts": { "nodes": graph.node_count(), "vessels": graph.vessel_count(), "candidates": candidates },
+                "inlets_found": boundary.found_inlets.len(),
+                "outlets_found": boundary.found_outlets.len(),
+            }))?;
+        }
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         terminal.say("written", format!("{}: {size}", self.output.display()));
         Ok(())

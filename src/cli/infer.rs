@@ -13,10 +13,11 @@ use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weigh
 use willis::network::Network;
 use willis::report::summary::Built;
 use willis::report::{Outcome, Provenance, StagedFolder, Summary, agreement, staged::write_file, write_outcome};
+use willis::suggestion::did_you_mean;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs, viscosity};
-use super::shell::print_line;
+use super::shell::print_json;
 use super::tell::{say_built, say_outcome};
 use super::terminal::{Terminal, count, is_stopped, plural};
 
@@ -118,7 +119,7 @@ pub struct InferArgs {
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
     dpi: u32,
-    /// Print run.json on standard output too
+    /// Print run.json on standard output too, in a line for each occlusion probability
     #[arg(long, help_heading = "Answer")]
     json: bool,
     #[command(flatten)]
@@ -138,7 +139,6 @@ struct Job<'a> {
     until_stable: bool,
     paper: bool,
     dpi: u32,
-    json: bool,
 }
 
 impl InferArgs {
@@ -176,17 +176,19 @@ impl InferArgs {
             until_stable: self.until.is_some(),
             paper: self.paper(),
             dpi: self.dpi,
-            json: self.json,
         };
+        let mut records = Vec::new();
         if let [params] = &runs[..] {
-            job.run(params, &folder.path(), terminal)?;
+            records.push(job.run(params, &folder.path(), terminal)?.1);
         } else {
             let mut decisions = Vec::new();
             let uncertain = runs[0].uncertain.vessels(&graph);
             for params in &runs {
                 let sub = folder.path().join(format!("epsilon-{}", params.epsilon));
                 std::fs::create_dir(&sub).map_err(|source| Error::Write { path: sub.clone(), source })?;
-                decisions.push((params.epsilon, job.run(params, &sub, terminal)?));
+                let (answer, record) = job.run(params, &sub, terminal)?;
+                decisions.push((params.epsilon, answer));
+                records.push(record);
             }
             write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
         }
@@ -194,6 +196,9 @@ impl InferArgs {
             return Err(Error::Stopped { done: self.samples, total: self.samples });
         }
         folder.commit()?;
+        if self.json {
+            records.iter().try_for_each(print_json)?;
+        }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
@@ -232,7 +237,7 @@ impl InferArgs {
 }
 
 impl Job<'_> {
-    fn run(&self, params: &Params, folder: &Path, terminal: Terminal) -> Result<Answer> {
+    fn run(&self, params: &Params, folder: &Path, terminal: Terminal) -> Result<(Answer, Summary)> {
         let start = Instant::now();
         let trial = params.uncertain.vessels(self.graph).iter().filter(|u| **u).count();
         let threads = rayon::current_num_threads();
@@ -247,7 +252,7 @@ impl Job<'_> {
             "sampling",
             format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
         );
-        let mut progress = terminal.progress(params.samples);
+        let mut progress = terminal.progress("sampling", "samples", params.samples);
         let sampled = if self.until_stable {
             infer_until_stable(self.graph, self.boundary, params, self.rule, &mut progress)
         } else {
@@ -281,16 +286,15 @@ impl Job<'_> {
         for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
             terminal.say("note", note);
         }
-        if self.json {
-            print_line(&serde_json::to_string(&summary).unwrap_or_default())?;
-        }
-        Ok(answer)
+        Ok((answer, summary))
     }
 }
 
 fn parse_rule(text: &str) -> Result<Keep> {
     let refused = || {
-        let accepted = "expected median, quantile=Q, value=X, otsu or frequency=F";
+        let word = text.split('=').next().unwrap_or_default();
+        let meant = did_you_mean(word, ["median", "quantile", "value", "otsu", "frequency"]);
+        let accepted = format!("{meant}expected median, quantile=Q, value=X, otsu or frequency=F");
         Error::parameter("--keep", format!("\"{text}\""), accepted)
     };
     let number = |text: &str| text.parse::<f64>().map_err(|_| refused());

@@ -40,8 +40,7 @@ enum Command {
     Modulate(Box<modulate::ModulateArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
-    /// Print the manual page
-    Man,
+    Man(shell::ManArgs),
 }
 
 #[derive(Debug, Args)]
@@ -103,7 +102,7 @@ impl Cli {
             Command::Modulate(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
-            Command::Man => shell::man(),
+            Command::Man(args) => args.run(terminal, force),
         }
     }
 }

@@ -13,6 +13,7 @@ use willis::units::pascals_per_square_metre;
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::infer::check_dpi;
 use super::input::{InputArgs, viscosity};
+use super::shell::print_json;
 use super::terminal::{Terminal, brief, is_stopped, plural};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -69,6 +70,9 @@ pub struct ModulateArgs {
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
     dpi: u32,
+    /// Print run.json on standard output too
+    #[arg(long, help_heading = "Answer")]
+    json: bool,
     #[command(flatten)]
     boundary: BoundaryArgs,
 }
@@ -95,7 +99,7 @@ impl ModulateArgs {
         let reading = params.reading.name();
         terminal.say("modulating", format!("{} in {classes}, {how}, reading {reading}", plural(modulated, "vessel")));
         let start = Instant::now();
-        let mut progress = terminal.progress(params.samples * params.classes.len() as u64);
+        let mut progress = terminal.progress("solving", "instances", params.samples * params.classes.len() as u64);
         let result = modulate(&network, &boundary, &params, &mut progress);
         progress.finish();
         let (result, seconds) = (result?, start.elapsed().as_secs_f64());
@@ -117,6 +121,9 @@ impl ModulateArgs {
             return Err(Error::Stopped { done: total, total });
         }
         folder.commit()?;
+        if self.json {
+            print_json(&outcome.record())?;
+        }
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::{Value, json};
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
 use willis::formats::{is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp};
@@ -12,6 +13,7 @@ use willis::phantom::{Breaks, Kind, Truth, break_up, without};
 use willis::report::{StagedFile, graph_columns, staged::write_file};
 
 use super::input::length;
+use super::shell::print_json;
 use super::terminal::{Terminal, count, plural};
 
 /// Make test anatomy with a known answer
@@ -38,6 +40,9 @@ pub struct PhantomArgs {
     /// Distance of centerline points
     #[arg(long, value_name = "LENGTH", default_value = "0.5mm")]
     spacing: String,
+    /// Print a summary on standard output, as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl PhantomArgs {
@@ -55,7 +60,8 @@ impl PhantomArgs {
         if !self.broken {
             write_network(&self.output, &ending, &network, force)?;
             terminal.say("written", format!("{}: {kind}, {}", self.output.display(), plural(network.vessel_count(), "vessel")));
-            return Ok(());
+            let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
+            return self.print(json!({ "counts": counts }));
         }
         if ending != "swc" {
             return Err(Error::parameter("--output", self.output.display(), "expected an ending .swc for a broken extraction"));
@@ -63,7 +69,30 @@ impl PhantomArgs {
         let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
         params.validate()?;
         let (lines, truth) = break_up(&network, &params);
-        write_extraction(&self.output, &lines, &truth, force, terminal)
+        let loops = write_extraction(&self.output, &lines, &truth, force, terminal)?;
+        let spurious = truth.spurious.iter().filter(|s| **s).count();
+        self.print(json!({
+            "truth": beside(&self.output, "truth.json").display().to_string(),
+            "loops": loops.map(|path| path.display().to_string()),
+            "counts": {
+                "points": lines.points.len(),
+                "fragments": truth.spurious.len(),
+                "spurious": spurious,
+                "gaps": truth.breaks.len(),
+            },
+        }))
+    }
+
+    /// The summary, where it is asked for.
+    fn print(&self, mut summary: Value) -> Result<()> {
+        if !self.json {
+            return Ok(());
+        }
+        summary["willis"] = env!("CARGO_PKG_VERSION").into();
+        summary["output"] = self.output.display().to_string().into();
+        summary["phantom"] = self.kind.as_str().into();
+        summary["without"] = self.without.as_slice().into();
+        print_json(&summary)
     }
 }
 
@@ -72,7 +101,8 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     path.with_extension(ending)
 }
 
-fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: Terminal) -> Result<()> {
+/// Writes the damaged centerlines and the truth; the path of the table of links that SWC cannot hold, where there are any.
+fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: Terminal) -> Result<Option<PathBuf>> {
     let answer = StagedFile::new(&beside(path, "truth.json"), force)?;
     write_file(&answer.path(), |out| truth.write_json(out))?;
     let file = StagedFile::new(path, force)?;
@@ -107,7 +137,7 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
         ),
     );
     terminal.say("truth", beside(path, "truth.json").display().to_string());
-    Ok(())
+    Ok((!loops.is_empty()).then(|| beside(path, "loops.csv")))
 }
 
 fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> Result<()> {

@@ -1,11 +1,14 @@
 //! `willis completions` and `willis man`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 use willis::error::{Error, Result};
+use willis::report::{StagedFile, staged::write_file};
 
 use super::Cli;
+use super::terminal::{Terminal, plural};
 
 /// Print shell completions
 #[derive(Debug, Args)]
@@ -30,20 +33,44 @@ impl CompletionsArgs {
     }
 }
 
-/// `willis man`.
-pub fn man() -> Result<()> {
-    let mut text = Vec::new();
-    let mut command = Cli::command();
-    command.build();
-    // The overview, then a page for each subcommand.
-    for page in std::iter::once(&command).chain(command.get_subcommands()) {
-        let page = clap_mangen::Man::new(page.clone());
-        page.render(&mut text).map_err(|source| Error::Write { path: "standard output".into(), source })?;
-    }
-    print(&text)
+/// Print the manual pages, or write one a file
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder to write willis.1, willis-infer.1 and so on into
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
+    output: Option<PathBuf>,
 }
 
-/// Prints a line of data on standard output.
-pub fn print_line(text: &str) -> Result<()> {
+impl ManArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        let mut command = Cli::command();
+        command.build();
+        // The overview, then a page for each subcommand.
+        let mut pages = Vec::new();
+        for page in std::iter::once(&command).chain(command.get_subcommands().filter(|c| c.get_name() != "help")) {
+            let name = page.get_display_name().unwrap_or(page.get_name()).to_owned();
+            let mut text = Vec::new();
+            let rendered = clap_mangen::Man::new(page.clone()).render(&mut text);
+            rendered.map_err(|source| Error::Write { path: "manual page".into(), source })?;
+            pages.push((format!("{name}.1"), text));
+        }
+        let Some(folder) = self.output else { return pages.iter().try_for_each(|(_, text)| print(text)) };
+        // All are looked at before the first is written.
+        for (name, _) in &pages {
+            StagedFile::check(&folder.join(name), force)?;
+        }
+        for (name, text) in &pages {
+            let file = StagedFile::new(&folder.join(name), force)?;
+            write_file(&file.path(), |out| out.write_all(text))?;
+            file.commit()?;
+        }
+        terminal.say("written", format!("{}: {}", folder.display(), plural(pages.len(), "page")));
+        Ok(())
+    }
+}
+
+/// Prints a record on standard output, in one line of JSON.
+pub fn print_json(record: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string(record).map_err(|e| Error::Write { path: "standard output".into(), source: e.into() })?;
     print(format!("{text}\n").as_bytes())
 }

@@ -12,7 +12,7 @@ use super::boundary::{BoundaryArgs, say_boundary};
 use super::infer::check_dpi;
 use super::input::{InputArgs, viscosity};
 use super::perturbation::PerturbationArgs;
-use super::shell::print_line;
+use super::shell::print_json;
 use super::tell_flow::say_simulated;
 use super::terminal::Terminal;
 
@@ -65,7 +65,7 @@ impl SimulateArgs {
         }
         folder.commit()?;
         if self.json {
-            print_line(&serde_json::to_string(&record).unwrap_or_default())?;
+            print_json(&record)?;
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())

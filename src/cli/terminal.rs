@@ -5,7 +5,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 /// Where facts are told: standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
@@ -42,21 +42,26 @@ impl Terminal {
         }
     }
 
-    /// Progress over so many samples, stopped by Ctrl-C or SIGTERM.
-    pub fn progress(self, total: u64) -> SampleProgress {
+    /// Progress of `doing` over so many `things`, stopped by Ctrl-C or SIGTERM.
+    pub fn progress(self, doing: &'static str, things: &'static str, total: u64) -> CountProgress {
         HANDLER.call_once(|| {
             // Without a handler a signal ends the process at once, which leaves no output either.
             let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
         });
         let bar = if self.quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(total) };
-        let style =
-            ProgressStyle::with_template("  {prefix:>8}  {bar:32} {human_pos}/{human_len} samples  {per_sec}  {eta} left");
-        if let Ok(style) = style {
-            bar.set_style(style);
+        let line = format!("{{prefix:>10}}  {{bar:16}} {{human_pos}}/{{human_len}} {things}  {{rate}}  {{eta}} left");
+        if let Ok(style) = ProgressStyle::with_template(&line) {
+            let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                // A bar has no way to say that it cannot be drawn.
+                let _ = write!(out, "{}/s", count(state.per_sec() as u64));
+            };
+            bar.set_style(style.with_key("rate", rate));
         }
-        bar.set_prefix("sampling");
-        SampleProgress {
+        bar.set_prefix(doing);
+        CountProgress {
             bar,
+            doing,
+            things,
             lines: !self.quiet && !std::io::stderr().is_terminal(),
             last: Instant::now(),
             start: Instant::now(),
@@ -75,14 +80,16 @@ pub fn line(text: std::fmt::Arguments<'_>) {
 }
 
 /// A progress bar on a terminal, plain lines elsewhere.
-pub struct SampleProgress {
+pub struct CountProgress {
     bar: ProgressBar,
+    doing: &'static str,
+    things: &'static str,
     lines: bool,
     last: Instant,
     start: Instant,
 }
 
-impl willis::inference::Progress for SampleProgress {
+impl willis::inference::Progress for CountProgress {
     fn report(&mut self, done: u64, total: u64) -> bool {
         self.bar.set_length(total);
         self.bar.set_position(done);
@@ -90,13 +97,14 @@ impl willis::inference::Progress for SampleProgress {
             self.last = Instant::now();
             let rate = done as f64 / self.start.elapsed().as_secs_f64();
             let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
-            line(format_args!("{:>10}  {} of {} samples, {rate:.0}/s, {left:.0} s left", "sampling", count(done), count(total)));
+            let (doing, things, rate) = (self.doing, self.things, count(rate as u64));
+            line(format_args!("{doing:>10}  {} of {} {things}, {rate}/s, {left:.0} s left", count(done), count(total)));
         }
         !is_stopped()
     }
 }
 
-impl SampleProgress {
+impl CountProgress {
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

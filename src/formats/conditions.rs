@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::error::Fault;
 use crate::network::{Condition, INLET_PRESSURE_MMHG, Role};
 use crate::quantity::Dimension;
+use crate::suggestion::did_you_mean;
 use crate::units::pascals;
 
 /// The column of the pressure behind a terminal resistance.
@@ -136,7 +137,12 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
             (if flow > 0.0 { Role::Inlet } else { Role::Outlet }, Condition::Flow(flow))
         }
         other => {
-            return Err(Fault::item(place, format!("kind \"{other}\""), "expected inlet, ground, pressure, resistance or flow"));
+            let meant = did_you_mean(other, ["inlet", "ground", "pressure", "resistance", "flow"]);
+            return Err(Fault::item(
+                place,
+                format!("kind \"{other}\""),
+                format!("{meant}expected inlet, ground, pressure, resistance or flow"),
+            ));
         }
     };
     Ok(Statement { place: place.to_owned(), spec, role, condition })

@@ -2,6 +2,7 @@
 
 use super::Network;
 use crate::geometry::{Point, distance};
+use crate::suggestion::did_you_mean;
 use crate::units::{metres, millimetres};
 
 /// A node found.
@@ -33,9 +34,12 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
         }
     }
     let Some(position) = parse_position(spec) else {
-        return Err(
-            "no node has this id or label; expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)".into(),
-        );
+        let names = network.nodes().flat_map(|n| [n.id.as_str(), n.label.as_str()]);
+        // A number near to another is not what was meant.
+        let meant = if spec.parse::<f64>().is_ok() { String::new() } else { did_you_mean(spec, names) };
+        return Err(format!(
+            "no node has this id or label; {meant}expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)"
+        ));
     };
     nearest(network, position).ok_or_else(|| "the nodes have no coordinates; give an id or a label".into())
 }

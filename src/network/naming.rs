@@ -1,6 +1,7 @@
 //! Finding vessels by what a person calls them: the anatomical label, or the row of the vessel.
 
 use super::Network;
+use crate::suggestion::nearest;
 
 /// Names offered for one that no vessel has.
 const OFFERED: usize = 3;
@@ -30,14 +31,10 @@ pub fn vessels_called(network: &Network, name: &str) -> Result<Vec<usize>, Strin
 
 /// The labels nearest to `name`, or the rows where the network has no labels.
 fn offer(network: &Network, name: &str, last: usize) -> String {
-    let mut labels: Vec<&str> = network.vessels().map(|(_, v)| v.label.as_str()).filter(|l| !l.is_empty()).collect();
+    let labels = nearest(name, network.vessels().map(|(_, v)| v.label.as_str()));
     if labels.is_empty() {
         return format!("edge:0 to edge:{last}, for the vessels have no labels");
     }
-    let wanted = name.to_lowercase();
-    labels.sort_unstable();
-    labels.dedup();
-    labels.sort_by_key(|label| strsim::osa_distance(&label.to_lowercase(), &wanted));
     let nearest: Vec<String> = labels.iter().take(OFFERED).map(|label| format!("\"{label}\"")).collect();
     format!("a label such as {}, or edge:0 to edge:{last}", nearest.join(", "))
 }

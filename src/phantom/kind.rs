@@ -6,6 +6,7 @@ use std::str::FromStr;
 use super::{Tree, branching_tree, cerebral, circle_of_willis};
 use crate::error::{Error, Result};
 use crate::network::Network;
+use crate::suggestion::did_you_mean;
 use crate::units::{metres, millimetres};
 
 /// Which test anatomy.
@@ -59,7 +60,9 @@ impl FromStr for Kind {
     type Err = Error;
 
     fn from_str(word: &str) -> Result<Self> {
-        (Self::ALL.into_iter().find(|kind| kind.name() == word))
-            .ok_or_else(|| Error::parameter("phantom", word, format!("expected {}", Self::ALL.map(Self::name).join(", "))))
+        (Self::ALL.into_iter().find(|kind| kind.name() == word)).ok_or_else(|| {
+            let (names, meant) = (Self::ALL.map(Self::name), did_you_mean(word, Self::ALL.map(Self::name)));
+            Error::parameter("phantom", word, format!("{meant}expected {}", names.join(", ")))
+        })
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::network::{Network, Role, Vessel};
+use crate::suggestion::did_you_mean;
 
 /// The vessels that `keep` admits. Nodes that lose all their vessels go; the others keep id, order, role and condition.
 pub(super) fn part(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network {
@@ -27,7 +28,8 @@ pub(super) fn part(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network
 pub fn without(network: &Network, labels: &[impl AsRef<str>]) -> Result<Network> {
     let present: Vec<&str> = network.vessels().map(|(_, vessel)| vessel.label.as_str()).collect();
     if let Some(unknown) = labels.iter().map(AsRef::as_ref).find(|label| !present.contains(label)) {
-        let accepted = format!("expected labels among {}", present.join(", "));
+        let meant = did_you_mean(unknown, present.iter().copied());
+        let accepted = format!("{meant}expected labels among {}", present.join(", "));
         return Err(Error::parameter("without", format!("\"{unknown}\""), accepted));
     }
     let rest = part(network, |vessel| labels.iter().all(|label| label.as_ref() != vessel.label));

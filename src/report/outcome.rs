@@ -1,6 +1,5 @@
 //! The output folder of an inference.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::plots::{Matrix, convergence, heat_map};
@@ -107,8 +106,7 @@ fn topology(
 
 fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<()> {
     let entries: Vec<(usize, usize, f64)> = matrix.iter().map(|(a, b, l)| (*a as usize, *b as usize, *l)).collect();
-    let picture = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries }, dpi)?;
-    write_file(&folder.join("likelihood.png"), |out| out.write_all(&picture))?;
+    heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries })?.write(folder, dpi)?;
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
@@ -117,8 +115,7 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
     let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let picture = convergence(&samples, &series, &threshold, &kept, dpi)?;
-    write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))
+    convergence(&samples, &series, &threshold, &kept)?.write(folder, dpi)
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.

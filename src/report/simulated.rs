@@ -1,7 +1,6 @@
 //! The output folder of a forward simulation.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 use super::flow_record::FlowRecord;
@@ -45,8 +44,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     } else {
         notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
     }
-    let picture = flow_bars(&flows(simulated), dpi)?;
-    write_file(&folder.join("flow.png"), |out| out.write_all(&picture))?;
+    flow_bars(&flows(simulated))?.write(folder, dpi)?;
     write_record(folder, record)?;
     Ok(notes)
 }

@@ -11,14 +11,17 @@ use crate::error::{Error, Result};
 /// The record by which a folder of this program is known.
 const MARK: &str = "run.json";
 /// All that such a folder may hold; --force replaces no folder with anything else in it.
-const FILES: [&str; 18] = [
+const FILES: &[&str] = &[
     "edges.csv",
     "nodes.csv",
     "likelihood.npy",
     "likelihood.npz",
     "likelihood.png",
+    "likelihood.svg",
     "convergence.png",
+    "convergence.svg",
     "flow.png",
+    "flow.svg",
     MARK,
     "topology.graphml",
     "topology.vtp",
@@ -29,7 +32,9 @@ const FILES: [&str; 18] = [
     "hypertension.csv",
     "samples.npz",
     "modulation.png",
+    "modulation.svg",
     "hypertension.png",
+    "hypertension.svg",
 ];
 const AGREEMENT: &str = "agreement.csv";
 
@@ -48,7 +53,7 @@ fn stranger(folder: &Path) -> Option<PathBuf> {
     let record = || fs::read(folder.join(MARK)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
     if folder.join(MARK).exists() {
         let ours = record().is_some_and(|r| r.get("willis").is_some());
-        return if ours { paths.into_iter().find(|p| !is_named(p, &FILES)) } else { Some(folder.join(MARK)) };
+        return if ours { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
     }
     paths.into_iter().find_map(|path| {
         if path.is_dir() && path.join(MARK).exists() {

@@ -9,6 +9,7 @@ use super::array::{Arrays, attribute};
 use super::block::{Encoding, Source};
 use crate::centerline::Centerlines;
 use crate::error::Fault;
+use crate::suggestion::did_you_mean;
 use crate::units::Scale;
 
 /// The usual names of the radius, the first one first.
@@ -164,7 +165,10 @@ fn radius<'a, 'i>(piece: Element<'a, 'i>, name: Option<&str>) -> Result<Element<
         let arrays: Vec<String> = arrays.map(|a| format!("\"{}\"", attribute(a, "Name").trim())).collect();
         let has = if arrays.is_empty() { "there are none".to_owned() } else { format!("there are {}", arrays.join(", ")) };
         match name {
-            Some(name) => Fault::file(format!("no point array \"{}\"", name.trim()), has),
+            Some(name) => {
+                let meant = did_you_mean(name, arrays.iter().map(|a| a.trim_matches('"')));
+                Fault::file(format!("no point array \"{}\"", name.trim()), format!("{meant}{has}"))
+            }
             None => Fault::file(format!("no point array {}", RADIUS.join(", ")), format!("{has}; name one with --radius-array")),
         }
     })

@@ -4,7 +4,6 @@ mod pictures;
 mod record;
 mod tables;
 
-use std::io::Write;
 use std::path::Path;
 
 use super::staged::{write_file, write_record};
@@ -38,6 +37,11 @@ pub struct ModulationOutcome<'a> {
 }
 
 impl ModulationOutcome<'_> {
+    /// What run.json holds.
+    pub fn record(&self) -> impl serde::Serialize {
+        record::Record::of(self)
+    }
+
     /// Per node whether its pressure is free to change.
     fn free(&self) -> Vec<bool> {
         let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
@@ -67,12 +71,9 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     if samples {
         write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
     }
-    for (name, picture) in
-        [("modulation.png", pictures::response(outcome, dpi)?), ("hypertension.png", pictures::hypertension(outcome, dpi)?)]
-    {
-        write_file(&folder.join(name), |out| out.write_all(&picture))?;
-    }
-    write_record(folder, &record::Record::of(outcome))
+    pictures::response(outcome).write(folder, dpi)?;
+    pictures::hypertension(outcome).write(folder, dpi)?;
+    write_record(folder, &outcome.record())
 }
 
 /// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and

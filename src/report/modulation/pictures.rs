@@ -1,9 +1,8 @@
 //! What the pictures of a resistance modulation show.
 
 use super::ModulationOutcome;
-use crate::error::Result;
 use crate::modulation::{BINS, Class, Hypertension, Instances};
-use crate::report::plots::{self, Boxes, Histogram, Histograms, Panel};
+use crate::report::plots::{self, Boxes, Figure, Histogram, Histograms, Panel};
 use crate::stats::{Distribution, gamma::Gamma};
 use crate::units::{mmhg, mmhg_per_mm2};
 
@@ -12,8 +11,8 @@ fn name(class: Class) -> String {
     format!("{}\u{2013}{}", class.low, class.high)
 }
 
-/// modulation.png: the change of pressure, and flow and resilience over those of the unperturbed network.
-pub fn response(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>> {
+/// modulation: the change of pressure, and flow and resilience over those of the unperturbed network.
+pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
     let (rest, classes) = (&outcome.result.unperturbed, &outcome.result.classes);
     let free = outcome.free();
     let pressure_at_rest = outcome.mean_pressure(rest)[0];
@@ -37,7 +36,7 @@ pub fn response(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>> {
         }),
     ];
     let names: Vec<String> = classes.iter().map(|(class, _)| name(*class)).collect();
-    plots::modulation(&names, &panels, dpi)
+    plots::modulation(names, panels)
 }
 
 /// A figure over that of the unperturbed network; none where nothing flows at rest.
@@ -57,8 +56,8 @@ fn quantiles(figures: impl Iterator<Item = f64>) -> [f64; 5] {
     Distribution::of(figures.filter(|x| !x.is_nan()).collect()).quantiles
 }
 
-/// hypertension.png: the bins of equal width; what lies beyond them is in hypertension.csv.
-pub fn hypertension(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>> {
+/// hypertension: the bins of equal width; what lies beyond them is in hypertension.csv.
+pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
     let found = outcome.hypertension;
     let edges: Vec<f64> = found.edges.iter().take(BINS + 1).map(|edge| mmhg_per_mm2(*edge)).collect();
     let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
@@ -74,5 +73,5 @@ pub fn hypertension(outcome: &ModulationOutcome<'_>, dpi: u32) -> Result<Vec<u8>
     let classes = outcome.result.classes.iter().map(|(class, _)| *class).zip(&found.classes);
     let histograms =
         Histograms { threshold: mmhg_per_mm2(found.threshold), classes: classes.map(one).collect(), edges: edges.clone() };
-    plots::hypertension(&histograms, dpi)
+    plots::hypertension(histograms)
 }

@@ -26,7 +26,7 @@ pub const GRID: Rgb = [0xe4, 0xe4, 0xe4];
 pub const PAPER: Rgb = [0xff, 0xff, 0xff];
 
 /// viridis without its lightest ninth, from light to dark at equal steps.
-const MAP: [Rgb; 9] = [
+pub const MAP: [Rgb; 9] = [
     [0xb4, 0xde, 0x2c],
     [0x6d, 0xcd, 0x59],
     [0x35, 0xb7, 0x79],

@@ -2,6 +2,7 @@
 
 use super::axis::{Label, LogRange, count_ticks, grouped};
 use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
+use super::figure::Figure;
 use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
 
@@ -22,7 +23,7 @@ const GAP: f64 = 16.0;
 const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 
 /// Draws the mean contribution per sample, L/n (W/m³), of every uncertain edge against the number of samples n, on a
-/// logarithmic axis, 6.4 by 4.6 inches at `dpi` pixels per inch (36 to 1200), as PNG.
+/// logarithmic axis, 6.4 by 4.6 inches.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
 /// - `series`: a row an edge, with L/n (W/m³) at each checkpoint, finite and not negative. Every row is drawn.
@@ -35,11 +36,14 @@ const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 ///
 /// # Errors
 ///
-/// When lengths disagree, when `samples` does not rise, when a value is negative or not finite, and when `dpi` is out of
-/// range.
-pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], dpi: u32) -> Result<Vec<u8>> {
+/// When lengths disagree, when `samples` does not rise, and when a value is negative or not finite.
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<Figure> {
     validate(samples, series, threshold, kept)?;
-    let mut sheet = Sheet::new("convergence.png", INCHES, dpi)?;
+    let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
+    Ok(Figure::new("convergence", INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept)))
+}
+
+fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
     let [left, top, right, bottom] = BOX;
     let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
     let title = Label::plain("Convergence of the likelihood of uncertain edges");
@@ -55,33 +59,32 @@ pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept
         };
         sheet.frame([left, top], [right - left, bottom - top])?;
         sheet.text(&Label::plain(note), middle, TEXT, Align::Middle, Run::Right)?;
-        return sheet.png();
+        return Ok(());
     };
 
     let lowest = values().fold(f64::INFINITY, f64::min);
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
-    axes.ticks(&mut sheet)?;
+    axes.ticks(sheet)?;
     // A few edges are drawn thick and dense, thousands thin and clear.
     let crowd = (10.0 / series.len() as f64).sqrt().clamp(0.0, 1.0);
     let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
     let opacity = 0.05 + 0.85 * crowd.powf(0.7);
     for (values, kept) in series.iter().zip(kept) {
-        axes.curve(&mut sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
+        axes.curve(sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
     }
-    axes.curve(&mut sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;
-    axes.curve(&mut sheet, samples, threshold, WIDTH[2], INK, 1.0)?;
+    axes.curve(sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;
+    axes.curve(sheet, samples, threshold, WIDTH[2], INK, 1.0)?;
     sheet.frame([left, top], [right - left, bottom - top])?;
     let stay = kept.iter().filter(|kept| **kept).count();
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
     legend(
-        &mut sheet,
+        sheet,
         &[
             (count("kept", stay), WIDTH[1], KEPT),
             (count("pruned", kept.len() - stay), WIDTH[1], PRUNED),
             ("threshold".to_owned(), WIDTH[2], INK),
         ],
-    )?;
-    sheet.png()
+    )
 }
 
 fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
@@ -130,7 +133,7 @@ impl Axes {
         if share < 0.0 { ZERO } else { lowest - (lowest - BOX[1]) * share }
     }
 
-    fn ticks(&self, sheet: &mut Sheet) -> Result<()> {
+    fn ticks(&self, sheet: &mut Sheet<'_>) -> Result<()> {
         let [left, top, right, bottom] = BOX;
         for tick in count_ticks(self.last, 6) {
             let x = self.x(tick.at);
@@ -155,7 +158,7 @@ impl Axes {
     }
 
     /// A curve over the checkpoints with gaps at NaN and between zero and more; a checkpoint on its own is a dash.
-    fn curve(&self, sheet: &mut Sheet, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+    fn curve(&self, sheet: &mut Sheet<'_>, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
         let shares: Vec<_> = samples.iter().zip(values).map(|(n, v)| (*n, self.range.share(*v))).collect();
         let joined = |a: f64, b: f64| (a < 0.0) == (b < 0.0) && a.is_nan() == b.is_nan();
         for run in shares.chunk_by(|a, b| joined(a.1, b.1)).filter(|run| !run[0].1.is_nan()) {
@@ -171,7 +174,7 @@ impl Axes {
 }
 
 /// Keys in a row between the title and the axes.
-fn legend(sheet: &mut Sheet, keys: &[(String, f64, Rgb)]) -> Result<()> {
+fn legend(sheet: &mut Sheet<'_>, keys: &[(String, f64, Rgb)]) -> Result<()> {
     const KEY: f64 = 20.0;
     const SPACE: f64 = 5.0;
     const APART: f64 = 18.0;

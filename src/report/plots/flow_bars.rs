@@ -2,6 +2,7 @@
 
 use super::axis::{Label, Tick, linear_ticks};
 use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::figure::Figure;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
 
@@ -54,16 +55,16 @@ impl VesselFlow {
     }
 }
 
-/// Draws the flow (mL/min) of the up to 40 vessels of largest flow or change of flow, the largest on top, 6.8 inches wide
-/// at `dpi` pixels per inch (36 to 1200), as PNG.
+/// Draws the flow (mL/min) of the up to 40 vessels of largest flow or change of flow, the largest on top, 6.8 inches
+/// wide.
 ///
 /// A flow counts along the direction that the blood has in the unperturbed network, so that only a flow that has
 /// turned round lies left of zero.
 ///
 /// # Errors
 ///
-/// When a flow is not finite, and when `dpi` is out of range.
-pub fn flow_bars(flows: &[VesselFlow], dpi: u32) -> Result<Vec<u8>> {
+/// When a flow is not finite.
+pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
     if let Some(f) = flows.iter().find(|f| !f.rank().is_finite()) {
         return Err(Error::parameter(format!("flow of {}", f.name), f.unperturbed, "expected finite numbers of mL/min"));
     }
@@ -71,48 +72,51 @@ pub fn flow_bars(flows: &[VesselFlow], dpi: u32) -> Result<Vec<u8>> {
     // By 24 bits, so that equal flows stay in their order whatever the last roundings are.
     shown.sort_by(|a, b| (b.rank() as f32).total_cmp(&(a.rank() as f32)));
     shown.truncate(MOST);
+    let shown: Vec<VesselFlow> = shown.into_iter().cloned().collect();
     let pair = flows.iter().any(|f| f.perturbed.is_some());
-    let each = GAP + if pair { 2.0 * BAR } else { BAR };
-    let top = if pair { TOP[0] } else { TOP[1] };
-    let bottom = top + each * shown.len() as f64;
-    let height = bottom + BOTTOM;
-    let mut sheet = Sheet::new("flow.png", [WIDTH / POINTS_PER_INCH, height / POINTS_PER_INCH], dpi)?;
-
-    let mut names = Vec::new();
-    let mut widest: f64 = 0.0;
-    for flow in &shown {
-        let name = fitting(&sheet, &flow.name)?;
-        widest = widest.max(sheet.text_width(&name, TEXT)?);
-        names.push(name);
-    }
-    let axis = Axis::new(&shown, [widest + 22.0, WIDTH - 14.0]);
-    axis.draw(&mut sheet, [top, bottom], pair)?;
     let title = match (flows.len(), pair) {
         (n, _) if n > MOST => format!("Flow in the {MOST} vessels of largest flow{}", if pair { " or change" } else { "" }),
         _ => "Flow in the vessels".to_owned(),
     };
+    let each = GAP + if pair { 2.0 * BAR } else { BAR };
+    let top = if pair { TOP[0] } else { TOP[1] };
+    let bottom = top + each * shown.len() as f64;
+    let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
+    Ok(Figure::new("flow", inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
+}
+
+fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
+    let each = GAP + if pair { 2.0 * BAR } else { BAR };
+    let mut names = Vec::new();
+    let mut widest: f64 = 0.0;
+    for flow in shown {
+        let name = fitting(sheet, &flow.name)?;
+        widest = widest.max(sheet.text_width(&name, TEXT)?);
+        names.push(name);
+    }
+    let axis = Axis::new(shown, [widest + 22.0, WIDTH - 14.0]);
+    axis.draw(sheet, [top, bottom], pair)?;
     let middle = f64::midpoint(axis.span[0], axis.span[1]);
     sheet.text(&Label::plain(title), [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
     if pair {
-        legend(&mut sheet, middle)?;
+        legend(sheet, middle)?;
     }
     for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
         let above = top + GAP / 2.0 + each * row as f64;
         let centre = above + (each - GAP) / 2.0;
         sheet.text(&Label::plain(name), [axis.span[0] - 8.0, centre], TEXT, Align::End, Run::Right)?;
         let (before, after) = flow.along();
-        axis.bar(&mut sheet, above, before, UNPERTURBED)?;
+        axis.bar(sheet, above, before, UNPERTURBED)?;
         if let Some(after) = after {
-            axis.bar(&mut sheet, above + BAR, after, PERTURBED)?;
+            axis.bar(sheet, above + BAR, after, PERTURBED)?;
         }
     }
     let zero = axis.x(0.0);
-    sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)?;
-    sheet.png()
+    sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
 }
 
 /// A name with its middle left out where there is no room for it.
-fn fitting(sheet: &Sheet, name: &str) -> Result<String> {
+fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut cut = name.to_owned();
     let mut kept = letters.len();
@@ -133,7 +137,7 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(shown: &[&VesselFlow], span: [f64; 2]) -> Self {
+    fn new(shown: &[VesselFlow], span: [f64; 2]) -> Self {
         let flows = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
         let (low, high) = (flows().fold(0.0, f64::min), flows().fold(0.0, f64::max));
         Self { span, range: [low, if high > low { high } else { NO_FLOW }] }
@@ -145,7 +149,7 @@ impl Axis {
         left + (self.span[1] - ROOM - left) * (flow - low) / (high - low)
     }
 
-    fn draw(&self, sheet: &mut Sheet, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
+    fn draw(&self, sheet: &mut Sheet<'_>, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
         for Tick { at, label } in linear_ticks(self.range[0], self.range[1], 6) {
             let x = self.x(at);
             sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
@@ -158,7 +162,7 @@ impl Axis {
         sheet.text(&Label::plain(name), [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)
     }
 
-    fn bar(&self, sheet: &mut Sheet, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
+    fn bar(&self, sheet: &mut Sheet<'_>, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
         let (zero, end) = (self.x(0.0), self.x(flow));
         let [from, to] = [zero.min(end), zero.max(end)].map(|x| sheet.pixels(x));
         let [above, below] = [top, top + BAR].map(|y| sheet.pixels(y));
@@ -182,7 +186,7 @@ fn figure(flow: f64) -> Label {
 }
 
 /// The two colours between the title and the bars.
-fn legend(sheet: &mut Sheet, middle: f64) -> Result<()> {
+fn legend(sheet: &mut Sheet<'_>, middle: f64) -> Result<()> {
     const HEIGHT: f64 = 36.0;
     for (x, name, rgb) in [(middle - 84.0, "unperturbed", UNPERTURBED), (middle + 14.0, "perturbed", PERTURBED)] {
         let corner = [x, HEIGHT - BAR / 2.0].map(|p| sheet.pixels(p));

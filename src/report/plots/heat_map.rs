@@ -1,8 +1,9 @@
 //! The likelihood matrix L as a picture with logarithmic colours.
 
 use super::axis::{Label, LogRange, count_ticks, grouped};
-use super::colour::{INK, ZERO, colour};
-use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
+use super::colour::{INK, MAP, Rgb, ZERO, colour};
+use super::figure::Figure;
+use super::sheet::{Align, HAIR, Image, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
 
 const INCHES: [f64; 2] = [6.4, 5.6];
@@ -14,6 +15,15 @@ const BAR: [f64; 2] = [18.0, 13.0];
 const TICK: f64 = 4.0;
 /// The smallest mark of a vessel, points: a lone vessel among thousands of nodes stays visible.
 const MARK: f64 = 1.0;
+/// A pixel that no one sees, points.
+const UNSEEN: f64 = 0.05;
+/// Where a page would hold more rectangles than this it holds one image instead,
+const RECTANGLES: usize = 4000;
+/// of about so many pixels a side: 600 per inch.
+const IMAGE: usize = 2650;
+
+/// A positive cell of the upper triangle, and its value, W/m³.
+type Cell = ([usize; 2], f64);
 
 /// A symmetric matrix over the nodes, of which only the non-zero cells are given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,11 +39,11 @@ pub struct Matrix<'a> {
 
 impl Matrix<'_> {
     /// The positive cells of the upper triangle in rising order of their value, W/m³.
-    fn cells(&self) -> Result<Vec<([usize; 2], f64)>> {
+    fn cells(&self) -> Result<Vec<Cell>> {
         if u32::try_from(self.nodes).is_err() {
             return Err(Error::parameter("nodes", self.nodes, format!("expected at most {}", u32::MAX)));
         }
-        let mut cells: Vec<([usize; 2], f64)> = Vec::with_capacity(self.entries.len());
+        let mut cells: Vec<Cell> = Vec::with_capacity(self.entries.len());
         for &(a, b, value) in self.entries {
             if a >= self.nodes || b >= self.nodes {
                 let accepted = format!("expected two nodes below {}", self.nodes);
@@ -59,39 +69,33 @@ impl Matrix<'_> {
     }
 }
 
-/// Draws the likelihood matrix L (W/m³), 6.4 by 5.6 inches at `dpi` pixels per inch (36 to 1200), as PNG.
+/// Draws the likelihood matrix L (W/m³), 6.4 by 5.6 inches.
 ///
 /// Row 0 is at the top, column 0 at the left. The colour is that of log10 L from the smallest to the largest positive
 /// value, over at least one decade and at most twelve: what is smaller takes the lowest colour, and the bar says `≤`. Zero
 /// is light grey ([`ZERO`]). A cell is at least 1 point wide; where cells share a pixel the largest is drawn,
-/// so that no vessel vanishes.
+/// so that no vessel vanishes. In SVG more than 2000 vessels are one embedded image.
 ///
 /// # Errors
 ///
-/// When an entry names a node that does not exist, when a value is negative or not finite, and when `dpi` is out of range.
-pub fn heat_map(matrix: &Matrix<'_>, dpi: u32) -> Result<Vec<u8>> {
-    let cells = matrix.cells()?;
-    let range = LogRange::of(cells.iter().map(|cell| cell.1));
-    let mut sheet = Sheet::new("likelihood.png", INCHES, dpi)?;
+/// When an entry names a node that does not exist, and when a value is negative or not finite.
+pub fn heat_map(matrix: &Matrix<'_>) -> Result<Figure> {
+    let (cells, nodes) = (matrix.cells()?, matrix.nodes);
+    Ok(Figure::new("likelihood", INCHES, move |sheet| draw(sheet, &cells, nodes)))
+}
 
-    let nodes = matrix.nodes;
+fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
+    let range = LogRange::of(cells.iter().map(|cell| cell.1));
     let room = sheet.pixels(SIDE);
-    // Cells of four pixels or more are all of one size.
-    let side = if nodes > 0 && room / nodes >= 4 { room / nodes * nodes } else { room };
+    // Where no one sees a pixel, none is given up for equal cells.
+    let side = if sheet.points(1) < UNSEEN { room } else { even(room, nodes) };
     let corner = CORNER.map(|c| sheet.pixels(c) + (room - side) / 2);
     sheet.fill(corner, [side, side], ZERO)?;
     if let Some(range) = range {
-        let mark = sheet.pixels(MARK).max(1);
-        let extent = |node: usize| {
-            let (low, high) = (node * side / nodes, (node + 1) * side / nodes);
-            let size = (high - low).max(mark);
-            (low.min(side - size), size)
-        };
-        for ([a, b], value) in cells {
-            let rgb = colour(range.share(value));
-            let (a, b) = (extent(a), extent(b));
-            for (x, y) in [(a, b), (b, a)] {
-                sheet.fill([corner[0] + x.0, corner[1] + y.0], [x.1, y.1], rgb)?;
+        if 2 * cells.len() <= RECTANGLES || !image(sheet, corner, side, cells, nodes, range)? {
+            let mark = sheet.pixels(MARK);
+            for (at, size, rgb) in squares(cells, nodes, range, side, mark) {
+                sheet.fill([corner[0] + at[0], corner[1] + at[1]], size, rgb)?;
             }
         }
     }
@@ -99,20 +103,56 @@ pub fn heat_map(matrix: &Matrix<'_>, dpi: u32) -> Result<Vec<u8>> {
     let [left, top] = corner.map(|c| sheet.points(c));
     let span = sheet.points(side);
     sheet.frame([left, top], [span, span])?;
-    node_axes(&mut sheet, [left, top], span, nodes)?;
+    node_axes(sheet, [left, top], span, nodes)?;
     let title = Label::plain(format!("Likelihood matrix ({} nodes)", grouped(nodes as u64)));
     let middle = CORNER[0] + SIDE / 2.0;
     sheet.text(&title, [middle, CORNER[1] / 2.0], TITLE, Align::Middle, Run::Right)?;
     if let Some(range) = range {
-        bar(&mut sheet, range)?;
-    } else {
-        let note = Label::plain("no likelihood above zero");
-        sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)?;
+        return bar(sheet, range);
     }
-    sheet.png()
+    let note = Label::plain("no likelihood above zero");
+    sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)
 }
 
-fn node_axes(sheet: &mut Sheet, [left, top]: [f64; 2], span: f64, nodes: usize) -> Result<()> {
+/// The side of a matrix that has room for so many pixels: cells of four or more are all of one size.
+fn even(room: usize, nodes: usize) -> usize {
+    if nodes > 0 && room / nodes >= 4 { room / nodes * nodes } else { room }
+}
+
+/// Corner, size and colour of both squares of every cell on a matrix of `side` pixels, no square less than `mark` wide.
+fn squares(
+    cells: &[Cell],
+    nodes: usize,
+    range: LogRange,
+    side: usize,
+    mark: usize,
+) -> impl Iterator<Item = ([usize; 2], [usize; 2], Rgb)> {
+    let extent = move |node: usize| {
+        let (low, high) = (node * side / nodes, (node + 1) * side / nodes);
+        let size = (high - low).max(mark.max(1));
+        (low.min(side - size), size)
+    };
+    cells.iter().flat_map(move |([a, b], value)| {
+        let (rgb, a, b) = (colour(range.share(*value)), extent(*a), extent(*b));
+        [(a, b), (b, a)].map(|(x, y)| ([x.0, y.0], [x.1, y.1], rgb))
+    })
+}
+
+/// The matrix as an image, on a page that takes one.
+fn image(sheet: &mut Sheet<'_>, corner: [usize; 2], side: usize, cells: &[Cell], nodes: usize, range: LogRange) -> Result<bool> {
+    let make = || {
+        let pixels = even(IMAGE, nodes);
+        let mut image = Image::new(pixels, ZERO);
+        let mark = (MARK / SIDE * pixels as f64).round() as usize;
+        for (at, size, rgb) in squares(cells, nodes, range, pixels, mark) {
+            image.fill(at, size, rgb);
+        }
+        image
+    };
+    sheet.image(corner, [side, side], &make)
+}
+
+fn node_axes(sheet: &mut Sheet<'_>, [left, top]: [f64; 2], span: f64, nodes: usize) -> Result<()> {
     let bottom = top + span;
     if nodes > 0 {
         for tick in count_ticks(nodes as u64 - 1, 6) {
@@ -128,10 +168,11 @@ fn node_axes(sheet: &mut Sheet, [left, top]: [f64; 2], span: f64, nodes: usize) 
     sheet.text(&name, [9.0, top + span / 2.0], TEXT, Align::Middle, Run::Up)
 }
 
-fn bar(sheet: &mut Sheet, range: LogRange) -> Result<()> {
+fn bar(sheet: &mut Sheet<'_>, range: LogRange) -> Result<()> {
     let left = sheet.pixels(CORNER[0] + SIDE + BAR[0]);
     let (top, width, height) = (sheet.pixels(CORNER[1]), sheet.pixels(BAR[1]), sheet.pixels(SIDE));
-    for y in 0..height {
+    let drawn = sheet.ramp([left, top], [width, height], &MAP)?;
+    for y in 0..if drawn { 0 } else { height } {
         let share = 1.0 - y as f64 / (height - 1).max(1) as f64;
         sheet.fill([left, top + y], [width, 1], colour(share))?;
     }

@@ -2,6 +2,7 @@
 
 use super::axis::Label;
 use super::colour::{EACH, GRID, INK, PRUNED};
+use super::figure::Figure;
 use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
@@ -16,6 +17,7 @@ const TOP: f64 = 54.0;
 const HEADING: f64 = 18.0;
 const HEIGHT: f64 = 100.0;
 const GAP: f64 = 10.0;
+const EVERY: f64 = HEADING + HEIGHT + GAP;
 /// Below the last panel, points.
 const FOOT: f64 = 42.0;
 const TICK: f64 = 4.0;
@@ -44,31 +46,29 @@ pub struct Histograms {
     pub classes: Vec<Histogram>,
 }
 
-/// Draws the histograms one above the other on common axes, 6.4 inches wide at `dpi` pixels per inch (36 to 1200), as PNG.
-///
-/// # Errors
-///
-/// When `dpi` is out of range.
-pub fn hypertension(histograms: &Histograms, dpi: u32) -> Result<Vec<u8>> {
+/// Draws the histograms one above the other on common axes, 6.4 inches wide.
+pub fn hypertension(histograms: Histograms) -> Figure {
+    let points = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
+    Figure::new("hypertension", [WIDTH_INCHES, points / 72.0], move |sheet| draw(sheet, &histograms, points))
+}
+
+fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {
     let [left, right] = SIDES;
-    let each = HEADING + HEIGHT + GAP;
-    let points = TOP + each * histograms.classes.len() as f64 + FOOT;
-    let mut sheet = Sheet::new("hypertension.png", [WIDTH_INCHES, points / 72.0], dpi)?;
     let middle = f64::midpoint(left, right);
     let title = Label::plain("Hypertension: pressure over cross-section, all vessels and instances");
     sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
     let Some(last) = histograms.edges.last() else {
         sheet.text(&Label::plain("no force above zero"), [middle, points / 2.0], TEXT, Align::Middle, Run::Right)?;
-        return sheet.png();
+        return Ok(());
     };
-    legend(&mut sheet)?;
+    legend(sheet)?;
     // The threshold is always on the page.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
     let most = histograms.classes.iter().flat_map(|h| h.density.iter().copied()).fold(0.0, f64::max);
     let up = LinearRange { low: 0.0, high: if most > 0.0 { 1.1 * most } else { 1.0 } };
     for (at, histogram) in histograms.classes.iter().enumerate() {
-        let top = TOP + each * at as f64 + HEADING;
+        let top = TOP + EVERY * at as f64 + HEADING;
         let bottom = top + HEIGHT;
         let y = |density: f64| bottom - HEIGHT * up.share(density).min(1.0);
         sheet.text(&Label::plain(&histogram.heading), [left, top - HEADING / 2.0], TEXT, Align::Begin, Run::Right)?;
@@ -97,11 +97,10 @@ pub fn hypertension(histograms: &Histograms, dpi: u32) -> Result<Vec<u8>> {
     }
     let name = Label::plain("hypertension force (mmHg/mm\u{b2})");
     sheet.text(&name, [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
-    sheet.text(&Label::plain("density (mm\u{b2}/mmHg)"), [9.0, f64::midpoint(TOP, bottom)], TEXT, Align::Middle, Run::Up)?;
-    sheet.png()
+    sheet.text(&Label::plain("density (mm\u{b2}/mmHg)"), [9.0, f64::midpoint(TOP, bottom)], TEXT, Align::Middle, Run::Up)
 }
 
-fn legend(sheet: &mut Sheet) -> Result<()> {
+fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
     const KEY: f64 = 20.0;
     const SPACE: f64 = 5.0;
     const Y: f64 = 36.0;

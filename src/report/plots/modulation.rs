@@ -2,6 +2,7 @@
 
 use super::axis::Label;
 use super::colour::{EACH, GRID, INK, Rgb, WHOLE};
+use super::figure::Figure;
 use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
@@ -13,6 +14,8 @@ const SIDES: [f64; 2] = [62.0, 448.0];
 const TOP: f64 = 54.0;
 const HEIGHT: f64 = 132.0;
 const GAP: f64 = 14.0;
+/// Bottom of the last panel, points.
+const BOTTOM: f64 = TOP + 3.0 * HEIGHT + 2.0 * GAP;
 const TICK: f64 = 4.0;
 /// Height of a row of class names, width of a digit in them and room between two, points.
 const NAMES: [f64; 3] = [12.0, 5.3, 5.0];
@@ -44,44 +47,46 @@ pub struct Panel {
     pub boxes: Vec<Boxes>,
 }
 
-/// Draws a panel a quantity, one above the other, 6.4 inches wide at `dpi` pixels per inch (36 to 1200), as PNG.
+/// Draws a panel a quantity, one above the other, 6.4 inches wide.
 ///
 /// A box reaches from the first to the third quartile, its bar is the median, its whiskers reach from the 5th to the 95th
 /// percentile. A dashed line stands where nothing changes. Figures that are no number are left out.
-///
-/// # Errors
-///
-/// When `dpi` is out of range.
-pub fn modulation(classes: &[String], panels: &[Panel; 3], dpi: u32) -> Result<Vec<u8>> {
-    let [left, right] = SIDES;
-    let middle = f64::midpoint(left, right);
-    let room = (right - left) / classes.len() as f64;
+pub fn modulation(classes: Vec<String>, panels: [Panel; 3]) -> Figure {
     // Names too long for the room of a class stand on several rows in turn.
     let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
-    let rows = ((digits * NAMES[1] + NAMES[2]) / room).ceil().max(1.0) as usize;
-    let bottom = TOP + 3.0 * HEIGHT + 2.0 * GAP;
-    let foot = bottom + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
-    let mut sheet = Sheet::new("modulation.png", [WIDTH_INCHES, (foot + FOOT[1]) / 72.0], dpi)?;
+    let rows = ((digits * NAMES[1] + NAMES[2]) / room(&classes)).ceil().max(1.0) as usize;
+    let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
+    let inches = [WIDTH_INCHES, (foot + FOOT[1]) / 72.0];
+    Figure::new("modulation", inches, move |sheet| draw(sheet, &classes, &panels, rows, foot))
+}
+
+/// The width that a class has, points.
+fn room(classes: &[String]) -> f64 {
+    (SIDES[1] - SIDES[0]) / classes.len() as f64
+}
+
+fn draw(sheet: &mut Sheet<'_>, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) -> Result<()> {
+    let ([left, right], room) = (SIDES, room(classes));
+    let middle = f64::midpoint(left, right);
     let title = Label::plain("Response to resistance modulation, against the unperturbed network");
     sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
-    legend(&mut sheet)?;
+    legend(sheet)?;
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
-        draw(&mut sheet, panel, top, room, at)?;
+        quantity(sheet, panel, top, room, at)?;
         top += HEIGHT + GAP;
     }
     for (class, name) in classes.iter().enumerate() {
-        let y = bottom + TICK + NAMES[0] * ((class % rows) as f64 + 0.6);
-        sheet.line([[at(class), bottom], [at(class), bottom + TICK]], HAIR, INK, 1.0)?;
+        let y = BOTTOM + TICK + NAMES[0] * ((class % rows) as f64 + 0.6);
+        sheet.line([[at(class), BOTTOM], [at(class), BOTTOM + TICK]], HAIR, INK, 1.0)?;
         sheet.text(&Label::plain(name), [at(class), y], TEXT, Align::Middle, Run::Right)?;
     }
-    sheet.text(&Label::plain("modulation u, by class"), [middle, foot], TEXT, Align::Middle, Run::Right)?;
-    sheet.png()
+    sheet.text(&Label::plain("modulation u, by class"), [middle, foot], TEXT, Align::Middle, Run::Right)
 }
 
 /// One panel below `top`.
-fn draw(sheet: &mut Sheet, panel: &Panel, top: f64, room: f64, at: impl Fn(usize) -> f64) -> Result<()> {
+fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl Fn(usize) -> f64) -> Result<()> {
     let ([left, right], bottom) = (SIDES, top + HEIGHT);
     let figures = panel.boxes.iter().flat_map(|b| b.each.into_iter().chain(b.whole));
     if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
@@ -105,7 +110,7 @@ fn draw(sheet: &mut Sheet, panel: &Panel, top: f64, room: f64, at: impl Fn(usize
 }
 
 /// A box around x, with its quantiles at the heights `y`.
-fn boxed(sheet: &mut Sheet, x: f64, width: f64, y: [f64; 5], rgb: Rgb) -> Result<()> {
+fn boxed(sheet: &mut Sheet<'_>, x: f64, width: f64, y: [f64; 5], rgb: Rgb) -> Result<()> {
     let [left, right] = [x - width / 2.0, x + width / 2.0];
     sheet.line([[x, y[0]], [x, y[1]]], 1.0, INK, 1.0)?;
     sheet.line([[x, y[3]], [x, y[4]]], 1.0, INK, 1.0)?;
@@ -117,7 +122,7 @@ fn boxed(sheet: &mut Sheet, x: f64, width: f64, y: [f64; 5], rgb: Rgb) -> Result
     sheet.line([[left, y[2]], [right, y[2]]], 1.8, INK, 1.0)
 }
 
-fn legend(sheet: &mut Sheet) -> Result<()> {
+fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
     const KEY: [f64; 2] = [16.0, 8.0];
     const Y: f64 = 36.0;
     let mut x = SIDES[0];

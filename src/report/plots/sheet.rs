@@ -1,25 +1,13 @@
-//! A page in memory: lines, boxes and text by plotters, handed over as PNG. The only file that names plotters.
+//! What the figures draw on: lines, boxes and text in points, on a page of dots or of curves.
 
 use std::io;
-use std::ops::RangeInclusive;
-use std::sync::OnceLock;
-
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, TextStyle, register_font};
 
 use super::axis::Label;
-use super::colour::{INK, PAPER, Rgb};
+use super::colour::{INK, Rgb};
+use super::font;
 use crate::error::{Error, Result};
 
-/// Pixels per inch where nobody says otherwise.
-pub const DEFAULT_DPI: u32 = 150;
-
-const DPI: RangeInclusive<u32> = 36..=1200;
-/// plotters sets glyphs and corners on whole dots: a page is drawn at least this fine (dots per inch) and averaged down.
-const FINEST: u32 = 600;
-const FAMILY: &str = "willis";
 const POINTS_PER_INCH: f64 = 72.0;
-const METRES_PER_INCH: f64 = 0.0254;
 /// Height of text, points.
 pub const TEXT: f64 = 10.0;
 /// Height of a title, points.
@@ -56,31 +44,71 @@ pub enum Run {
     Up,
 }
 
-/// A page of a size in inches. Lengths are in points (1/72 inch), whatever the dots per inch.
-pub struct Sheet {
+/// A place on the page in dots from its upper left corner.
+pub type Dot = (i32, i32);
+
+/// A square image, row by row from the top.
+pub struct Image {
+    /// Pixels along a side.
+    pub side: usize,
+    /// Red, green and blue of each.
+    pub rgb: Vec<u8>,
+}
+
+impl Image {
+    /// An image of one colour.
+    pub fn new(side: usize, rgb: Rgb) -> Self {
+        Self { side, rgb: rgb.repeat(side * side) }
+    }
+
+    /// Fills whole pixels: `corner` (x, y), `size` (width, height).
+    pub fn fill(&mut self, corner: [usize; 2], size: [usize; 2], rgb: Rgb) {
+        for row in corner[1]..corner[1] + size[1] {
+            let start = (row * self.side + corner[0]) * 3;
+            for pixel in self.rgb[start..start + 3 * size[0]].chunks_exact_mut(3) {
+                pixel.copy_from_slice(&rgb);
+            }
+        }
+    }
+}
+
+/// What marks become.
+///
+/// The last three say whether they drew anything; a page that knows no such thing leaves it to lines and rectangles.
+pub trait Page {
+    /// Fills a rectangle.
+    fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String>;
+    /// A line along two dots or more.
+    fn path(&mut self, dots: &[Dot], width: u32, rgb: Rgb, opacity: f64) -> Result<(), String>;
+    /// A line of text with its base line half its size below the place.
+    fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String>;
+    /// The outline of a rectangle.
+    fn frame(&mut self, _from: Dot, _to: Dot, _width: u32) -> Result<bool, String> {
+        Ok(false)
+    }
+    /// Colours that run into each other from below upwards.
+    fn ramp(&mut self, _from: Dot, _to: Dot, _stops: &[Rgb]) -> Result<bool, String> {
+        Ok(false)
+    }
+    /// An image in a rectangle.
+    fn image(&mut self, _from: Dot, _to: Dot, _image: &dyn Fn() -> Image) -> Result<bool, String> {
+        Ok(false)
+    }
+}
+
+/// A page in points (1/72 inch), whatever its dots per inch.
+pub struct Sheet<'a> {
+    page: &'a mut dyn Page,
     name: &'static str,
-    pixels: [u32; 2],
     dpi: u32,
     /// Dots along a pixel's side.
     fine: u32,
-    dots: Vec<u8>,
 }
 
-impl Sheet {
-    /// A white page for the picture called `name`.
-    pub fn new(name: &'static str, inches: [f64; 2], dpi: u32) -> Result<Self> {
-        if !DPI.contains(&dpi) {
-            let accepted = format!("expected pixels per inch from {} to {}", DPI.start(), DPI.end());
-            return Err(Error::parameter("dpi", dpi, accepted));
-        }
-        if !font() {
-            return Err(failure(name, "the built-in font cannot be read"));
-        }
-        let pixels = inches.map(|length| (length * f64::from(dpi)).round() as u32);
-        let fine = FINEST.div_ceil(dpi);
-        let dots = pixels.map(|p| (p * fine) as usize);
-        let dots = PAPER.repeat(dots[0] * dots[1]);
-        Ok(Self { name, pixels, dpi, fine, dots })
+impl<'a> Sheet<'a> {
+    /// The page of the figure called `name`, of `dpi` pixels an inch and `fine` dots along a pixel.
+    pub fn new(page: &'a mut dyn Page, name: &'static str, dpi: u32, fine: u32) -> Self {
+        Self { page, name, dpi, fine }
     }
 
     /// Whole pixels nearest to a length in points.
@@ -95,11 +123,20 @@ impl Sheet {
 
     /// Fills whole pixels: `corner` (x, y), `size` (width, height), both in pixels.
     pub fn fill(&mut self, corner: [usize; 2], size: [usize; 2], rgb: Rgb) -> Result<()> {
-        let fine = self.fine as usize;
-        let dot = |pixel: usize| (pixel * fine) as i32;
-        let from = (dot(corner[0]), dot(corner[1]));
-        let to = (dot(corner[0] + size[0]), dot(corner[1] + size[1]));
-        self.draw(|page| page.draw_rect(from, to, &ink(rgb, 1.0), true))
+        let [from, to] = self.whole(corner, size);
+        self.done(|page| page.rectangle(from, to, rgb))
+    }
+
+    /// Fills whole pixels with colours that run into each other from below upwards; false where a page cannot.
+    pub fn ramp(&mut self, corner: [usize; 2], size: [usize; 2], stops: &[Rgb]) -> Result<bool> {
+        let [from, to] = self.whole(corner, size);
+        self.done(|page| page.ramp(from, to, stops))
+    }
+
+    /// Puts an image on whole pixels; false where a page has dots of its own.
+    pub fn image(&mut self, corner: [usize; 2], size: [usize; 2], image: &dyn Fn() -> Image) -> Result<bool> {
+        let [from, to] = self.whole(corner, size);
+        self.done(|page| page.image(from, to, image))
     }
 
     /// A line along `path`, `width` points wide, `opacity` in (0, 1].
@@ -109,8 +146,8 @@ impl Sheet {
         if dots.len() < 2 {
             return Ok(());
         }
-        let width = (self.dots_in(width).round() as u32).max(1);
-        self.draw(|page| page.draw_path(dots, &ink(rgb, opacity).stroke_width(width)))
+        let width = self.stroke(width);
+        self.done(|page| page.path(&dots, width, rgb, opacity))
     }
 
     /// A straight line of dashes 4 points long, 3 apart.
@@ -129,12 +166,16 @@ impl Sheet {
     /// Fills a rectangle of any place and size (width, height), points.
     pub fn rectangle(&mut self, corner: Place, size: [f64; 2], rgb: Rgb) -> Result<()> {
         let (from, to) = (self.dot(corner), self.dot([corner[0] + size[0], corner[1] + size[1]]));
-        self.draw(|page| page.draw_rect(from, to, &ink(rgb, 1.0), true))
+        self.done(|page| page.rectangle(from, to, rgb))
     }
 
     /// A box around `corner` and `size` (width, height).
     pub fn frame(&mut self, [left, top]: Place, [width, height]: [f64; 2]) -> Result<()> {
         let (right, bottom) = (left + width, top + height);
+        let (from, to, hair) = (self.dot([left, top]), self.dot([right, bottom]), self.stroke(HAIR));
+        if self.done(|page| page.frame(from, to, hair))? {
+            return Ok(());
+        }
         for (from, to) in [
             ([left, top], [right, top]),
             ([left, bottom], [right, bottom]),
@@ -162,12 +203,11 @@ impl Sheet {
         for (text, size, along, across) in [(&label.text, size, -back, base), (&label.exponent, raised, widths[0] - back, lifted)]
         {
             let (along, across) = (along.round() as i32, across.round() as i32);
-            let (at, turn) = match run {
-                Run::Right => ((at.0 + along, at.1 + across), FontTransform::None),
-                Run::Up => ((at.0 + across, at.1 - along), FontTransform::Rotate270),
+            let at = match run {
+                Run::Right => (at.0 + along, at.1 + across),
+                Run::Up => (at.0 + across, at.1 - along),
             };
-            let style = TextStyle::from((FAMILY, size).into_font()).color(&RGBColor(INK[0], INK[1], INK[2])).transform(turn);
-            self.draw(|page| page.draw_text(text, &style, at))?;
+            self.done(|page| page.text(text, size, at, run))?;
         }
         Ok(())
     }
@@ -177,78 +217,35 @@ impl Sheet {
         Ok(self.width(text, self.dots_in(height))? / self.dots_in(1.0))
     }
 
-    /// The PNG file, 8-bit RGB, with its resolution.
-    pub fn png(self) -> Result<Vec<u8>> {
-        let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(&mut file, self.pixels[0], self.pixels[1]);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let per_metre = (f64::from(self.dpi) / METRES_PER_INCH).round() as u32;
-        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
-        let averaged = self.averaged();
-        encoder
-            .write_header()
-            .and_then(|mut writer| {
-                writer.write_image_data(&averaged)?;
-                writer.finish()
-            })
-            .map_err(|error| failure(self.name, error))?;
-        Ok(file)
-    }
-
-    /// Each pixel as the mean of its dots.
-    fn averaged(&self) -> Vec<u8> {
-        let [width, height] = self.pixels.map(|p| p as usize);
-        let fine = self.fine as usize;
-        let count = (fine * fine) as u32;
-        let mut image = Vec::with_capacity(width * height * 3);
-        let mut sums = vec![0_u32; width * 3];
-        for rows in self.dots.chunks_exact(width * fine * 3 * fine) {
-            sums.fill(0);
-            for row in rows.chunks_exact(width * fine * 3) {
-                for (sum, dots) in sums.chunks_exact_mut(3).zip(row.chunks_exact(fine * 3)) {
-                    for dot in dots.chunks_exact(3) {
-                        for (s, d) in sum.iter_mut().zip(dot) {
-                            *s += u32::from(*d);
-                        }
-                    }
-                }
-            }
-            image.extend(sums.iter().map(|s| ((s + count / 2) / count) as u8));
-        }
-        image
-    }
-
     fn dots_in(&self, points: f64) -> f64 {
         points * f64::from(self.dpi * self.fine) / POINTS_PER_INCH
     }
 
-    fn dot(&self, place: Place) -> (i32, i32) {
+    fn dot(&self, place: Place) -> Dot {
         let [x, y] = place.map(|points| self.dots_in(points).round() as i32);
         (x, y)
     }
 
+    /// A line's width in dots.
+    fn stroke(&self, points: f64) -> u32 {
+        (self.dots_in(points).round() as u32).max(1)
+    }
+
+    /// The corners of whole pixels.
+    fn whole(&self, corner: [usize; 2], size: [usize; 2]) -> [Dot; 2] {
+        let dot = |pixel: usize| (pixel * self.fine as usize) as i32;
+        [(dot(corner[0]), dot(corner[1])), (dot(corner[0] + size[0]), dot(corner[1] + size[1]))]
+    }
+
     fn width(&self, text: &str, size: f64) -> Result<f64> {
-        let (width, _) = (FAMILY, size).into_font().box_size(text).map_err(|error| failure(self.name, error))?;
-        Ok(f64::from(width))
+        font::width(text, size).ok_or_else(|| self.failure("the built-in font cannot be read"))
     }
 
-    fn draw<E: std::fmt::Display>(&mut self, stroke: impl FnOnce(&mut BitMapBackend<'_>) -> Result<(), E>) -> Result<()> {
-        let [width, height] = self.pixels.map(|p| p * self.fine);
-        stroke(&mut BitMapBackend::with_buffer(&mut self.dots, (width, height))).map_err(|error| failure(self.name, error))
+    fn done<T>(&mut self, mark: impl FnOnce(&mut dyn Page) -> Result<T, String>) -> Result<T> {
+        mark(self.page).map_err(|reason| self.failure(reason))
     }
-}
 
-fn ink(rgb: Rgb, opacity: f64) -> plotters::style::ShapeStyle {
-    RGBColor(rgb[0], rgb[1], rgb[2]).mix(opacity).filled()
-}
-
-fn failure(name: &str, reason: impl std::fmt::Display) -> Error {
-    Error::Write { path: name.into(), source: io::Error::other(reason.to_string()) }
-}
-
-/// Makes the built-in font known, once in the process; false when it cannot be read.
-fn font() -> bool {
-    static KNOWN: OnceLock<bool> = OnceLock::new();
-    *KNOWN.get_or_init(|| register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok())
+    fn failure(&self, reason: impl Into<String>) -> Error {
+        Error::Write { path: self.name.into(), source: io::Error::other(reason.into()) }
+    }
 }
