@@ -16,14 +16,14 @@ pub struct Dots {
     pixels: [u32; 2],
     /// Dots along a pixel's side.
     fine: u32,
-    dots: Vec<u8>,
+    rgb: Vec<u8>,
 }
 
 impl Dots {
     /// A white page.
     pub fn new(pixels: [u32; 2], fine: u32) -> Self {
         let dots = pixels.map(|p| (p * fine) as usize);
-        Self { pixels, fine, dots: PAPER.repeat(dots[0] * dots[1]) }
+        Self { pixels, fine, rgb: PAPER.repeat(dots[0] * dots[1]) }
     }
 
     /// The PNG file, 8-bit RGB, with its resolution.
@@ -39,7 +39,7 @@ impl Dots {
         let count = (fine * fine) as u32;
         let mut image = Vec::with_capacity(width * height * 3);
         let mut sums = vec![0_u32; width * 3];
-        for rows in self.dots.chunks_exact(width * fine * 3 * fine) {
+        for rows in self.rgb.chunks_exact(width * fine * 3 * fine) {
             sums.fill(0);
             for row in rows.chunks_exact(width * fine * 3) {
                 for (sum, dots) in sums.chunks_exact_mut(3).zip(row.chunks_exact(fine * 3)) {
@@ -57,7 +57,7 @@ impl Dots {
 
     fn draw<E: Display>(&mut self, stroke: impl FnOnce(&mut BitMapBackend<'_>) -> Result<(), E>) -> Result<(), String> {
         let [width, height] = self.pixels.map(|p| p * self.fine);
-        stroke(&mut BitMapBackend::with_buffer(&mut self.dots, (width, height))).map_err(|error| error.to_string())
+        stroke(&mut BitMapBackend::with_buffer(&mut self.rgb, (width, height))).map_err(|error| error.to_string())
     }
 }
 

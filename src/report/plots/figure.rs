@@ -18,11 +18,13 @@ const DPI: RangeInclusive<u32> = 36..=1200;
 /// plotters sets glyphs and corners on whole dots: a page is drawn at least this fine (dots per inch) and averaged down.
 const FINEST: u32 = 600;
 
+type Draw = dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync;
+
 /// A picture that can be made as often and in whatever form it is wanted.
 pub struct Figure {
     name: &'static str,
     inches: [f64; 2],
-    draw: Box<dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync>,
+    draw: Box<Draw>,
 }
 
 impl Figure {

@@ -91,12 +91,12 @@ fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
     let side = if sheet.points(1) < UNSEEN { room } else { even(room, nodes) };
     let corner = CORNER.map(|c| sheet.pixels(c) + (room - side) / 2);
     sheet.fill(corner, [side, side], ZERO)?;
-    if let Some(range) = range {
-        if 2 * cells.len() <= RECTANGLES || !image(sheet, corner, side, cells, nodes, range)? {
-            let mark = sheet.pixels(MARK);
-            for (at, size, rgb) in squares(cells, nodes, range, side, mark) {
-                sheet.fill([corner[0] + at[0], corner[1] + at[1]], size, rgb)?;
-            }
+    if let Some(range) = range
+        && (2 * cells.len() <= RECTANGLES || !image(sheet, corner, side, cells, nodes, range)?)
+    {
+        let mark = sheet.pixels(MARK);
+        for (at, size, rgb) in squares(cells, nodes, range, side, mark) {
+            sheet.fill([corner[0] + at[0], corner[1] + at[1]], size, rgb)?;
         }
     }
 
