@@ -10,6 +10,7 @@ mod numpy;
 mod polyline;
 mod sniff;
 mod swc;
+mod swc_labels;
 mod swc_points;
 mod table;
 mod vtp;
