@@ -127,7 +127,7 @@ fn place(node: &mut Record, edge: &Record, side: &str) {
 /// The header and the rows of a CSV file.
 fn table(input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
-    let header: Vec<String> = reader.headers().map_err(|e| fault(&e))?.iter().map(str::to_owned).collect();
+    let header: Vec<String> = reader.headers().map_err(|e| csv_fault(&e))?.iter().map(str::to_owned).collect();
     let mut seen = HashMap::new();
     for (column, name) in header.iter().enumerate() {
         match seen.entry(name.as_str()) {
@@ -139,7 +139,7 @@ fn table(input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
     }
     let mut records = Vec::new();
     for row in reader.records() {
-        let row = row.map_err(|e| fault(&e))?;
+        let row = row.map_err(|e| csv_fault(&e))?;
         let values = header.iter().zip(row.iter()).filter(|(_, value)| !value.is_empty());
         records.push(Record {
             line: row.position().map_or(0, |p| p.line() as usize),
@@ -149,7 +149,8 @@ fn table(input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
     Ok((header, records))
 }
 
-fn fault(error: &csv::Error) -> Fault {
+/// A fault of the CSV reader in words of a person.
+pub(super) fn csv_fault(error: &csv::Error) -> Fault {
     let line = error.position().map_or(1, |p| p.line() as usize);
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {

@@ -6,11 +6,14 @@ use sha2::{Digest, Sha256};
 
 use super::sniff::{Format, format_of};
 use super::unit_check::unit_check;
-use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp};
+use super::{
+    RadiusArray, add_loops, csv_graph, icafe, name_stretches, read_csv_edges, read_csv_nodes, read_graphml, read_markups,
+    read_points, read_swc, read_traced_vessels, read_tre, read_vtp,
+};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
-use crate::units::Scale;
+use crate::units::{LengthUnit, Scale};
 
 /// What a file holds.
 #[derive(Debug, Clone)]
@@ -57,19 +60,50 @@ pub struct ReadOptions {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let all = bytes_of(path)?;
     let bytes = without_mark(&all);
-    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let mut format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
     let here = |fault: Fault| fault.in_file(path);
+    let radius = match options.radius_array.as_deref() {
+        Some(name) => RadiusArray::Named(name),
+        None if options.radius_optional => RadiusArray::Optional,
+        None => RadiusArray::Usual,
+    };
     let (mut content, mut notes) = match format {
         Format::Swc => {
-            let (lines, notes) = read_swc(bytes, &options.scale).map_err(here)?;
+            let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(here)?;
+            if let Some(table) = icafe::table_beside(path)
+                && let Some(note) = name_vessels(&mut lines, &bytes_of(&table)?, &table, &options.scale)?
+            {
+                format = Format::ICafe;
+                notes.push(note);
+            }
+            notes.extend(spacing_note(path, &options.scale));
+            (Content::Centerlines(lines), notes)
+        }
+        Format::ICafe => {
+            let tracing = icafe::tracing_beside(path).map_err(here)?;
+            let traced = bytes_of(&tracing)?;
+            let (mut lines, mut notes) =
+                read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
+            notes.push(format!("the points are those of {}", tracing.display()));
+            let wrong =
+                || Fault::file("none of its vessels begins and ends at points of the tracing", "expected those of one image");
+            notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
+            notes.extend(spacing_note(&tracing, &options.scale));
+            (Content::Centerlines(lines), notes)
+        }
+        Format::Tre => {
+            let (lines, notes) = read_tre(bytes, &options.scale, options.radius_optional).map_err(here)?;
+            (Content::Centerlines(lines), notes)
+        }
+        Format::Markups => {
+            let (lines, notes) = read_markups(bytes, &options.scale, radius).map_err(here)?;
+            (Content::Centerlines(lines), notes)
+        }
+        Format::Points => {
+            let (lines, notes) = read_points(bytes, &options.scale, options.radius_optional).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
         Format::Vtp => {
-            let radius = match options.radius_array.as_deref() {
-                Some(name) => RadiusArray::Named(name),
-                None if options.radius_optional => RadiusArray::Optional,
-                None => RadiusArray::Usual,
-            };
             let (lines, notes) = read_vtp(bytes, &options.scale, radius).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
@@ -102,6 +136,20 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     }
     notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
+}
+
+/// Names the stretches of an iCafe tracing after its table of vessels; `None` when the table is that of another tracing.
+fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Scale) -> Result<Option<String>> {
+    let vessels = read_traced_vessels(without_mark(bytes), scale).map_err(|fault| fault.in_file(table))?;
+    let named = name_stretches(lines, &vessels);
+    let note = || format!("labels are those of {}: {named} of its {} vessels are in the tracing", table.display(), vessels.len());
+    Ok((named > 0).then(note))
+}
+
+/// The voxel spacing that iCafe states beside a tracing, where lengths are not taken as voxels.
+fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
+    let spacing = icafe::spacing_beside(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
+    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {

@@ -21,7 +21,6 @@ pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
     network.nodes().zip(widest).map(point).collect()
 }
 
-#[allow(dead_code)]
 /// Every vessel from node to node: along its path, or straight where it has none.
 pub(super) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
     let at = node_points(network)?;

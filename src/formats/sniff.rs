@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{csv_graph, xml};
+use super::{csv_graph, icafe, xml};
 use crate::error::Fault;
 
 /// The formats that are known.
@@ -20,6 +20,8 @@ pub enum Format {
     Csv,
     /// A table of points, `fragment,x,y,z,radius`.
     Points,
+    /// iCafe: a tracing in SWC with its table of vessels.
+    ICafe,
     /// Voreen's tables of nodes and edges.
     Voreen,
     /// VesselVio's tables of vertices and edges.
@@ -44,6 +46,7 @@ impl Format {
             Self::GraphMl => "GraphML",
             Self::Csv => "CSV",
             Self::Points => "CSV of points",
+            Self::ICafe => "iCafe",
             Self::Voreen => "Voreen CSV",
             Self::VesselVio => "VesselVio CSV",
             Self::Markups => "Slicer markups",
@@ -129,8 +132,10 @@ fn table(header: &str) -> Option<Format> {
         Some(Format::Voreen)
     } else if csv_graph::is_header(header) {
         Some(Format::Csv)
-    } else if has(&["fragment", "x", "y", "z"]) || has(&["fragment", "x_mm", "y_mm", "z_mm"]) {
+    } else if has(&["fragment"]) {
         Some(Format::Points)
+    } else if icafe::is_header(&columns) {
+        Some(Format::ICafe)
     } else {
         None
     }

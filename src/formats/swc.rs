@@ -5,6 +5,7 @@ use std::io::{self, BufRead, Write};
 
 use super::column::real;
 use super::polyline::{between, node_points};
+use super::swc_labels::{TypeCodes, TypeNames, code, name_links};
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::{Network, PathPoint, Role, cycles};
@@ -19,7 +20,9 @@ type Parent = Option<(usize, u64)>;
 /// Reads SWC in any order of ids, with any number of roots; returns also what a person should know.
 ///
 /// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be repaired
-/// along its vessel. The strand of a point is the number of its tree.
+/// along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child point: the name
+/// that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are no labels where
+/// all are the same, or where only the first and last points of trees have one.
 ///
 /// # Errors
 ///
@@ -31,12 +34,15 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     let mut row_of = HashMap::new();
     let mut line_of = Vec::new();
     let mut wide = None;
+    let (mut types, mut names) = (Vec::new(), TypeNames::default());
     for (at, line) in input.split(b'\n').enumerate() {
         let (at, line) = (at + 1, line.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?);
         let line = String::from_utf8_lossy(&line);
-        let text = line.trim_start_matches('\u{feff}').split('#').next().unwrap_or_default();
+        let line = line.trim_start_matches('\u{feff}');
+        let text = line.split('#').next().unwrap_or_default();
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.is_empty() {
+            names.read(line);
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
@@ -47,7 +53,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         }
         let id = index(id, at, 0)?
             .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
-        number(kind, at, 1)?;
+        let kind = code(number(kind, at, 1)?);
         let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
         for (axis, value) in position.iter().enumerate() {
             if !value.is_finite() {
@@ -67,6 +73,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         }
         let radius = scale.length(number_of_radius);
         lines.ids.push(id);
+        types.push(kind);
         lines.points.push(scale.position(position));
         lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
         parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
@@ -91,6 +98,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         let found = format!("point {} is its own ancestor", lines.ids[row]);
         Fault::line(line_of[row], found, "expected a tree; put the links that close loops into a --loops file")
     })?;
+    name_links(&mut lines, &types, &names);
     let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
     Ok((lines, notes.into_iter().collect()))
 }
@@ -188,7 +196,8 @@ pub fn is_forest(network: &Network) -> bool {
 /// Writes a forest as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres.
 ///
 /// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
-/// its widest vessel; one that has none of either is written with 0.
+/// its widest vessel; one that has none of either is written with 0. The type of a point is the label of the vessel that leads
+/// to it, as [`read_swc`] takes it.
 ///
 /// # Errors
 ///
@@ -204,15 +213,17 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
         around[ends[1]].push((row, ends[0]));
     }
     writeln!(out, "# centerlines; coordinates and radii in mm")?;
+    let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
+    types.write(&mut out)?;
     writeln!(out, "# id type x y z radius parent")?;
     let mut used = 0_usize;
-    let mut write = |point: &PathPoint, parent: Option<usize>| -> io::Result<usize> {
+    let mut write = |point: &PathPoint, kind: u64, parent: Option<usize>| -> io::Result<usize> {
         used += 1;
         let [x, y, z] = point.position.map(|x| real(millimetres(x)));
         let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
         match parent {
-            None => writeln!(out, "{used} 0 {x} {y} {z} {radius} -1")?,
-            Some(parent) => writeln!(out, "{used} 0 {x} {y} {z} {radius} {parent}")?,
+            None => writeln!(out, "{used} {kind} {x} {y} {z} {radius} -1")?,
+            Some(parent) => writeln!(out, "{used} {kind} {x} {y} {z} {radius} {parent}")?,
         }
         Ok(used)
     };
@@ -222,7 +233,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
         if id_of[root].is_some() {
             continue;
         }
-        let root_id = write(&at[root], None)?;
+        let root_id = write(&at[root], 0, None)?;
         id_of[root] = Some(root_id);
         let mut open = vec![(root, root_id)];
         while let Some((node, node_id)) = open.pop() {
@@ -232,11 +243,12 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
                 }
                 let inner =
                     between(&network.vessel(*row).path, at[node].position, at[*next].position, network.ends(*row)[0] == node);
+                let kind = types.code(&network.vessel(*row).label);
                 let mut parent = node_id;
                 for point in &inner {
-                    parent = write(point, Some(parent))?;
+                    parent = write(point, kind, Some(parent))?;
                 }
-                parent = write(&at[*next], Some(parent))?;
+                parent = write(&at[*next], kind, Some(parent))?;
                 id_of[*next] = Some(parent);
                 open.push((*next, parent));
             }

@@ -1,0 +1,192 @@
+//! iCafe: which artery each stretch of a traced SWC file is, from the Feature_Vessel.csv beside it.
+
+use std::io::BufRead;
+use std::path::{Path, PathBuf};
+
+use super::csv_graph::csv_fault;
+use crate::centerline::{Centerlines, Labels};
+use crate::error::Fault;
+use crate::geometry::Point;
+use crate::units::Scale;
+
+/// The table of vessels.
+const TABLE: &str = "Feature_Vessel.csv";
+/// What iCafe says of the image.
+const IMAGE: &str = "Image_info.txt";
+/// The arteries by `VesselType`; the first is none.
+const ARTERIES: [&str; 23] = [
+    "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
+    "R-VA", "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
+];
+/// Both files have six digits.
+const DIGITS: f64 = 1e-5;
+
+/// A row of Feature_Vessel.csv.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TracedVessel {
+    /// The usual name of the artery, `VesselType` in digits where it has none; empty for type 0.
+    pub label: String,
+    /// Its first and last point, m.
+    pub ends: [Point; 2],
+    /// How many points it has.
+    pub points: Option<usize>,
+}
+
+/// Whether a header line is that of Feature_Vessel.csv.
+pub(super) fn is_header(columns: &[&str]) -> bool {
+    ["VesselType", "StartPointPositionX", "EndPointPositionX"].iter().all(|name| columns.contains(name))
+}
+
+/// The table of vessels beside a tracing.
+pub(super) fn table_beside(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(TABLE)).filter(|path| path.is_file())
+}
+
+/// The one tracing beside a table of vessels.
+pub(super) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
+    let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> =
+        files.filter(|path| path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    found.sort();
+    match found.len() {
+        0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
+        1 => Ok(found.remove(0)),
+        many => {
+            let names: Vec<_> =
+                found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
+            let found = format!(
+                "{many} SWC files beside the table of vessels ({}{})",
+                names.join(", "),
+                if many > 3 { ", ..." } else { "" }
+            );
+            Err(Fault::file(found, "give the one that it belongs to as INPUT"))
+        }
+    }
+}
+
+/// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
+pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
+    let text = std::fs::read(tracing.with_file_name(IMAGE)).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
+    numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
+}
+
+/// Reads Feature_Vessel.csv.
+///
+/// # Errors
+///
+/// A missing column, a position that is no number, a type that is no whole number.
+pub fn read_traced_vessels(input: impl BufRead, scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
+    const ENDS: [[&str; 3]; 2] = [
+        ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
+        ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
+    ];
+    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(input);
+    let header = reader.headers().map_err(|e| csv_fault(&e))?.clone();
+    let column = |name: &str| header.iter().position(|h| h == name);
+    let needed =
+        |name: &str| column(name).ok_or_else(|| Fault::line(1, format!("no column {name}"), format!("expected iCafe's {TABLE}")));
+    let kind_at = needed("VesselType")?;
+    let mut ends_at = [[0; 3]; 2];
+    for (at, name) in ends_at.iter_mut().flatten().zip(ENDS.iter().flatten()) {
+        *at = needed(name)?;
+    }
+    let count_at = column("NumPts");
+    let mut vessels = Vec::new();
+    for row in reader.records() {
+        let row = row.map_err(|e| csv_fault(&e))?;
+        let line = row.position().map_or(0, |p| p.line() as usize);
+        if row.iter().all(str::is_empty) {
+            continue;
+        }
+        let number = |at: usize| {
+            let text = row.get(at).unwrap_or_default();
+            let wrong = || Fault::line(line, format!("{} \"{text}\"", &header[at]), "expected a finite number");
+            text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong)
+        };
+        let mut ends = [[0.0; 3]; 2];
+        for (x, at) in ends.iter_mut().flatten().zip(ends_at.iter().flatten()) {
+            *x = number(*at)?;
+        }
+        let kind = number(kind_at)?;
+        if kind < 0.0 || kind.fract() != 0.0 {
+            return Err(Fault::line(line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
+        }
+        vessels.push(TracedVessel {
+            label: ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
+            ends: ends.map(|end| scale.position(end)),
+            points: count_at.and_then(|at| row.get(at)).and_then(|text| text.parse().ok()),
+        });
+    }
+    Ok(vessels)
+}
+
+/// Labels the links of a tracing, as [`super::read_swc`] gives them, with the vessels that lead along them, and takes away all other
+/// labels: the types of iCafe's points are landmarks. Returns how many vessels have a stretch; without any, nothing is changed.
+///
+/// A vessel is the way within one tree between points at its two ends; where several ends coincide, the way with its number of
+/// points, and among those the first that no other vessel has.
+pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usize {
+    let mut up = vec![None; lines.points.len()];
+    for (row, [parent, child]) in lines.links.iter().enumerate() {
+        up[*child as usize] = Some((*parent as usize, row));
+    }
+    let mut by_x: Vec<usize> = (0..lines.points.len()).collect();
+    by_x.sort_by(|a, b| lines.points[*a][0].total_cmp(&lines.points[*b][0]));
+    let at = |p: Point| {
+        let near = |a: f64, b: f64| (a - b).abs() <= DIGITS * a.abs().max(b.abs());
+        let slack = 2.0 * DIGITS * p[0].abs();
+        let from = by_x.partition_point(|row| lines.points[*row][0] < p[0] - slack);
+        let close = by_x[from..].iter().take_while(|row| lines.points[**row][0] <= p[0] + slack);
+        let mut rows: Vec<usize> =
+            close.copied().filter(|row| (0..3).all(|axis| near(lines.points[*row][axis], p[axis]))).collect();
+        rows.sort_unstable();
+        rows
+    };
+    let mut labels = Labels::default();
+    let mut taken = vec![false; lines.links.len()];
+    let mut named = 0;
+    for vessel in vessels {
+        let [starts, ends] = vessel.ends.map(at);
+        let mut best: Option<([usize; 2], Vec<usize>)> = None;
+        for start in &starts {
+            for end in ends.iter().filter(|end| lines.strand[**end] == lines.strand[*start]) {
+                let way = way(&up, *start, *end);
+                let (Some(first), wrong) = (way.first(), vessel.points.is_some_and(|n| n != way.len() + 1)) else { continue };
+                let key = [usize::from(wrong), usize::from(taken[*first])];
+                if best.as_ref().is_none_or(|(known, _)| key < *known) {
+                    best = Some((key, way));
+                }
+            }
+        }
+        if let Some((_, way)) = best {
+            named += 1;
+            for link in way {
+                taken[link] = true;
+                labels.set(link, &vessel.label);
+            }
+        }
+    }
+    if named > 0 {
+        lines.labels = labels;
+    }
+    named
+}
+
+/// The links between two points of one tree.
+fn way(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
+    let depth = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).count();
+    let (mut a, mut b, mut deep_a, mut deep_b) = (a, b, depth(a), depth(b));
+    let (mut head, mut tail) = (Vec::new(), Vec::new());
+    while a != b {
+        let (point, links, deep) =
+            if deep_a >= deep_b { (&mut a, &mut head, &mut deep_a) } else { (&mut b, &mut tail, &mut deep_b) };
+        let Some((parent, link)) = up[*point] else { return Vec::new() };
+        links.push(link);
+        (*point, *deep) = (parent, *deep - 1);
+    }
+    head.extend(tail.into_iter().rev());
+    head
+}
