@@ -2,6 +2,7 @@
 
 use roxmltree::Node as Element;
 
+use super::super::polydata::LIMIT;
 use super::block::{Encoding, Source};
 use crate::error::Fault;
 
@@ -40,6 +41,26 @@ impl Arrays<'_> {
         }
     }
 
+    /// The first `count` texts of an array; each ends with a zero byte.
+    pub(super) fn texts(&self, array: Element, count: usize) -> Result<Vec<String>, Fault> {
+        let accepted = || format!("expected {count} texts");
+        let bytes = if is_ascii(array) {
+            let wrong = |word: &str| fault(array, format!("value \"{word}\""), "expected the codes of characters");
+            let codes = text(array);
+            codes.split_ascii_whitespace().map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>()?
+        } else {
+            self.bytes(array, LIMIT, accepted())?
+        };
+        let mut texts: Vec<String> = bytes.split(|b| *b == 0).map(|text| String::from_utf8_lossy(text).into_owned()).collect();
+        // What follows the last zero byte is nothing.
+        texts.pop();
+        if texts.len() < count {
+            return Err(fault(array, format!("{} texts", texts.len()), accepted()));
+        }
+        texts.truncate(count);
+        Ok(texts)
+    }
+
     fn numbers(&self, array: Element, count: usize) -> Result<Numbers, Fault> {
         let kind = attribute(array, "type");
         let size = match kind {
@@ -49,26 +70,8 @@ impl Arrays<'_> {
             "Int64" | "UInt64" | "Float64" => 8,
             _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
         };
-        let text = || array.children().filter_map(|c| if c.is_text() { c.text() } else { None }).collect::<String>();
-        let found = match attribute(array, "format") {
-            "ascii" | "" => ascii(array, &text(), kind, count)?,
-            "binary" => {
-                let text: Vec<u8> = text().bytes().filter(|b| !b.is_ascii_whitespace()).collect();
-                self.binary(array, Source::Base64(&text), kind, size, count)?
-            }
-            "appended" => {
-                let offset = attribute(array, "offset").trim();
-                let beyond = || fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>");
-                let start: usize = offset.parse().map_err(|_| beyond())?;
-                let source = match self.appended {
-                    Some(Source::Raw(bytes)) => bytes.get(start..).map(Source::Raw),
-                    Some(Source::Base64(bytes)) => bytes.get(start..).map(Source::Base64),
-                    None => None,
-                };
-                self.binary(array, source.ok_or_else(beyond)?, kind, size, count)?
-            }
-            other => return Err(fault(array, format!("format \"{other}\""), "expected ascii, binary or appended")),
-        };
+        let found =
+            if is_ascii(array) { ascii(array, &text(array), kind, count)? } else { self.binary(array, kind, size, count)? };
         let length = match &found {
             Numbers::Real(values) => values.len(),
             Numbers::Whole(values) => values.len(),
@@ -76,9 +79,33 @@ impl Arrays<'_> {
         if length == count { Ok(found) } else { Err(fault(array, format!("{length} values"), format!("expected {count}"))) }
     }
 
-    fn binary(&self, array: Element, source: Source, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
-        let bytes = (self.encoding.bytes(source, count.saturating_mul(size)))
-            .map_err(|found| fault(array, found, format!("expected {count} values of {size} bytes")))?;
+    /// The first `limit` bytes of an array that is not written in digits.
+    fn bytes(&self, array: Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
+        let own: Vec<u8>;
+        let source = match attribute(array, "format") {
+            "binary" => {
+                own = text(array).bytes().filter(|b| !b.is_ascii_whitespace()).collect();
+                Some(Source::Base64(&own))
+            }
+            "appended" => {
+                let start = attribute(array, "offset").trim().parse().unwrap_or(usize::MAX);
+                match self.appended {
+                    Some(Source::Raw(bytes)) => bytes.get(start..).map(Source::Raw),
+                    Some(Source::Base64(bytes)) => bytes.get(start..).map(Source::Base64),
+                    None => None,
+                }
+            }
+            other => return Err(fault(array, format!("format \"{other}\""), "expected ascii, binary or appended")),
+        };
+        let source = source.ok_or_else(|| {
+            let offset = attribute(array, "offset").trim();
+            fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>")
+        })?;
+        Ok(self.encoding.bytes(source, limit).map_err(|found| fault(array, found, accepted))?.into_owned())
+    }
+
+    fn binary(&self, array: Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
+        let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
         let mut numbers = bytes.chunks_exact(size).map(|chunk| {
             let mut word = [0_u8; 8];
             for (place, byte) in chunk.iter().enumerate() {
@@ -101,6 +128,15 @@ impl Arrays<'_> {
             },
         })
     }
+}
+
+fn is_ascii(array: Element) -> bool {
+    matches!(attribute(array, "format"), "ascii" | "")
+}
+
+/// The text within an element.
+fn text(array: Element) -> String {
+    array.children().filter_map(|c| if c.is_text() { c.text() } else { None }).collect()
 }
 
 fn ascii(array: Element, text: &str, kind: &str, count: usize) -> Result<Numbers, Fault> {

@@ -5,5 +5,5 @@ mod block;
 mod read;
 mod write;
 
-pub use read::{RadiusArray, read_vtp};
+pub use read::read_vtp;
 pub use write::write_vtp;

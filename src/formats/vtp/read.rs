@@ -1,38 +1,20 @@
 //! Reads the lines and radii of a VTP file.
 
-use std::collections::HashMap;
-
 use roxmltree::Node as Element;
 
+use super::super::polydata::{Array, LIMIT, PolyData, RadiusArray, Values, centerlines, is_wanted};
 use super::super::xml;
 use super::array::{Arrays, attribute};
 use super::block::{Encoding, Source};
 use crate::centerline::Centerlines;
 use crate::error::Fault;
-use crate::suggestion::did_you_mean;
 use crate::units::Scale;
-
-/// The usual names of the radius, the first one first.
-const RADIUS: [&str; 3] = ["MaximumInscribedSphereRadius", "Radius", "radius"];
-/// More points, cells or indices than any centerline has: a file that announces them is broken.
-const LIMIT: usize = 1 << 26;
-
-/// Which point array holds the radius.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RadiusArray<'a> {
-    /// The first one with a usual name.
-    #[default]
-    Usual,
-    /// The one with this name.
-    Named(&'a str),
-    /// The first one with a usual name; without one every radius is missing.
-    Optional,
-}
 
 /// Reads the polylines of all pieces with the radius of each point; returns also what a person should know.
 ///
 /// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
-/// `radius_array` says which point array holds the radius.
+/// `radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as `label`
+/// name their lines.
 ///
 /// # Errors
 ///
@@ -76,36 +58,27 @@ pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> R
             notes.push(format!("{n} {what} are ignored"));
         }
     }
-    let mut out = Centerlines::default();
-    let (mut first_point, mut first_line) = (0, 0);
+    let mut read = Vec::new();
+    let mut before = [0, 0];
     for piece in pieces {
-        read_piece(&mut out, piece, &arrays, scale, radius_array, [first_point, first_line])?;
-        first_point += number(piece, "NumberOfPoints")?;
-        first_line += number(piece, "NumberOfLines")?;
+        let lines = number(piece, "NumberOfLines")?;
+        if lines > 0 {
+            read.push(read_piece(piece, &arrays, radius_array, before)?);
+        }
+        before = [before[0] + number(piece, "NumberOfPoints")?, before[1] + lines];
     }
-    Ok((out, notes))
+    let (lines, more) = centerlines(&read, scale, radius_array)?;
+    notes.extend(more);
+    Ok((lines, notes))
 }
 
-fn read_piece(
-    out: &mut Centerlines,
-    piece: Element,
-    arrays: &Arrays,
-    scale: &Scale,
-    radius_array: RadiusArray<'_>,
-    [first_point, first_line]: [usize; 2],
-) -> Result<(), Fault> {
-    let (points, lines) = (number(piece, "NumberOfPoints")?, number(piece, "NumberOfLines")?);
-    if lines == 0 {
-        return Ok(());
-    }
+fn read_piece(piece: Element, arrays: &Arrays, choice: RadiusArray<'_>, before: [usize; 2]) -> Result<PolyData, Fault> {
+    let [points, lines, verts] = ["NumberOfPoints", "NumberOfLines", "NumberOfVerts"].map(|name| number(piece, name));
+    let (points, lines, verts) = (points?, lines?, verts?);
     let coordinates = children(piece, "Points").next().and_then(|p| children(p, "DataArray").next());
     let coordinates = coordinates.ok_or_else(|| Fault::file("no <Points>", "expected an array of 3 components"))?;
     let coordinates = arrays.reals(coordinates, 3 * points)?;
-    let named = if let RadiusArray::Named(name) = radius_array { Some(name) } else { None };
-    let radii = match radius(piece, named) {
-        Err(_) if radius_array == RadiusArray::Optional => vec![f64::NAN; points],
-        array => arrays.reals(array?, points)?,
-    };
+    let point_data = named(piece, "PointData", arrays, choice, [0, points])?;
     let cells =
         |name| array(piece, "Lines", |n| n == name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
     let ends = arrays.indices(cells("offsets")?, lines)?;
@@ -114,69 +87,45 @@ fn read_piece(
         let last = ends.last().copied().unwrap_or_default();
         Fault::item("offsets of <Lines>", format!("the last is {last}"), format!("expected a count up to {LIMIT}"))
     })?;
-    let connectivity = arrays.indices(cells("connectivity")?, total)?;
-    let mut row_of: HashMap<usize, u32> = HashMap::new();
-    let mut start = 0;
-    for (line, end) in ends.iter().enumerate() {
-        let name = || format!("line {}", first_line + line);
-        let cell = usize::try_from(*end).ok().and_then(|end| connectivity.get(start..end));
-        let cell = cell.ok_or_else(|| Fault::item(name(), format!("offset {end} after {start}"), "expected rising offsets"))?;
-        start += cell.len();
-        let mut before = None;
-        for point in cell {
-            let range = || {
-                Fault::item(name(), format!("point {point}"), format!("expected a point from 0 to {}", points.saturating_sub(1)))
-            };
-            let point = usize::try_from(*point).ok().filter(|p| *p < points).ok_or_else(range)?;
-            let row = if let Some(row) = row_of.get(&point) {
-                *row
-            } else {
-                let (Some([x, y, z]), Some(radius)) = (coordinates.get(3 * point..3 * point + 3), radii.get(point)) else {
-                    return Err(range());
-                };
-                if ![x, y, z].into_iter().all(|x| x.is_finite()) {
-                    let found = format!("coordinates {x} {y} {z}");
-                    return Err(Fault::item(format!("point {}", first_point + point), found, "expected finite numbers"));
-                }
-                let row = out.points.len() as u32;
-                out.points.push(scale.position([*x, *y, *z]));
-                out.radii.push(scale.length(*radius));
-                out.ids.push((first_point + point) as u64);
-                out.strand.push((first_line + line) as u32);
-                row_of.insert(point, row);
-                row
-            };
-            if let Some(before) = before.replace(row).filter(|before| *before != row) {
-                out.links.push([before, row]);
-            }
-        }
-    }
-    Ok(())
+    let cells = arrays.indices(cells("connectivity")?, total)?;
+    // Cell data counts vertex cells before lines.
+    let line_data = named(piece, "CellData", arrays, choice, [verts, lines])?;
+    let points = coordinates.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    Ok(PolyData { before, points, ends, cells, point_data, line_data })
 }
 
-/// The array of point data that holds the radius.
-fn radius<'a, 'i>(piece: Element<'a, 'i>, name: Option<&str>) -> Result<Element<'a, 'i>, Fault> {
-    let found = match name {
-        Some(name) => array(piece, "PointData", |n| n == name.trim()),
-        None => RADIUS.iter().find_map(|usual| array(piece, "PointData", |n| n == *usual)),
-    };
-    found.ok_or_else(|| {
-        let arrays = children(piece, "PointData").flat_map(|p| children(p, "DataArray"));
-        let arrays: Vec<String> = arrays.map(|a| format!("\"{}\"", attribute(a, "Name").trim())).collect();
-        let has = if arrays.is_empty() { "there are none".to_owned() } else { format!("there are {}", arrays.join(", ")) };
-        match name {
-            Some(name) => {
-                let meant = did_you_mean(name, arrays.iter().map(|a| a.trim_matches('"')));
-                Fault::file(format!("no point array \"{}\"", name.trim()), format!("{meant}{has}"))
-            }
-            None => Fault::file(format!("no point array {}", RADIUS.join(", ")), format!("{has}; name one with --radius-array")),
-        }
-    })
+/// The arrays of a group by name, read where they are wanted: `count` values after the first `skipped`.
+fn named(
+    piece: Element,
+    group: &'static str,
+    arrays: &Arrays,
+    choice: RadiusArray<'_>,
+    [skipped, count]: [usize; 2],
+) -> Result<Vec<Array>, Fault> {
+    let mut out = Vec::new();
+    for array in children(piece, group).flat_map(|group| group.children().filter(|c| is_array(*c))) {
+        let name = attribute(array, "Name").trim();
+        let scalar = matches!(attribute(array, "NumberOfComponents").trim(), "" | "1");
+        let values = if !scalar || !is_wanted(name, choice) {
+            Values::Unread
+        } else if attribute(array, "type") == "String" {
+            Values::Texts(arrays.texts(array, skipped + count)?.split_off(skipped))
+        } else {
+            Values::Numbers(arrays.reals(array, skipped + count)?.split_off(skipped))
+        };
+        out.push(Array { name: name.to_owned(), values });
+    }
+    Ok(out)
 }
 
 fn array<'a, 'i>(piece: Element<'a, 'i>, group: &'static str, is: impl Fn(&str) -> bool) -> Option<Element<'a, 'i>> {
     let group = children(piece, group).next()?;
     children(group, "DataArray").find(|a| is(attribute(*a, "Name").trim()))
+}
+
+/// Arrays of texts may be <Array> instead.
+fn is_array(element: Element) -> bool {
+    element.is_element() && matches!(element.tag_name().name(), "DataArray" | "Array")
 }
 
 fn children<'a, 'i>(parent: Element<'a, 'i>, name: &'static str) -> impl Iterator<Item = Element<'a, 'i>> {

@@ -1,0 +1,116 @@
+//! Makes one vessel of stretches that several lines share.
+//!
+//! `vmtkcenterlines` traces a line from each target back to a source, each for itself: the trunk is there once for every outlet.
+//! The lines lie on each other to the last bit or nearly (numerical noise, smoothing and resampling move them by a fraction of the
+//! radius), run apart slowly where their vessels part, and no point of one is a point of another.
+//!
+//! The first line is taken as it is. Every next one is followed along those taken so far from a common end, a source or a target,
+//! stored forwards or backwards, to where it leaves them for good ([`super::tree`]); only what is left of it is hung on there. So
+//! the shared stretch keeps the points and radii of the line that came first. All tolerances are fractions of the local radius:
+//!
+//! - a common end: within 0.4 radii. Without one lines are never merged, however near they pass;
+//! - the same vessel: together until one radius from the common end, 0.12 radii apart on the mean (three radii where the file has
+//!   the common end as one point, as files of networks do), or coincident in their first three points. Two vessels that leave a
+//!   junction under more than some 14 degrees are thus two from its first point;
+//! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
+//! - one junction: leaving within 0.75 radii of a junction is leaving at it, so that a trifurcation is one;
+//! - the link from the tree to what is left goes aslant: points nearer to the last shared one than it is to the tree are left out.
+//!
+//! The place on the tree moves along it with the line, never by a jump: a vessel that turns back beside itself is not cut short.
+
+use super::tree::{Shared, Tree};
+use super::{Line, Lines};
+use crate::centerline::is_radius;
+use crate::geometry::distance;
+use crate::units::millimetres;
+
+/// More lines than a source has outlets: such a file holds pieces of a network, each of them once.
+const MOST: usize = 4096;
+/// Between two places on the tree a remainder this many radii long is no vessel.
+const WOBBLE: f64 = 2.0;
+
+/// Merges the lines; says over which length, if at all.
+pub(super) fn merge(all: &mut Lines) -> Option<String> {
+    if all.lines.len() < 2 || all.lines.len() > MOST {
+        return None;
+    }
+    let radii = without_gaps(all);
+    let mut tree = Tree::new(&all.at, &radii);
+    let (mut kept, mut merged, mut length) = (Vec::new(), 0, 0.0);
+    for line in &all.lines {
+        let backwards: Vec<u32> = line.points.iter().rev().copied().collect();
+        let (front, back) = (tree.follow(&line.points), tree.follow(&backwards));
+        for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
+            if let (None, Some(end)) = (shared, end) {
+                tree.add_end(*end);
+            }
+        }
+        let rest = match (front, back) {
+            (None, None) => Some(line.clone()),
+            _ => rest(all, &radii, line, front, back),
+        };
+        if front.is_some() || back.is_some() {
+            merged += 1;
+            length += arc(all, &line.points) - rest.as_ref().map_or(0.0, |rest| arc(all, &rest.points));
+        }
+        if let Some(rest) = rest {
+            tree.add(&rest.points);
+            kept.push(rest);
+        }
+    }
+    if merged == 0 {
+        return None;
+    }
+    let all_lines = all.lines.len();
+    all.lines = kept;
+    let length = millimetres(length);
+    Some(format!("{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: made one vessel each time"))
+}
+
+/// What a line has for itself, with the points of the tree that it hangs on.
+fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Option<Shared>) -> Option<Line> {
+    let n = line.points.len();
+    let mut first = front.map_or(0, |f| f.last + 1);
+    let mut last = back.map_or(n, |b| n - 1 - b.last);
+    if first >= last {
+        return None;
+    }
+    let within = |a: usize, b: usize, gap: f64| distance(all.at[line.points[a] as usize], all.at[line.points[b] as usize]) < gap;
+    let half = usize::midpoint(first, last);
+    if let Some(front) = front {
+        first = (first..half).find(|p| !within(*p, front.last, front.gap)).unwrap_or(half);
+    }
+    if let Some(back) = back {
+        last = (half + 1..last).rev().find(|p| !within(*p, n - 1 - back.last, back.gap)).unwrap_or(half) + 1;
+    }
+    let mut points: Vec<u32> = front.iter().map(|f| f.from).collect();
+    points.extend(&line.points[first..last]);
+    points.extend(back.iter().map(|b| b.from));
+    if front.is_some() && back.is_some() && arc(all, &points) <= WOBBLE * radii[line.points[first] as usize] {
+        return None;
+    }
+    let names = line.names[first - usize::from(front.is_some())..last - usize::from(back.is_none())].to_vec();
+    Some(Line { points, names, strand: line.strand })
+}
+
+fn arc(all: &Lines, points: &[u32]) -> f64 {
+    points.windows(2).map(|p| distance(all.at[p[0] as usize], all.at[p[1] as usize])).sum()
+}
+
+/// The radii with those of the point before, or else the first valid one of the line, where they are missing.
+fn without_gaps(all: &Lines) -> Vec<f64> {
+    let mut radii = all.radii.clone();
+    for line in &all.lines {
+        let valid = line.points.iter().map(|p| radii[*p as usize]).find(|r| is_radius(*r));
+        let mut before = valid.unwrap_or(0.0);
+        for point in &line.points {
+            let radius = &mut radii[*point as usize];
+            if is_radius(*radius) {
+                before = *radius;
+            } else {
+                *radius = before;
+            }
+        }
+    }
+    radii
+}
