@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use super::page::{self, Figure, infer_page, write_page};
 use super::plots::{Matrix, convergence, heat_map};
 use super::staged::{write_file, write_record};
 use super::summary::Summary;
@@ -65,8 +66,10 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dp
     } else {
         notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
     }
-    pictures(folder, outcome, &matrix, dpi)?;
+    let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
+    let page = infer_page(outcome, summary, &vessels, kept_nodes, figures);
+    write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 
@@ -105,10 +108,13 @@ fn topology(
     Ok(nodes)
 }
 
-fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<()> {
+fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
     let entries: Vec<(usize, usize, f64)> = matrix.iter().map(|(a, b, l)| (*a as usize, *b as usize, *l)).collect();
-    let picture = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries }, dpi)?;
+    let draw = |dpi| heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries }, dpi);
+    let picture = draw(dpi)?;
     write_file(&folder.join("likelihood.png"), |out| out.write_all(&picture))?;
+    let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
+    let matrix = Figure::new("Likelihood matrix", says, (picture, dpi), draw)?;
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
@@ -117,8 +123,12 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
     let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let picture = convergence(&samples, &series, &threshold, &kept, dpi)?;
-    write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))
+    let draw = |dpi| convergence(&samples, &series, &threshold, &kept, dpi);
+    let picture = draw(dpi)?;
+    write_file(&folder.join("convergence.png"), |out| out.write_all(&picture))?;
+    let says = "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
+                lines that are still moving at the right end call for more samples.";
+    Ok(vec![matrix, Figure::new("Convergence", says, (picture, dpi), draw)?])
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// The record by which a folder of this program is known.
 const MARK: &str = "run.json";
 /// All that such a folder may hold; --force replaces no folder with anything else in it.
-const FILES: [&str; 18] = [
+const FILES: [&str; 19] = [
     "edges.csv",
     "nodes.csv",
     "likelihood.npy",
@@ -20,6 +20,7 @@ const FILES: [&str; 18] = [
     "convergence.png",
     "flow.png",
     MARK,
+    "report.html",
     "topology.graphml",
     "topology.vtp",
     "topology.swc",

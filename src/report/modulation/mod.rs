@@ -7,6 +7,7 @@ mod tables;
 use std::io::Write;
 use std::path::Path;
 
+use super::page::{self, Figure, ModulationTables, modulation_page, write_page};
 use super::staged::{write_file, write_record};
 use super::summary::Provenance;
 use crate::error::Result;
@@ -56,24 +57,41 @@ impl ModulationOutcome<'_> {
 ///
 /// A file that cannot be written, or a resolution out of range.
 pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples: bool, dpi: u32) -> Result<()> {
+    let tables = ModulationTables {
+        classes: tables::class_columns(outcome),
+        nodes: tables::node_columns(outcome),
+        vessels: tables::vessel_columns(outcome),
+        hypertension: tables::hypertension_columns(outcome),
+    };
     for (name, columns) in [
-        ("classes.csv", tables::class_columns(outcome)),
-        ("nodes.csv", tables::node_columns(outcome)),
-        ("edges.csv", tables::vessel_columns(outcome)),
-        ("hypertension.csv", tables::hypertension_columns(outcome)),
+        ("classes.csv", &tables.classes),
+        ("nodes.csv", &tables.nodes),
+        ("edges.csv", &tables.vessels),
+        ("hypertension.csv", &tables.hypertension),
     ] {
-        write_file(&folder.join(name), |out| write_csv(out, &columns))?;
+        write_file(&folder.join(name), |out| write_csv(out, columns))?;
     }
     if samples {
         write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
     }
-    for (name, picture) in
-        [("modulation.png", pictures::response(outcome, dpi)?), ("hypertension.png", pictures::hypertension(outcome, dpi)?)]
-    {
+    let mut figures = Vec::new();
+    let pictures: [(_, _, _, fn(&ModulationOutcome<'_>, u32) -> Result<Vec<u8>>); 2] = [
+        ("modulation.png", "Response", RESPONSE, pictures::response),
+        ("hypertension.png", "Hypertension", HYPERTENSION, pictures::hypertension),
+    ];
+    for (name, title, says, draw) in pictures {
+        let picture = draw(outcome, dpi)?;
         write_file(&folder.join(name), |out| out.write_all(&picture))?;
+        figures.push(Figure::new(title, says, (picture, dpi), |dpi| draw(outcome, dpi))?);
     }
-    write_record(folder, &record::Record::of(outcome))
+    let record = record::Record::of(outcome);
+    write_record(folder, &record)?;
+    let page = modulation_page(outcome, &record, tables, figures);
+    write_file(&folder.join(page::FILE), |out| write_page(out, &page))
 }
+
+const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";
+const HYPERTENSION: &str = "Histograms of the hypertension force by class, with the gamma distributions fitted to them.";
 
 /// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
 /// those of the one unperturbed instance.
