@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::list::conditions;
-use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take};
+use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
 use crate::formats::{Column, Values};
 use crate::inference::{Keep, UNDECIDED_Z, Weight};
 use crate::report::outcome::Outcome;
@@ -23,7 +23,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit(outcome.weight);
     Page {
-        title: format!("willis infer: {}", record["input"]["path"].as_str().unwrap_or_default()),
+        title: title("infer", &record),
         facts: facts(&record, unit, matches!(outcome.rule, Keep::Frequency(_))),
         record,
         scene: scene(outcome.network, outcome.boundary),

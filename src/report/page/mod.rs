@@ -199,6 +199,13 @@ fn record(of: &impl serde::Serialize) -> Value {
     record
 }
 
+/// The heading of a run: its command, and the name of its input.
+fn title(command: &str, record: &Value) -> String {
+    let path = record["input"]["path"].as_str().unwrap_or_default();
+    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
+    format!("willis {command}: {name}")
+}
+
 /// A part of the record that becomes a table, taken out of it.
 fn take(record: &mut Value, name: &str) -> Value {
     record.get_mut(name).map_or(json!([]), Value::take)

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::list::conditions;
-use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take};
+use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take, title};
 use crate::formats::{Column, Values};
 use crate::report::modulation::ModulationOutcome;
 
@@ -68,7 +68,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
     all.push(plain("Hypertension", tables.hypertension));
     all.extend(conditions(&take(&mut record, "boundary_conditions")));
     Page {
-        title: format!("willis modulate: {}", record["input"]["path"].as_str().unwrap_or_default()),
+        title: title("modulate", &record),
         record,
         facts,
         scene: scene(outcome.network, outcome.boundary),

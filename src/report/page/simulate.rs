@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::list::{conditions, list};
-use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take};
+use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take, title};
 use crate::formats::Column;
 use crate::report::flow_record::FlowRecord;
 use crate::report::simulated::Simulated;
@@ -38,7 +38,7 @@ pub fn page(
     ];
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &[], of_vessels };
     Page {
-        title: format!("willis simulate: {}", record["input"]["path"].as_str().unwrap_or_default()),
+        title: title("simulate", &record),
         record,
         facts,
         scene: scene(simulated.network, simulated.boundary),

@@ -36,7 +36,7 @@ class LinePainter {
     ink.setTransform(ratio, 0, 0, ratio, canvas.width / 2, canvas.height / 2);
     for (const { item, state, from, to, radius, far } of this.pieces(camera)) {
       const thin = state & LOOK.pruned ? 0.55 : 1;
-      const width = Math.max(2 * thin * radius / camera.mm, state & LOOK.marker ? 6 : 1.4 * thin);
+      const width = Math.max(2 * thin * radius / camera.mm, state & LOOK.inlet ? 8 : state & LOOK.marker ? 4.4 : 1.4 * thin);
       const stroke = (style, wide, dash, cap) => {
         ink.strokeStyle = style;
         ink.lineWidth = wide;

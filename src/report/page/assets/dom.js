@@ -2,7 +2,7 @@
 const SVG = "http://www.w3.org/2000/svg";
 const byId = id => document.getElementById(id);
 
-function dress(element, attributes, children) {
+function furnish(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (name === "text") element.textContent = value;
     else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
@@ -10,8 +10,8 @@ function dress(element, attributes, children) {
   element.append(...children);
   return element;
 }
-const make = (tag, attributes = {}, ...children) => dress(document.createElement(tag), attributes, children);
-const draw = (tag, attributes = {}, ...children) => dress(document.createElementNS(SVG, tag), attributes, children);
+const make = (tag, attributes = {}, ...children) => furnish(document.createElement(tag), attributes, children);
+const draw = (tag, attributes = {}, ...children) => furnish(document.createElementNS(SVG, tag), attributes, children);
 
 // A figure as tables and labels write it; empty when there is none.
 function shown(x, digits = 5) {

@@ -112,12 +112,13 @@ function colouring() {
     const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))));
     showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
     const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
-    if (chosen.scale === "log") parts.push("logarithmic; zero takes the lightest colour");
+    if (chosen.scale === "log") parts.push(chosen.trial_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
     if (scale.clipped) parts.push(`what is more than ${DECADES} decades below the largest too`);
     if (chosen.trial_only) parts.push("vessels not on trial are grey");
     byId("colour-note").textContent = parts.join("; ") + ".";
     const values = each[variant.value || 0];
-    colour = row => grey(row) || Number.isNaN(values[row]) ? GREY : scale.colour(values[row]);
+    const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.trial_only;
+    colour = row => grey(row) || none(values[row]) ? GREY : scale.colour(values[row]);
     dress();
   };
   by.addEventListener("change", () => {
@@ -197,6 +198,7 @@ function showScene() {
   colourOf = colouring();
   const markers = byId("markers");
   byId("markers-label").hidden = data.scene.markers.length === 0;
+  markers.checked = scene.markersShown;
   markers.addEventListener("change", () => { scene.markersShown = markers.checked; dress(); });
   byId("picture").addEventListener("click", () => make("a", { href: scene.canvas.toDataURL(), download: "vessels.png" }).click());
   dress();

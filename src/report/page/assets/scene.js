@@ -1,4 +1,6 @@
 // The view of the vessels: paints when something changed, and finds the vessel under a place.
+// More markers than this hide the vessels: they are shown when asked for.
+const MANY = 200;
 const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90] };
 
 class SceneView {
@@ -7,10 +9,10 @@ class SceneView {
     this.canvas = byId("canvas");
     this.camera = new Camera(this.geometry.points);
     this.looks = new Uint8Array(4 * (this.geometry.starts.length - 1));
-    this.markersShown = true;
+    this.markersShown = this.geometry.markers.length <= MANY;
     this.picked = -1;
     this.begin();
-    this.geometry.markers.forEach(([role], i) => this.looks.set([...MARKERS[role], LOOK.marker], 4 * (this.geometry.vessels + i)));
+    this.geometry.markers.forEach(([role], i) => this.looks.set(MARKERS[role], 4 * (this.geometry.vessels + i)));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     // A lost graphics context comes back by itself, empty.
     this.canvas.addEventListener("webglcontextlost", event => event.preventDefault());
@@ -52,7 +54,10 @@ class SceneView {
       this.looks.set(this.colour(row), 4 * row);
       this.looks[4 * row + 3] = this.state(row) | (row === this.picked ? LOOK.picked : 0);
     }
-    for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) this.looks[4 * i + 3] = LOOK.marker | (this.markersShown ? 0 : LOOK.hidden);
+    for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) {
+      const inlet = this.geometry.markers[i - this.geometry.vessels][0] === "inlet" ? LOOK.inlet : 0;
+      this.looks[4 * i + 3] = LOOK.marker | inlet | (this.markersShown ? 0 : LOOK.hidden);
+    }
     this.painter.dress(this.looks);
     this.paint();
   }
