@@ -1,5 +1,7 @@
 //! Running the command as a person does, in a folder of its own.
 
+#![allow(dead_code, reason = "each test file uses its part")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
