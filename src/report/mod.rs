@@ -5,6 +5,7 @@ mod flow_record;
 mod flow_tables;
 mod modulation;
 pub mod outcome;
+pub mod page;
 pub mod plots;
 mod simulated;
 pub mod staged;

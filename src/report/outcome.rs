@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::page::{self, Figure, infer_page, write_page};
 use super::plots::{Matrix, convergence, heat_map};
 use super::staged::{write_file, write_record};
 use super::summary::Summary;
@@ -64,8 +65,10 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dp
     } else {
         notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
     }
-    pictures(folder, outcome, &matrix, dpi)?;
+    let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
+    let page = infer_page(outcome, summary, &vessels, kept_nodes, figures);
+    write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 
@@ -104,9 +107,12 @@ fn topology(
     Ok(nodes)
 }
 
-fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<()> {
+fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
     let entries: Vec<(usize, usize, f64)> = matrix.iter().map(|(a, b, l)| (*a as usize, *b as usize, *l)).collect();
-    heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries })?.write(folder, dpi)?;
+    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries })?;
+    matrix.write(folder, dpi)?;
+    let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
+    let matrix = Figure::new("Likelihood matrix", says, &matrix)?;
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
@@ -115,7 +121,11 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
     let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
-    convergence(&samples, &series, &threshold, &kept)?.write(folder, dpi)
+    let traces = convergence(&samples, &series, &threshold, &kept)?;
+    traces.write(folder, dpi)?;
+    let says = "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
+                lines that are still moving at the right end call for more samples.";
+    Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.

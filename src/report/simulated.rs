@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::flow_record::FlowRecord;
 use super::flow_tables::{node_columns, vessel_columns};
+use super::page::{self, Figure, simulation_page, write_page};
 use super::plots::{VesselFlow, flow_bars};
 use super::staged::{write_file, write_record};
 use crate::error::Result;
@@ -38,14 +39,20 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     let mut notes = Vec::new();
     let vessels = vessel_columns(simulated);
     write_file(&folder.join("edges.csv"), |out| write_csv(out, &vessels))?;
-    write_file(&folder.join("nodes.csv"), |out| write_csv(out, &node_columns(simulated)))?;
+    let nodes = node_columns(simulated);
+    write_file(&folder.join("nodes.csv"), |out| write_csv(out, &nodes))?;
     if simulated.network.has_positions() {
         write_file(&folder.join("topology.vtp"), |out| write_vtp(out, simulated.network, &vessels))?;
     } else {
         notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
     }
-    flow_bars(&flows(simulated))?.write(folder, dpi)?;
+    let bars = flow_bars(&flows(simulated))?;
+    bars.write(folder, dpi)?;
+    let says = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
+    let figures = vec![Figure::new("Flow", says, &bars)?];
     write_record(folder, record)?;
+    let page = simulation_page(simulated, record, vessels, nodes, figures);
+    write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 

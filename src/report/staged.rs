@@ -23,6 +23,7 @@ const FILES: &[&str] = &[
     "flow.png",
     "flow.svg",
     MARK,
+    "report.html",
     "topology.graphml",
     "topology.vtp",
     "topology.swc",

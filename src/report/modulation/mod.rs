@@ -6,6 +6,7 @@ mod tables;
 
 use std::path::Path;
 
+use super::page::{self, Figure, ModulationTables, modulation_page, write_page};
 use super::staged::{write_file, write_record};
 use super::summary::Provenance;
 use crate::error::Result;
@@ -60,21 +61,38 @@ impl ModulationOutcome<'_> {
 ///
 /// A file that cannot be written, or a resolution out of range.
 pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples: bool, dpi: u32) -> Result<()> {
+    let tables = ModulationTables {
+        classes: tables::class_columns(outcome),
+        nodes: tables::node_columns(outcome),
+        vessels: tables::vessel_columns(outcome),
+        hypertension: tables::hypertension_columns(outcome),
+    };
     for (name, columns) in [
-        ("classes.csv", tables::class_columns(outcome)),
-        ("nodes.csv", tables::node_columns(outcome)),
-        ("edges.csv", tables::vessel_columns(outcome)),
-        ("hypertension.csv", tables::hypertension_columns(outcome)),
+        ("classes.csv", &tables.classes),
+        ("nodes.csv", &tables.nodes),
+        ("edges.csv", &tables.vessels),
+        ("hypertension.csv", &tables.hypertension),
     ] {
-        write_file(&folder.join(name), |out| write_csv(out, &columns))?;
+        write_file(&folder.join(name), |out| write_csv(out, columns))?;
     }
     if samples {
         write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
     }
-    pictures::response(outcome).write(folder, dpi)?;
-    pictures::hypertension(outcome).write(folder, dpi)?;
-    write_record(folder, &outcome.record())
+    let mut figures = Vec::new();
+    for (title, says, picture) in
+        [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
+    {
+        picture.write(folder, dpi)?;
+        figures.push(Figure::new(title, says, &picture)?);
+    }
+    let record = record::Record::of(outcome);
+    write_record(folder, &record)?;
+    let page = modulation_page(outcome, &record, tables, figures);
+    write_file(&folder.join(page::FILE), |out| write_page(out, &page))
 }
+
+const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";
+const HYPERTENSION: &str = "Histograms of the hypertension force by class, with the gamma distributions fitted to them.";
 
 /// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
 /// those of the one unperturbed instance.

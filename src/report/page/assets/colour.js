@@ -1,0 +1,60 @@
+// From figures to colours: the map of the pictures (viridis, light to dark), and one with two sides for signed figures.
+const GREY = [169, 173, 179];
+const SIDES = [[0, 83, 141], [200, 200, 200], [176, 74, 0]];
+
+function blend(colours, t) {
+  const steps = colours.length - 1;
+  const place = Math.min(Math.max(t || 0, 0), 1) * steps;
+  const low = Math.min(Math.floor(place), steps - 1);
+  return colours[low].map((c, i) => Math.round(c + (place - low) * (colours[low + 1][i] - c)));
+}
+
+// Decades that a logarithmic scale shows at the most, from the largest value down.
+const DECADES = 12;
+
+// The scale over some values: `share` puts a value into [0, 1], `ticks` are its labels by share.
+function scaleOf(kind, values) {
+  let low = Infinity, high = -Infinity, most = 0, least = Infinity;
+  for (const v of values) {
+    const size = Math.abs(v);
+    if (!Number.isFinite(size)) continue;
+    low = Math.min(low, size);
+    high = Math.max(high, size);
+    if (size > 0) least = Math.min(least, size);
+    most = Math.max(most, size);
+  }
+  if (kind === "diverging") {
+    const share = x => 0.5 + 0.5 * x / (most || 1);
+    const tick = x => [share(x), x > 0 ? "+" + shown(x, 3) : shown(x, 3)];
+    return { share, colour: x => blend(SIDES, share(x)), ticks: most > 0 ? [tick(-most), tick(0), tick(most)] : [tick(0)], clipped: false };
+  }
+  if (kind === "log" && most > 0) {
+    let [from, to] = [Math.log10(least), Math.log10(most)];
+    const clipped = to - from > DECADES;
+    if (clipped) from = to - DECADES;
+    if (to - from < 1) [from, to] = [(from + to) / 2 - 0.5, (from + to) / 2 + 0.5];
+    const share = x => x === 0 ? 0 : (Math.log10(Math.abs(x)) - from) / (to - from);
+    const step = Math.max(1, Math.ceil((to - from) / 5));
+    const ticks = [];
+    for (let e = Math.ceil(from); e <= to; e += step) ticks.push([(e - from) / (to - from), power(e)]);
+    return { share, colour: x => blend(data.colours, share(x)), ticks, clipped };
+  }
+  if (!(low <= high)) [low, high] = [0, 1];
+  const range = high - low || 1;
+  const share = x => (Math.abs(x) - low) / range;
+  return { share, colour: x => blend(data.colours, share(x)), ticks: [0, 0.5, 1].map(t => [t, shown(low + t * range, 3)]), clipped: false };
+}
+
+// The colour bar with its ticks.
+function showScale(canvas, ticks, scale, kind) {
+  const ink = canvas.getContext("2d");
+  for (let x = 0; x < canvas.width; x++) {
+    ink.fillStyle = `rgb(${blend(kind === "diverging" ? SIDES : data.colours, x / (canvas.width - 1))})`;
+    ink.fillRect(x, 0, 1, canvas.height);
+  }
+  ticks.replaceChildren(...scale.ticks.map(([share, text]) => {
+    const label = make("span", { text, class: share < 0.06 ? "first" : share > 0.94 ? "last" : null });
+    label.style.left = `${100 * share}%`;
+    return label;
+  }));
+}

@@ -1,0 +1,30 @@
+// Elements and text. Data reaches the page through textContent and attributes alone, never as markup.
+const SVG = "http://www.w3.org/2000/svg";
+const byId = id => document.getElementById(id);
+
+function furnish(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "text") element.textContent = value;
+    else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
+  }
+  element.append(...children);
+  return element;
+}
+const make = (tag, attributes = {}, ...children) => furnish(document.createElement(tag), attributes, children);
+const draw = (tag, attributes = {}, ...children) => furnish(document.createElementNS(SVG, tag), attributes, children);
+
+// A figure as tables and labels write it; empty when there is none.
+function shown(x, digits = 5) {
+  if (typeof x !== "number") return x === null || x === undefined ? "" : String(x);
+  if (Number.isNaN(x)) return "";
+  if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
+  if (Number.isInteger(x) && Math.abs(x) < 1e9) return (x < 0 ? "−" : "") + grouped(Math.abs(x));
+  const size = Math.abs(x);
+  const text = size >= 1e6 || size < 1e-3 ? x.toExponential(digits - 2) : String(Number(x.toPrecision(digits)));
+  return text.replace("e+", "e").replaceAll("-", "−");
+}
+const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+
+const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
+const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;

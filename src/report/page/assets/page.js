@@ -1,0 +1,219 @@
+// Puts the page together.
+const tables = data.tables.map(table);
+const vessels = tables[0];
+const trial = data.trial && vessels.rows > 0 ? new Trial(data.trial, vessels) : null;
+const histogram = trial && new Histogram(trial);
+const live = trial ? [{ name: "state", text: true, at: row => trial.state(row) }] : [];
+let scene = null, sheet = null, picked = -1;
+
+function pairs(entries) {
+  return make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]));
+}
+
+// Marks a vessel everywhere; -1 lets it go. The row of `tables[shownTable]` is shown, or of the first table.
+function pick(row, turn = true) {
+  picked = row;
+  if (scene) scene.pick(row);
+  sheet.pick(row, turn);
+  const place = byId("picked");
+  if (row < 0) {
+    place.replaceChildren(make("p", { class: "quiet", text: "No vessel is picked." }));
+    return;
+  }
+  const of = sheet.table.ofVessels ? sheet.table : vessels;
+  const label = of.find("label")?.at(row);
+  const rest = [...of.columns.filter(c => c.name !== "label" && c.name !== "on_trial"), ...live];
+  const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
+  place.replaceChildren(make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), pairs(entries));
+}
+
+function showFacts() {
+  byId("facts").append(...data.facts.filter(([, value]) => value !== null).map(([name, value, unit]) =>
+    make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit })))));
+  const { input, willis } = data.record;
+  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}), SHA-256 ${input.sha256}. Made by willis ${willis}.`;
+}
+
+// A part of the record, nested objects one level down.
+function recordPart(title, part) {
+  const flat = (prefix, object) => Object.entries(object).flatMap(([key, value]) => {
+    const name = prefix ? `${prefix}: ${key}` : key;
+    if (value === null) return [];
+    if (Array.isArray(value)) return [[name, value.length > 40 ? `${value.length} entries` : value.map(v => typeof v === "object" ? JSON.stringify(v) : shown(v, 7)).join(", ")]];
+    return typeof value === "object" ? flat(name, value) : [[name, shown(value, 7)]];
+  });
+  return make("section", {}, make("h3", { text: title }), pairs(flat("", part)));
+}
+
+function showRun() {
+  const { record } = data, box = byId("command");
+  box.value = record.command;
+  byId("copy").addEventListener("click", async () => {
+    box.select();
+    let done = false;
+    try {
+      await navigator.clipboard.writeText(box.value);
+      done = true;
+    } catch {
+      done = document.execCommand("copy");
+    }
+    byId("copied").textContent = done ? "Copied." : "Selected: press Ctrl-C or Cmd-C to copy.";
+  });
+  byId("notes").append(...(record.notes || []).map(text => make("li", { text })));
+  const parts = Object.entries(record).filter(([, part]) => part && typeof part === "object" && !Array.isArray(part));
+  const loose = Object.entries(record).filter(([name, part]) => !["command"].includes(name) && (typeof part !== "object" || part === null));
+  byId("record").append(recordPart("run", Object.fromEntries(loose)), ...parts.map(([name, part]) => recordPart(name.replaceAll("_", " "), part)));
+  (record.classes || []).forEach(part => byId("record").append(recordPart(`class ${part.class}`, part)));
+}
+
+function showFigures() {
+  byId("figures").hidden = data.figures.length === 0;
+  byId("pictures").append(...data.figures.map(({ title, says, source }) =>
+    make("figure", {}, make("img", { src: source, alt: says }), make("figcaption", {}, make("b", { text: title }), `. ${says}`))));
+}
+
+function showTables() {
+  const tabs = byId("tabs"), place = byId("sheet");
+  const choose = at => {
+    [...tabs.children].forEach((tab, i) => { tab.setAttribute("aria-selected", i === at); tab.tabIndex = i === at ? 0 : -1; });
+    place.setAttribute("aria-labelledby", `tab-${at}`);
+    sheet = new Sheet(tables[at], tables[at].ofVessels ? live : [], pick);
+    place.replaceChildren(sheet.element);
+    if (picked >= 0) pick(picked);
+  };
+  tabs.append(...tables.map((t, at) => {
+    const tab = make("button", { type: "button", role: "tab", id: `tab-${at}`, "aria-controls": "sheet", text: `${t.title} (${grouped(t.rows)})` });
+    tab.addEventListener("click", () => choose(at));
+    return tab;
+  }));
+  tabs.addEventListener("keydown", event => {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    const at = [...tabs.children].indexOf(event.target);
+    if (!by || at < 0) return;
+    const next = (at + by + tables.length) % tables.length;
+    choose(next);
+    tabs.children[next].focus();
+  });
+  choose(0);
+}
+
+// The colours of the vessels: what is chosen, and on one scale for all its variants.
+function colouring() {
+  const by = byId("colour-by"), variant = byId("variant");
+  const options = (select, names) => select.replaceChildren(...names.map((text, i) => make("option", { value: i, text })));
+  const usable = data.colourings.map(c => ({ ...c, variants: c.variants.filter(([, at, name]) => tables[at].find(name)) })).filter(c => c.variants.length);
+  options(by, usable.map(c => c.name));
+  let colour = () => GREY;
+  const choose = () => {
+    const chosen = usable[by.value || 0];
+    if (!chosen) return;
+    const grey = row => chosen.trial_only && trial && !trial.tried[row];
+    const each = chosen.variants.map(([, at, name]) => tables[at].find(name).values);
+    const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))));
+    showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
+    const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
+    if (chosen.scale === "log") parts.push(chosen.trial_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
+    if (scale.clipped) parts.push(`what is more than ${DECADES} decades below the largest too`);
+    if (chosen.trial_only) parts.push("vessels not on trial are grey");
+    byId("colour-note").textContent = parts.join("; ") + ".";
+    const values = each[variant.value || 0];
+    const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.trial_only;
+    colour = row => grey(row) || none(values[row]) ? GREY : scale.colour(values[row]);
+    dress();
+  };
+  by.addEventListener("change", () => {
+    const names = usable[by.value].variants.map(([name]) => name), before = variant.selectedOptions[0]?.textContent;
+    options(variant, names);
+    variant.value = Math.max(names.indexOf(before), 0);
+    byId("variant-label").hidden = names.length < 2;
+    choose();
+  });
+  variant.addEventListener("change", choose);
+  if (usable.length) {
+    by.value = 0;
+    by.dispatchEvent(new Event("change"));
+  }
+  return row => colour(row);
+}
+
+const shownState = { kept: byId("show-kept"), pruned: byId("show-pruned"), undecided: byId("show-undecided"), observed: byId("show-observed") };
+function look(row) {
+  if (!trial) return 0;
+  if (!trial.tried[row]) return shownState.observed.checked ? 0 : LOOK.hidden;
+  const of = trial.open[row] ? "undecided" : trial.kept[row] ? "kept" : "pruned";
+  return (shownState[of].checked ? 0 : LOOK.hidden) | (trial.kept[row] ? 0 : LOOK.pruned) | (trial.open[row] ? LOOK.undecided : 0);
+}
+
+let colourOf = () => GREY;
+function dress() {
+  if (scene) scene.dress(row => colourOf(row), look);
+}
+
+function showTrial() {
+  byId("threshold").hidden = !trial;
+  if (!trial) return;
+  const slider = byId("slider"), number = byId("number");
+  byId("rule").textContent = `${trial.name} ${trial.at_least ? "≥" : ">"} threshold`;
+  byId("unit").textContent = trial.unit;
+  slider.max = Math.max(trial.stops.length - 1, 0);
+  slider.disabled = trial.stops.length < 2;
+  let waiting = 0;
+  const show = () => {
+    const { counts } = trial, value = trial.now === null ? "none" : withUnit(shown(trial.now), trial.unit);
+    for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
+    slider.value = trial.stop();
+    slider.setAttribute("aria-valuetext", value);
+    number.value = trial.now ?? "";
+    histogram.show(byId("histogram"));
+    dress();
+    // Said, and set in the table, once the slider rests.
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;
+      sheet?.refresh();
+      if (picked >= 0) pick(picked, false);
+    }, 250);
+  };
+  const set = threshold => { trial.set(threshold); show(); };
+  slider.addEventListener("input", () => set(trial.stops[slider.value]));
+  number.addEventListener("change", () => { if (number.value !== "" && Number.isFinite(Number(number.value))) set(Number(number.value)); else show(); });
+  byId("to-run").addEventListener("click", () => set(data.trial.threshold));
+  byId("to-median").hidden = trial.median === null;
+  byId("to-median").addEventListener("click", () => set(trial.median));
+  for (const box of Object.values(shownState)) box.addEventListener("change", dress);
+  show();
+}
+
+function showScene() {
+  if (!data.scene || vessels.rows === 0) {
+    const why = byId("no-scene");
+    why.textContent = data.no_scene || "There is no vessel to draw.";
+    why.hidden = false;
+    byId("stage").hidden = byId("colouring").hidden = true;
+    document.querySelector(".toggles").hidden = true;
+    return;
+  }
+  scene = new SceneView(data.scene);
+  listen(scene, row => pick(row), by => pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows));
+  colourOf = colouring();
+  const markers = byId("markers");
+  byId("markers-label").hidden = data.scene.markers.length === 0;
+  markers.checked = scene.markersShown;
+  markers.addEventListener("change", () => { scene.markersShown = markers.checked; dress(); });
+  byId("picture").addEventListener("click", () => make("a", { href: scene.canvas.toDataURL(), download: "vessels.png" }).click());
+  dress();
+}
+
+try {
+  showFacts();
+  showTables();
+  showScene();
+  showTrial();
+  showFigures();
+  showRun();
+  document.documentElement.dataset.ready = "yes";
+} catch (error) {
+  byId("failure").textContent = `A part of this page could not be shown: ${error.message}`;
+  byId("failure").hidden = false;
+  throw error;
+}

@@ -1,0 +1,96 @@
+// Each segment of a vessel is a tapering tube with a ball at each end: a rectangle around it is drawn, and every pixel finds
+// the surface exactly (after Quilez, round cone).
+const LOOK = { hidden: 1, pruned: 2, undecided: 4, picked: 8, marker: 16, inlet: 32 };
+
+const VERTEX = `#version 300 es
+precision highp float;
+uniform sampler2D segments;           // three dots each: the two ends (x, y, z and radius, mm), then vessel and mm along it so far
+uniform mat3 turn;
+uniform vec3 centre;
+uniform vec2 extent;                  // half of the view, mm
+uniform float pixel;                  // mm
+uniform sampler2D looks;
+flat out vec3 a, axis;
+flat out vec2 radii;
+flat out float before;
+flat out vec4 look;
+out vec2 place;
+vec4 dot_of(int at) {
+  int wide = textureSize(segments, 0).x;
+  return texelFetch(segments, ivec2(at % wide, at / wide), 0);
+}
+void main() {
+  int segment = gl_VertexID / 6, nth = gl_VertexID % 6;
+  vec4 first = dot_of(3 * segment), second = dot_of(3 * segment + 1), whose = dot_of(3 * segment + 2);
+  vec2 corner = vec2(nth == 1 || nth > 3, nth == 2 || nth == 3 || nth == 5);
+  int vessel = int(whose.x + 0.5), wide = textureSize(looks, 0).x;
+  look = texelFetch(looks, ivec2(vessel % wide, vessel / wide), 0);
+  int state = int(look.a * 255.0 + 0.5);
+  if ((state & 1) != 0) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
+  a = (first.xyz - centre) * turn;
+  vec3 b = (second.xyz - centre) * turn;
+  axis = b - a;
+  before = whose.y;
+  bool pruned = (state & 2) != 0;
+  radii = max(vec2(first.w, second.w) * (pruned ? 0.55 : 1.0), (pruned ? 0.7 : 1.0) * pixel);
+  if ((state & 16) != 0) radii = max(radii, ((state & 32) != 0 ? 4.0 : 2.2) * pixel);
+  if ((state & 8) != 0) radii += 2.5 * pixel;
+  float flat_length = length(axis.xy);
+  vec2 forth = flat_length > 1e-6 * pixel ? axis.xy / flat_length : vec2(1.0, 0.0);
+  float reach = max(radii.x, radii.y) + pixel;
+  place = (corner.x < 0.5 ? -forth * reach : axis.xy + forth * reach) + vec2(-forth.y, forth.x) * reach * (2.0 * corner.y - 1.0);
+  gl_Position = vec4((a.xy + place) / extent, 0.0, 1.0);
+}`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform float pixel, depth, shift;
+flat in vec3 a, axis;
+flat in vec2 radii;
+flat in float before;
+flat in vec4 look;
+in vec2 place;
+out vec4 ink;
+const vec3 LIGHT = vec3(-0.28, 0.42, 0.86);
+const vec3 DARK = vec3(0.1);
+void main() {
+  int state = int(look.a * 255.0 + 0.5);
+  // Along the ray, from the reader: the highest of the two balls and the tube between them.
+  float slope = radii.x - radii.y, whole = dot(axis, axis), off = dot(axis.xy, place), from = dot(place, place);
+  float height = -1e30, share = 0.0;
+  vec3 normal = vec3(0.0);
+  for (int end = 0; end < 2; end++) {
+    vec3 ball = float(end) * axis;
+    float r = radii[end], under = r * r - dot(place - ball.xy, place - ball.xy);
+    if (under < 0.0 || ball.z + sqrt(under) < height) continue;
+    height = ball.z + sqrt(under);
+    share = float(end);
+    normal = (vec3(place, height) - ball) / r;
+  }
+  float inner = whole - slope * slope, across = inner - axis.z * axis.z;
+  if (across > 1e-6 * whole) {
+    float middle = axis.z * (off - slope * radii.x);
+    float under = middle * middle - across * (inner * from - off * off + 2.0 * off * slope * radii.x - whole * radii.x * radii.x);
+    if (under >= 0.0) {
+      float top = (middle + sqrt(under)) / across, y = off - radii.x * slope + top * axis.z;
+      if (y > 0.0 && y < inner && top > height) {
+        height = top;
+        share = y / inner;
+        normal = normalize(inner * vec3(place, top) - axis * y);
+      }
+    }
+  }
+  if (height < -1e29) discard;
+  float along = before + share * sqrt(whole);
+  if ((state & 2) != 0 && (state & 8) == 0 && fract(along / (9.0 * pixel)) > 0.58) discard;
+  float light = 0.5 + 0.5 * max(dot(normal, LIGHT), 0.0) / length(LIGHT);
+  vec3 colour = look.rgb;
+  if ((state & 4) != 0 && fract(along / (12.0 * pixel)) > 0.7) colour = DARK;
+  if ((state & 8) != 0) colour = normal.z < 0.75 ? DARK : mix(colour, vec3(1.0, 0.85, 0.1), 0.85);
+  colour *= light * mix(0.45, 1.0, smoothstep(0.0, 0.35, normal.z));
+  float deep = clamp(0.5 - 0.5 * (a.z + height - shift) / depth, 0.0, 1.0);
+  if ((state & 8) == 0) colour = mix(colour, vec3(1.0), 0.3 * smoothstep(0.4, 0.9, deep));
+  gl_FragDepth = (state & 8) != 0 ? 0.01 * deep : 0.02 + 0.98 * deep;
+  float edge = 0.5 * mix(radii.x, radii.y, share) * normal.z * normal.z / pixel;
+  ink = vec4(colour, clamp(edge + 0.35, 0.0, 1.0));
+}`;

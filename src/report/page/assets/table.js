@@ -1,0 +1,112 @@
+// A table that sorts by any column, filters by text, and shows a page of its rows at a time.
+const ROWS_A_PAGE = 100;
+
+class Sheet {
+  // `live` are columns worked out while the page is read; `picks(row)` is told of a vessel whose row was chosen.
+  constructor(table, live, picks) {
+    this.table = table;
+    this.columns = [...table.columns.filter(c => c.name !== "on_trial"), ...live];
+    this.live = live;
+    this.picks = picks;
+    this.order = Uint32Array.from({ length: table.rows }, (_, row) => row);
+    this.by = null;
+    this.page = 0;
+    this.words = "";
+    this.picked = -1;
+    this.build();
+  }
+
+  build() {
+    this.filter = make("input", { type: "search", id: "filter", placeholder: "label, id, row …", autocomplete: "off" });
+    this.filter.addEventListener("input", () => { this.words = this.filter.value.trim().toLowerCase(); this.page = 0; this.show(); });
+    this.where = make("span", { role: "status" });
+    const turn = (text, label, by) => {
+      const button = make("button", { type: "button", text, "aria-label": label });
+      button.addEventListener("click", () => { this.page += by; this.show(); });
+      return button;
+    };
+    [this.back, this.on] = [turn("‹", "Page before", -1), turn("›", "Next page", 1)];
+    this.head = make("tr", {}, ...this.columns.map(column => this.heading(column)));
+    this.body = make("tbody");
+    const table = make("table", { "aria-label": this.table.title }, make("thead", {}, this.head), this.body);
+    this.element = make("div", {},
+      make("div", { class: "row" }, make("label", { for: "filter", text: "Filter" }), this.filter, this.where, make("span", { class: "row pager" }, this.back, this.on)),
+      make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `${this.table.title}, rows` }, table));
+    this.show();
+  }
+
+  heading(column) {
+    const button = make("button", { type: "button", text: column.name });
+    button.addEventListener("click", () => this.sort(column));
+    return make("th", { scope: "col", class: column.text ? "text" : null, "aria-sort": "none" }, button);
+  }
+
+  // Rising first, then falling; rows without a value come last either way.
+  sort(column, turns = true) {
+    if (turns) this.falling = this.by === column ? !this.falling : false;
+    this.by = column;
+    const sign = this.falling ? -1 : 1;
+    const values = Array.from({ length: this.table.rows }, (_, row) => column.at(row));
+    const blank = column.text ? v => v === "" : v => Number.isNaN(v);
+    const compare = column.text ? new Intl.Collator("en", { numeric: true }).compare : (a, b) => a - b;
+    this.order.sort((a, b) => blank(values[a]) - blank(values[b]) || (blank(values[a]) ? 0 : sign * compare(values[a], values[b])) || a - b);
+    [...this.head.children].forEach((th, i) => {
+      const here = this.columns[i] === column;
+      th.setAttribute("aria-sort", here ? this.falling ? "descending" : "ascending" : "none");
+      th.firstElementChild.textContent = this.columns[i].name + (here ? this.falling ? " ▼" : " ▲" : "");
+    });
+    this.page = 0;
+    this.show();
+  }
+
+  // The rows that hold the words of the filter in a text or a whole number.
+  rows() {
+    if (!this.words) return this.order;
+    const among = this.columns.filter(c => c.text || c.values && !(c.values instanceof Float32Array || c.values instanceof Float64Array));
+    return this.order.filter(row => among.some(c => String(c.at(row)).toLowerCase().includes(this.words)));
+  }
+
+  show() {
+    const rows = this.rows(), pages = Math.max(Math.ceil(rows.length / ROWS_A_PAGE), 1);
+    this.page = Math.min(Math.max(this.page, 0), pages - 1);
+    const first = this.page * ROWS_A_PAGE, shownRows = rows.slice(first, first + ROWS_A_PAGE);
+    this.body.replaceChildren(...Array.from(shownRows, row => this.line(row)));
+    this.where.textContent = rows.length ? `${grouped(first + 1)}–${grouped(first + shownRows.length)} of ${grouped(rows.length)}` : "no row";
+    this.back.disabled = this.page === 0;
+    this.on.disabled = this.page === pages - 1;
+  }
+
+  line(row) {
+    const cells = this.columns.map(column => {
+      const value = column.at(row);
+      return make("td", { text: shown(value), class: column.text ? "text" : null, title: column.text && value.length > 30 ? value : null });
+    });
+    const line = make("tr", {}, ...cells);
+    if (this.table.ofVessels) {
+      line.className = "vessel";
+      line.dataset.row = row;
+      line.setAttribute("aria-selected", row === this.picked);
+      const first = cells[0], button = make("button", { type: "button", text: first.textContent, "aria-label": `Pick vessel ${row}` });
+      first.replaceChildren(button);
+      line.addEventListener("click", () => this.picks(row));
+    }
+    return line;
+  }
+
+  // Marks the row of a vessel, on the page on which it is when `turn` is on.
+  pick(row, turn) {
+    if (!this.table.ofVessels) return;
+    this.picked = row;
+    const place = turn ? this.rows().indexOf(row) : -1;
+    const page = Math.floor(place / ROWS_A_PAGE);
+    if (place >= 0 && page !== this.page) { this.page = page; this.show(); }
+    for (const line of this.body.children) line.setAttribute("aria-selected", Number(line.dataset.row) === row);
+  }
+
+  // Live columns changed.
+  refresh() {
+    if (this.live.length === 0) return;
+    if (this.by && this.live.includes(this.by)) this.sort(this.by, false);
+    else this.show();
+  }
+}

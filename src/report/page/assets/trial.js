@@ -1,0 +1,78 @@
+// The threshold: which vessels it keeps, which decisions are open, and what the kept graph looks like.
+class Trial {
+  constructor(source, vessels) {
+    Object.assign(this, source);
+    const values = name => vessels.find(name).values;
+    this.rows = vessels.rows;
+    this.values = values(source.figure);
+    this.tried = values(source.on_trial);
+    this.ends = [values("node_a"), values("node_b")];
+    const errors = source.error && vessels.find(source.error);
+    const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
+    this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : share;
+    const trial = [...Array(this.rows).keys()].filter(row => this.tried[row]);
+    this.trial = Float64Array.from(trial, row => this.values[row]).sort();
+    this.positive = this.trial.filter(x => x > 0);
+    // Every threshold that keeps other vessels than its neighbours, rising.
+    this.stops = [...new Set(this.trial)];
+    if (this.at_least) this.stops.push(...(this.stops.at(-1) < 1 ? [1] : []));
+    else if (this.stops[0] > 0) this.stops.unshift(0);
+    this.kept = new Uint8Array(this.rows);
+    this.open = new Uint8Array(this.rows);
+    this.set(source.threshold);
+  }
+
+  // The stop that keeps the same vessels as the threshold.
+  stop() {
+    if (this.now === null) return this.stops.length - 1;
+    const after = this.stops.findIndex(x => this.at_least ? x >= this.now : x > this.now);
+    const last = this.stops.length - 1;
+    return this.at_least ? (after < 0 ? last : after) : Math.max((after < 0 ? last + 1 : after) - 1, 0);
+  }
+
+  // Where a decision would flip: the threshold, or midway between the positive figures on its two sides.
+  flip() {
+    if (!this.midway || this.now === null) return this.now;
+    const above = this.positive.findIndex(x => x > this.now);
+    return above <= 0 ? null : 0.5 * (this.positive[above - 1] + this.positive[above]);
+  }
+
+  // Without a threshold no vessel on trial is kept.
+  set(threshold) {
+    this.now = threshold;
+    const flip = this.flip();
+    this.counts = { kept: 0, pruned: 0, undecided: 0, vessels: 0 };
+    for (let row = 0; row < this.rows; row++) {
+      const x = this.values[row];
+      const passes = threshold !== null && (this.at_least ? x >= threshold : x > threshold);
+      this.kept[row] = !this.tried[row] || passes ? 1 : 0;
+      this.open[row] = this.tried[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
+      this.counts.vessels += this.kept[row];
+      if (this.tried[row]) this.counts[passes ? "kept" : "pruned"] += 1;
+      this.counts.undecided += this.open[row];
+    }
+    this.counts.components = this.components();
+    this.counts.cycles = this.counts.vessels + this.counts.components - this.nodes;
+  }
+
+  // Connected parts of the kept vessels over all nodes; a node without vessel is a part of its own.
+  components() {
+    const parent = Uint32Array.from({ length: this.nodes }, (_, node) => node);
+    const root = node => {
+      while (parent[node] !== node) node = parent[node] = parent[parent[node]];
+      return node;
+    };
+    let count = this.nodes;
+    for (let row = 0; row < this.rows; row++) {
+      if (!this.kept[row]) continue;
+      const [a, b] = [root(this.ends[0][row]), root(this.ends[1][row])];
+      if (a !== b) { parent[a] = b; count -= 1; }
+    }
+    return count;
+  }
+
+  state(row) {
+    if (!this.tried[row]) return "not on trial";
+    return (this.kept[row] ? "kept" : "pruned") + (this.open[row] ? ", undecided" : "");
+  }
+}

@@ -1,0 +1,87 @@
+// The vessels by WebGL 2: two triangles a segment. One texture holds the segments, another how each vessel looks. (Instances
+// would say the same in fewer words, but without a graphics card a browser takes nearly twice as long over them.)
+class GlPainter {
+  // Throws when the browser has no WebGL 2.
+  constructor(canvas, geometry) {
+    this.gl = canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
+    if (!this.gl) throw new Error("no WebGL 2");
+    this.canvas = canvas;
+    this.geometry = geometry;
+    this.textures = [];
+    this.program = this.link();
+    this.places = Object.fromEntries(["turn", "centre", "extent", "pixel", "depth", "shift", "segments", "looks"].map(n => [n, this.gl.getUniformLocation(this.program, n)]));
+    this.fill();
+  }
+
+  link() {
+    const gl = this.gl, program = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+    return program;
+  }
+
+  // Each segment: its two ends, whose it is, how far along the vessel it begins.
+  fill() {
+    const { points, starts } = this.geometry, segments = [];
+    for (let item = 0; item + 1 < starts.length; item++) {
+      let before = 0;
+      const last = Math.max(starts[item + 1] - 1, starts[item] + 1);
+      for (let i = starts[item]; i < last; i++) {
+        const [p, q] = [4 * i, 4 * Math.min(i + 1, starts[item + 1] - 1)];
+        for (const at of [p, q]) segments.push(points[at], points[at + 1], points[at + 2], points[at + 3]);
+        segments.push(item, before, 0, 0);
+        before += Math.hypot(points[q] - points[p], points[q + 1] - points[p + 1], points[q + 2] - points[p + 2]);
+      }
+    }
+    this.count = segments.length / 12;
+    const { gl } = this;
+    this.texture(0, gl.RGBA32F, gl.FLOAT, Float32Array, segments);
+  }
+
+  // Red, green, blue and LOOK of every vessel and marker.
+  dress(looks) {
+    const { gl } = this;
+    this.texture(1, gl.RGBA8, gl.UNSIGNED_BYTE, Uint8Array, looks);
+  }
+
+  // Four numbers a dot.
+  texture(unit, inside, kind, ArrayOf, numbers) {
+    const gl = this.gl, wide = 1536, high = Math.max(1, Math.ceil(numbers.length / 4 / wide));
+    const dots = new ArrayOf(4 * wide * high);
+    dots.set(numbers);
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    if (!this.textures[unit]) {
+      this.textures[unit] = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.textures[unit]);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+    }
+    gl.texImage2D(gl.TEXTURE_2D, 0, inside, wide, high, 0, gl.RGBA, kind, dots);
+  }
+
+  paint(camera) {
+    const gl = this.gl, { width, height } = this.canvas, [w, h] = camera.size;
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    gl.useProgram(this.program);
+    // Rows of `turn` are columns here: the shader multiplies from the left.
+    gl.uniformMatrix3fv(this.places.turn, false, camera.turn.flat());
+    gl.uniform3fv(this.places.centre, camera.centre);
+    gl.uniform2f(this.places.extent, camera.mm * w / 2, camera.mm * h / 2);
+    gl.uniform1f(this.places.pixel, camera.mm * w / width);
+    gl.uniform1f(this.places.depth, camera.depth * 1.1);
+    gl.uniform1f(this.places.shift, dot(camera.turn[2], camera.middle.map((m, axis) => m - camera.centre[axis])));
+    gl.uniform1i(this.places.segments, 0);
+    gl.uniform1i(this.places.looks, 1);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * this.count);
+  }
+}

@@ -1,0 +1,98 @@
+//! The page of an inference: vessels by likelihood, and the threshold to move.
+
+use serde_json::Value;
+
+use super::list::conditions;
+use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
+use crate::formats::{Column, Values};
+use crate::inference::{Keep, UNDECIDED_Z, Weight};
+use crate::report::outcome::Outcome;
+use crate::report::summary::Summary;
+
+/// Columns of edges.csv that the page leaves out: it draws them.
+const DRAWN: [&str; 6] = ["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm"];
+const EXACT: [&str; 3] = ["likelihood", "std_error", "frequency"];
+
+/// The page of an inference from the columns of edges.csv and nodes.csv.
+pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
+    let mut record = record(summary);
+    let conditions = conditions(&take(&mut record, "boundary_conditions"));
+    let mut columns: Vec<Column> = vessels.iter().filter(|c| !DRAWN.contains(&c.name)).cloned().collect();
+    let on_trial = outcome.result.uncertain.iter().map(|u| i64::from(*u)).collect();
+    columns.push(Column { name: "on_trial", values: Values::Integer(on_trial) });
+    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
+    let unit = unit(outcome.weight);
+    Page {
+        title: title("infer", &record),
+        facts: facts(&record, unit, matches!(outcome.rule, Keep::Frequency(_))),
+        record,
+        scene: scene(outcome.network, outcome.boundary),
+        colourings: colourings(unit),
+        trial: Some(trial(outcome, unit)),
+        figures,
+        tables: [Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)), conditions]
+            .into_iter()
+            .flatten()
+            .collect(),
+    }
+}
+
+/// The unit of L.
+fn unit(weight: Weight) -> &'static str {
+    match weight {
+        Weight::Resilience | Weight::Global => "W/m\u{b3}",
+        Weight::Count => "samples",
+    }
+}
+
+fn facts(record: &Value, unit: &'static str, by_frequency: bool) -> Vec<Fact> {
+    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
+    vec![
+        fact("nodes", "/counts/nodes", ""),
+        fact("observed vessels", "/counts/observed", ""),
+        fact("candidates", "/counts/candidates", ""),
+        fact("on trial", "/counts/uncertain", ""),
+        fact("kept of these", "/counts/topology/kept", ""),
+        fact("undecided", "/convergence/undecided", ""),
+        fact("rule", "/threshold/rule", ""),
+        fact("threshold", "/threshold/value", if by_frequency { "" } else { unit }),
+        fact("samples", "/parameters/samples", ""),
+        fact("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
+        fact("seed", "/seed", ""),
+        fact("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ]
+}
+
+fn colourings(unit: &'static str) -> Vec<Colouring> {
+    let colouring = |name, unit, scale, trial_only, column| Colouring {
+        name,
+        unit,
+        scale,
+        trial_only,
+        variants: vec![(String::new(), 0, column)],
+    };
+    vec![
+        colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
+        colouring("frequency in the forest", "", Scale::Linear, true, "frequency"),
+        colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
+    ]
+}
+
+fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
+    let by_frequency = matches!(outcome.rule, Keep::Frequency(_));
+    let (figure, name) = if by_frequency { ("frequency", "frequency") } else { ("likelihood", "likelihood L") };
+    Trial {
+        figure,
+        name,
+        unit: if by_frequency { "" } else { unit },
+        error: (!by_frequency).then_some("std_error"),
+        samples: outcome.result.samples,
+        at_least: by_frequency,
+        midway: !matches!(outcome.rule, Keep::Frequency(_) | Keep::Value(_)),
+        within: UNDECIDED_Z,
+        threshold: outcome.answer.threshold,
+        median: outcome.answer.median.filter(|_| !by_frequency),
+        on_trial: "on_trial",
+        nodes: outcome.network.node_count(),
+    }
+}

@@ -1,0 +1,212 @@
+//! report.html: one self-contained page of a run, to open in any browser and to send to a colleague.
+
+mod encode;
+mod figure;
+mod infer;
+mod list;
+mod modulate;
+mod scene;
+mod simulate;
+
+use std::io::{self, Write};
+
+use serde_json::{Value, json};
+
+use crate::formats::Column;
+
+pub use figure::Figure;
+pub use infer::page as infer_page;
+pub use modulate::{Tables as ModulationTables, page as modulation_page};
+pub use scene::{Marker, Scene, scene};
+pub use simulate::page as simulation_page;
+
+/// The name of the page in the folder of a run.
+pub const FILE: &str = "report.html";
+
+/// A page, whatever command it is of.
+#[derive(Debug, Clone)]
+pub struct Page {
+    /// The command, as the heading says it.
+    pub title: String,
+    /// The record of the run, as in run.json: command, seed, parameters, notes.
+    pub record: Value,
+    /// The figures that come first.
+    pub facts: Vec<Fact>,
+    /// The vessels in space, or why they cannot be shown.
+    pub scene: Result<Scene, String>,
+    /// By what the vessels of the scene can be coloured; the first one is shown at the start.
+    pub colourings: Vec<Colouring>,
+    /// A threshold that the reader can move.
+    pub trial: Option<Trial>,
+    /// The pictures.
+    pub figures: Vec<Figure>,
+    /// The tables.
+    pub tables: Vec<Table>,
+}
+
+/// A figure of the run with what it is called.
+#[derive(Debug, Clone)]
+pub struct Fact {
+    /// What it is.
+    pub name: &'static str,
+    /// A number, a word or null.
+    pub value: Value,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+}
+
+impl Fact {
+    /// A figure of the record, by its JSON pointer.
+    pub fn of(record: &Value, name: &'static str, pointer: &str, unit: &'static str) -> Self {
+        Self { name, value: record.pointer(pointer).cloned().unwrap_or_default(), unit }
+    }
+}
+
+/// A table whose rows may stand for vessels.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// Its heading.
+    pub title: String,
+    /// The columns, all of one length; those without a value in any row are not shown.
+    pub columns: Vec<Column>,
+    /// Columns kept to the last bit; others with seven digits.
+    pub exact: &'static [&'static str],
+    /// Whether row i is vessel i.
+    pub of_vessels: bool,
+}
+
+/// How a figure becomes a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Its logarithm.
+    Log,
+    /// The figure itself.
+    Linear,
+    /// The figure itself, between two colours on either side of zero.
+    Diverging,
+}
+
+/// A figure by which vessels are coloured.
+#[derive(Debug, Clone)]
+pub struct Colouring {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// How it becomes a colour; the magnitude counts on any scale but [`Scale::Diverging`].
+    pub scale: Scale,
+    /// Whether vessels that are not on trial stay grey.
+    pub trial_only: bool,
+    /// Where it stands: the name of the variant, the row of the table, the column. All variants share one scale.
+    pub variants: Vec<(String, usize, &'static str)>,
+}
+
+/// A threshold on a column of the first table.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// The column that is compared.
+    pub figure: &'static str,
+    /// What the figure is called.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// The column of its standard error; without one it is that of a share of `samples`, sqrt(f(1-f)/n).
+    pub error: Option<&'static str>,
+    /// How many samples there were.
+    pub samples: u64,
+    /// Whether a figure equal to the threshold passes.
+    pub at_least: bool,
+    /// Whether a decision flips midway between the figures on the two sides of the threshold, or at the threshold itself.
+    pub midway: bool,
+    /// How many standard errors from there a decision counts as decided.
+    pub within: f64,
+    /// The threshold of the run.
+    pub threshold: Option<f64>,
+    /// The median of the positive figures on trial, where it is one of this figure.
+    pub median: Option<f64>,
+    /// The column that is 1 where a vessel is on trial.
+    pub on_trial: &'static str,
+    /// How many nodes there are.
+    pub nodes: usize,
+}
+
+const TEMPLATE: &str = include_str!("assets/page.html");
+const STYLE: &str = include_str!("assets/page.css");
+/// One module script; each file has one purpose, and uses those before it.
+const SCRIPTS: [&str; 13] = [
+    include_str!("assets/dom.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/colour.js"),
+    include_str!("assets/camera.js"),
+    include_str!("assets/shaders.js"),
+    include_str!("assets/webgl.js"),
+    include_str!("assets/canvas.js"),
+    include_str!("assets/scene.js"),
+    include_str!("assets/gestures.js"),
+    include_str!("assets/trial.js"),
+    include_str!("assets/histogram.js"),
+    include_str!("assets/table.js"),
+    include_str!("assets/page.js"),
+];
+
+/// Writes a page: markup, style, data and scripts in one file that asks for nothing from elsewhere.
+///
+/// # Errors
+///
+/// What the writer says; a table whose columns differ in length.
+pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
+    let mut rest = TEMPLATE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        out.write_all(before.as_bytes())?;
+        match name {
+            "title" => out.write_all(as_markup(&page.title).as_bytes())?,
+            "style" => out.write_all(STYLE.as_bytes())?,
+            "data" => out.write_all(as_script(&serde_json::to_string(&encode::page(page)?)?).as_bytes())?,
+            _ => SCRIPTS.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+        }
+        rest = after;
+    }
+    out.write_all(rest.as_bytes())
+}
+
+/// Text as HTML shows it.
+fn as_markup(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// JSON in which nothing can end a script or a line of one.
+fn as_script(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => text.push_str(&format!("\\u{:04x}", c as u32)),
+            c => text.push(c),
+        }
+    }
+    text
+}
+
+/// The record of a run for its page: what differs between two runs of one command, and lists that the tables hold, left out.
+fn record(of: &impl serde::Serialize) -> Value {
+    let mut record = serde_json::to_value(of).unwrap_or_default();
+    if let Some(fields) = record.as_object_mut() {
+        fields.remove("time");
+    }
+    if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
+        convergence.remove("undecided_edges");
+    }
+    record
+}
+
+/// The heading of a run: its command, and the name of its input.
+fn title(command: &str, record: &Value) -> String {
+    let path = record["input"]["path"].as_str().unwrap_or_default();
+    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
+    format!("willis {command}: {name}")
+}
+
+/// A part of the record that becomes a table, taken out of it.
+fn take(record: &mut Value, name: &str) -> Value {
+    record.get_mut(name).map_or(json!([]), Value::take)
+}

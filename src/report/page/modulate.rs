@@ -1,0 +1,130 @@
+//! The page of a resistance modulation: vessels by what becomes of them in each class.
+
+use serde_json::Value;
+
+use super::list::conditions;
+use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take, title};
+use crate::formats::{Column, Values};
+use crate::report::modulation::ModulationOutcome;
+
+/// The tables of the folder, as they are written.
+#[derive(Debug)]
+pub struct Tables {
+    /// classes.csv.
+    pub classes: Vec<Column>,
+    /// nodes.csv.
+    pub nodes: Vec<Column>,
+    /// edges.csv: class by class, in it vessel by vessel, in it one row for each of [`QUANTITIES`].
+    pub vessels: Vec<Column>,
+    /// hypertension.csv.
+    pub hypertension: Vec<Column>,
+}
+
+/// What a vessel has in a class: name, unit, columns of its mean, standard deviation, variation and unperturbed value.
+type Quantity = (&'static str, &'static str, [&'static str; 4]);
+
+/// In the order of edges.csv.
+const QUANTITIES: [Quantity; 4] = [
+    ("flow", "mL/min", ["flow_mL_per_min_mean", "flow_mL_per_min_std", "flow_variation", "flow_mL_per_min_unperturbed"]),
+    ("pressure drop", "mmHg", ["drop_mmHg_mean", "drop_mmHg_std", "drop_variation", "drop_mmHg_unperturbed"]),
+    (
+        "resilience \u{3c1}",
+        "W/m\u{b3}",
+        ["resilience_W_per_m3_mean", "resilience_W_per_m3_std", "resilience_variation", "resilience_W_per_m3_unperturbed"],
+    ),
+    (
+        "hypertension",
+        "mmHg/mm\u{b2}",
+        [
+            "hypertension_mmHg_per_mm2_mean",
+            "hypertension_mmHg_per_mm2_std",
+            "hypertension_variation",
+            "hypertension_mmHg_per_mm2_unperturbed",
+        ],
+    ),
+];
+/// What those columns hold; and the colouring by the third.
+const VARIATION: [&str; 4] =
+    ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
+
+/// The page of a modulation.
+pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Figure>) -> Page {
+    let mut record = record(of_run);
+    let facts = facts(&record);
+    let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
+    let plain = |title: &str, columns| Table { title: title.to_owned(), columns, exact: &[], of_vessels: false };
+    let mut all: Vec<Table> = classes
+        .iter()
+        .enumerate()
+        .map(|(at, class)| Table {
+            title: format!("Vessels, u in {class}"),
+            columns: of_class(outcome, &tables.vessels, at),
+            exact: &[],
+            of_vessels: true,
+        })
+        .collect();
+    all.push(plain("Classes", tables.classes));
+    all.push(plain("Nodes", tables.nodes));
+    all.push(plain("Hypertension", tables.hypertension));
+    all.extend(conditions(&take(&mut record, "boundary_conditions")));
+    Page {
+        title: title("modulate", &record),
+        record,
+        facts,
+        scene: scene(outcome.network, outcome.boundary),
+        colourings: colourings(&classes),
+        trial: None,
+        figures,
+        tables: all,
+    }
+}
+
+fn facts(record: &Value) -> Vec<Fact> {
+    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
+    vec![
+        fact("nodes", "/counts/nodes", ""),
+        fact("vessels", "/counts/vessels", ""),
+        fact("instances a class", "/parameters/samples", ""),
+        fact("reading", "/parameters/reading", ""),
+        fact("seed", "/seed", ""),
+        fact("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
+        fact("inflow unperturbed", "/unperturbed/total_inflow_mL_per_min", "mL/min"),
+        fact("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
+    ]
+}
+
+/// A vessel a row, from the rows of edges.csv that are of one class.
+fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
+    let vessels = outcome.network.vessel_count();
+    let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;
+    let figures = |name: &str| match tidy.iter().find(|c| c.name == name).map(|c| &c.values) {
+        Some(Values::Real(values)) => &values[..],
+        _ => &[],
+    };
+    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&column.name);
+    let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
+    let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
+    let mut columns = crate::report::tables::select(&of_rows, &rows);
+    for (quantity, (.., names)) in QUANTITIES.iter().enumerate() {
+        let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
+        let (mean, std) = (of("mean"), of("std"));
+        let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
+        let variation = variation.collect();
+        for (name, values) in names.iter().zip([mean, std, variation, of("unperturbed")]) {
+            columns.push(Column { name, values: Values::Real(values) });
+        }
+    }
+    columns
+}
+
+fn colourings(classes: &[String]) -> Vec<Colouring> {
+    let by_class =
+        |column: &'static str| classes.iter().enumerate().map(move |(at, class)| (format!("u in {class}"), at, column));
+    let each = QUANTITIES.iter().zip(VARIATION).map(|((name, unit, [mean, _, variation, rest]), of)| {
+        let at_rest = std::iter::once(("unperturbed".to_owned(), 0, *rest));
+        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, trial_only: false, variants };
+        let mean = colouring(name, unit, Scale::Log, by_class(*mean).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(*variation).collect())]
+    });
+    each.flatten().collect()
+}

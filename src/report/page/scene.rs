@@ -1,0 +1,107 @@
+//! The vessels of a page in space: their centerlines with no more points than an eye can tell apart.
+
+use crate::geometry::box_diagonal;
+use crate::hemodynamics::Boundary;
+use crate::network::{Network, Role};
+use crate::units::millimetres;
+
+/// x, y, z and radius, mm.
+pub type Place = [f64; 4];
+
+/// A share of the box around the network that no screen shows: points nearer to the line than this are left out.
+const INVISIBLE: f64 = 1.0 / 4000.0;
+
+/// The vessels of a page in space.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// By vessel its centerline, at least two points.
+    pub vessels: Vec<Vec<Place>>,
+    /// Where blood enters and leaves.
+    pub markers: Vec<Marker>,
+}
+
+/// A node that stands out.
+#[derive(Debug, Clone)]
+pub struct Marker {
+    /// Where, and how wide its vessel is.
+    pub place: Place,
+    /// What it is to the flow.
+    pub role: Role,
+    /// Its label, or its id.
+    pub name: String,
+}
+
+/// A network in space.
+///
+/// # Errors
+///
+/// A word for the reader when nodes have no coordinates.
+pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
+    if !network.has_positions() {
+        return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
+    }
+    let position = |node: usize| network.node(node).position.unwrap_or_default();
+    let visible = INVISIBLE * millimetres(box_diagonal((0..network.node_count()).map(position)));
+    let place = |p: [f64; 3], radius: f64| [p[0], p[1], p[2], radius].map(millimetres);
+    let mut widest = vec![0.0_f64; network.node_count()];
+    let vessels = network.vessels().map(|(ends, vessel)| {
+        for node in ends {
+            widest[node] = widest[node].max(vessel.radius);
+        }
+        if vessel.path.len() < 2 {
+            return ends.map(|node| place(position(node), vessel.radius)).to_vec();
+        }
+        thinned(&vessel.path.iter().map(|p| place(p.position, p.radius)).collect::<Vec<_>>(), visible)
+    });
+    let vessels = vessels.collect();
+    let markers = boundary.roles.iter().enumerate().filter(|(_, role)| **role != Role::Inner);
+    let markers = markers.map(|(row, role)| {
+        let node = network.node(row);
+        let name = if node.label.is_empty() { node.id.clone() } else { node.label.clone() };
+        Marker { place: place(position(row), widest[row]), role: *role, name }
+    });
+    Ok(Scene { vessels, markers: markers.collect() })
+}
+
+/// A line without the points that lie within `distance` of what is left, radius included (Douglas & Peucker 1973).
+fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
+    let mut stays = vec![false; line.len()];
+    let mut open = vec![(0, line.len() - 1)];
+    while let Some((first, last)) = open.pop() {
+        (stays[first], stays[last]) = (true, true);
+        let far = |at: usize| from_segment(line[at], line[first], line[last]);
+        let farthest = (first + 1..last).max_by(|a, b| far(*a).total_cmp(&far(*b)));
+        if let Some(at) = farthest.filter(|at| far(*at) > distance) {
+            open.extend([(first, at), (at, last)]);
+        }
+    }
+    line.iter().zip(stays).filter(|(_, stays)| *stays).map(|(place, _)| *place).collect()
+}
+
+/// How far a place is from the segment between two others, all four coordinates counted.
+fn from_segment(p: Place, a: Place, b: Place) -> f64 {
+    let along: Place = std::array::from_fn(|i| b[i] - a[i]);
+    let from: Place = std::array::from_fn(|i| p[i] - a[i]);
+    let product = |u: Place, v: Place| u.iter().zip(v).map(|(x, y)| x * y).sum::<f64>();
+    let length = product(along, along);
+    let share = if length > 0.0 { (product(from, along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let off: Place = std::array::from_fn(|i| from[i] - share * along[i]);
+    product(off, off).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: on a straight line of even taper nothing but the ends stays; a corner and a bulge do.
+    #[test]
+    fn what_is_left_out_lies_on_the_line() {
+        let straight: Vec<Place> = (0..9).map(|i| [f64::from(i), 0.0, 0.0, 9.0 - f64::from(i)]).collect();
+        assert_eq!(thinned(&straight, 0.01), [straight[0], straight[8]]);
+        let corner = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]];
+        assert_eq!(thinned(&corner, 0.01), [corner[0], corner[2], corner[3]]);
+        let bulge = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 3.0], [2.0, 0.0, 0.0, 1.0]];
+        assert_eq!(thinned(&bulge, 0.01), bulge);
+        assert_eq!(thinned(&bulge, 5.0).len(), 2);
+    }
+}

@@ -1,0 +1,275 @@
+"""Opens pages of willis in headless Chromium and works them as a reader does.
+
+Usage: drive.py CHROMIUM FOLDER...   Counts are worked out again from edges.csv with NetworkX.
+"""
+
+import csv
+import json
+import math
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import networkx as nx
+from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
+--disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
+
+
+def browser(chromium, profile, *flags):
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for flag in [*FLAGS, f"--user-data-dir={profile}", *flags]:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    beside = Path(chromium).with_name("chromedriver")
+    driver = str(beside) if beside.exists() else shutil.which("chromedriver")
+    assert driver, "chromedriver is neither beside Chromium nor on the path"
+    return webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+
+
+class Page:
+    def __init__(self, driver, folder):
+        self.driver, self.folder = driver, Path(folder).resolve()
+        driver.get((self.folder / "report.html").as_uri())
+        WebDriverWait(driver, 60).until(lambda d: d.execute_script("return document.documentElement.dataset.ready") == "yes")
+        self.edges = list(csv.DictReader(open(self.folder / "edges.csv")))
+        self.nodes = list(csv.DictReader(open(self.folder / "nodes.csv")))
+        self.record = json.load(open(self.folder / "run.json"))
+        everything = self.record["parameters"].get("uncertain") == "all"
+        self.on_trial = lambda e: everything or e.get("origin") == "candidate"
+
+    def one(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def text(self, selector):
+        return self.driver.execute_script("return document.querySelector(arguments[0]).textContent", selector)
+
+    def number(self, selector):
+        return int(self.text(selector).replace("\u202f", ""))
+
+    def settle(self):
+        """Waits until what was asked for is painted."""
+        self.driver.execute_async_script("const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));")
+
+    def picture(self):
+        self.settle()
+        return self.driver.execute_script("return document.getElementById('canvas').toDataURL()")
+
+    def counts(self):
+        return {name: self.number(f"#count-{name}") for name in ("kept", "pruned", "undecided", "components", "cycles")}
+
+    def slide(self, stop):
+        self.driver.execute_script("const s = document.getElementById('slider'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));", stop)
+
+    def threshold(self):
+        return float(self.one("#number").get_property("value"))
+
+    def click(self, selector):
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.one(selector))
+        self.one(selector).click()
+
+    def no_error(self):
+        said = [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+        assert not said, said
+        assert not self.one("#failure").is_displayed()
+
+
+def recount(page, threshold):
+    """Kept, pruned, undecided, components and cycles at a threshold, by the words of the README and run.json."""
+    rule = page.record["threshold"]["rule"]
+    by_frequency, value = rule.startswith("frequency"), rule.startswith("value")
+    trial = [e for e in page.edges if page.on_trial(e)]
+    figure = "frequency" if by_frequency else "likelihood"
+    passes = lambda e: float(e[figure]) >= threshold if by_frequency else float(e[figure]) > threshold
+    kept = [e for e in trial if passes(e)]
+    graph = nx.MultiGraph()
+    graph.add_nodes_from(range(len(page.nodes)))
+    graph.add_edges_from((int(e["node_a"]), int(e["node_b"])) for e in kept + [e for e in page.edges if not page.on_trial(e)])
+    components = nx.number_connected_components(graph)
+    positive = [float(e["likelihood"]) for e in trial if float(e["likelihood"]) > 0]
+    if by_frequency or value:
+        flip = threshold
+    else:
+        below, above = [x for x in positive if x <= threshold], [x for x in positive if x > threshold]
+        flip = (max(below) + min(above)) / 2 if below and above else None
+    n = page.record["parameters"]["samples"]
+    error = lambda e: math.sqrt(float(e[figure]) * (1 - float(e[figure])) / n) if by_frequency else float(e["std_error"])
+    undecided = [e for e in trial if flip is not None and not abs(float(e[figure]) - flip) >= 2 * error(e)]
+    return {
+        "kept": len(kept),
+        "pruned": len(trial) - len(kept),
+        "undecided": len(undecided),
+        "components": components,
+        "cycles": graph.number_of_edges() - len(page.nodes) + components,
+    }
+
+
+def check_threshold(page):
+    """At the start the run's own decisions; then five stops of the slider, a typed number, the buttons, the keys."""
+    topology = page.record["counts"]["topology"]
+    start = page.counts()
+    assert start == {
+        **{name: topology[name] for name in ("kept", "pruned", "components", "cycles")},
+        "undecided": page.record["convergence"]["undecided"],
+    }, (start, topology)
+    assert page.threshold() == page.record["threshold"]["value"]
+    assert start["kept"] == sum(page.on_trial(e) and e["kept"] == "1" for e in page.edges)
+    assert start == recount(page, page.threshold())
+    last, seen = int(page.one("#slider").get_property("max")), set()
+    for share in (0, 0.2, 0.45, 0.8, 1):
+        page.slide(round(share * last))
+        found = page.counts()
+        assert found == recount(page, page.threshold()), (share, page.threshold(), found)
+        seen.add(found["kept"])
+    assert len(seen) == 5, seen
+    box = page.one("#number")
+    typed = page.record["threshold"]["value"] * 0.7
+    box.send_keys(Keys.CONTROL + "a")
+    box.send_keys(repr(typed), Keys.TAB)
+    assert page.threshold() == typed and page.counts() == recount(page, typed)
+    slider = page.one("#slider")
+    before = page.counts()["kept"]
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert page.counts()["kept"] < before and page.counts() == recount(page, page.threshold())
+    page.click("#to-run")
+    assert page.counts() == start
+
+
+def check_toggles(page):
+    """Each switch changes the picture; with all off nothing is left but white, and back on all is as before."""
+    names = ["kept", "pruned", "undecided", "observed"]
+    if page.one("#markers").is_selected():
+        page.click("#markers")
+    last = whole = page.picture()
+    for name in names:
+        page.click(f"#show-{name}")
+        now = page.picture()
+        none = page.counts()["undecided"] == 0 if name == "undecided" else name == "observed" and all(map(page.on_trial, page.edges))
+        assert now != last or none, name
+        last = now
+    ink = """const c = document.getElementById('canvas'), t = document.createElement('canvas'); [t.width, t.height] = [c.width, c.height];
+      const k = t.getContext('2d'); k.drawImage(c, 0, 0); return k.getImageData(0, 0, t.width, t.height).data.some(v => v !== 255)"""
+    assert not page.driver.execute_script(ink)
+    for name in names:
+        page.click(f"#show-{name}")
+    assert page.picture() == whole
+
+
+def rows(page):
+    return page.driver.execute_script(
+        "return [...document.querySelectorAll('#sheet tbody tr')].map(line => Number(line.dataset.row))")
+
+
+def check_table(page):
+    """Sorting by likelihood both ways, by mouse and by key; the filter; a page of rows at a time."""
+    names = page.driver.execute_script("return [...document.querySelectorAll('#sheet th button')].map(b => b.textContent)")
+    at = names.index("likelihood") + 1
+    value = lambda row: float(page.edges[row]["likelihood"])
+    rising = sorted(range(len(page.edges)), key=lambda row: (value(row), row))
+    falling = sorted(range(len(page.edges)), key=lambda row: (-value(row), row))
+    page.click(f"#sheet th:nth-child({at}) button")
+    assert rows(page) == rising[:100] and page.one(f"#sheet th:nth-child({at})").get_attribute("aria-sort") == "ascending"
+    page.one(f"#sheet th:nth-child({at}) button").send_keys(Keys.ENTER)
+    assert rows(page) == falling[:100] and page.one(f"#sheet th:nth-child({at})").get_attribute("aria-sort") == "descending"
+    if len(page.edges) > 100:
+        page.click("button[aria-label='Next page']")
+        assert rows(page) == falling[100:200]
+    page.one("#filter").send_keys("candidate")
+    found = rows(page)
+    assert found and all(page.edges[row]["origin"] == "candidate" for row in found)
+    page.one("#filter").clear()
+    page.one("#filter").send_keys(" ", Keys.BACKSPACE)
+
+
+def check_picking(page):
+    """A row, the keys n, p and Escape, and a click into the view pick a vessel; it stands out and its row is shown."""
+    page.click("#sheet th:first-child button")
+    plain = page.picture()
+    page.click("#sheet tbody tr:nth-child(3) td:nth-child(2)")
+    assert page.text("#picked h3").startswith("Vessel 2") and page.picture() != plain
+    length = page.driver.execute_script("return [...document.querySelectorAll('#picked dt')].find(t => t.textContent === 'length_mm').nextSibling.textContent")
+    assert math.isclose(float(length), float(page.edges[2]["length_mm"]), rel_tol=1e-5)
+    assert page.one("#sheet tbody tr:nth-child(3)").get_attribute("aria-selected") == "true"
+    canvas = page.one("#canvas")
+    canvas.send_keys("n")
+    assert page.text("#picked h3").startswith("Vessel 3")
+    canvas.send_keys("p")
+    assert page.text("#picked h3").startswith("Vessel 2")
+    turned = page.picture()
+    canvas.send_keys(Keys.ARROW_LEFT)
+    assert page.picture() != turned
+    canvas.send_keys("+")
+    canvas.send_keys("0")
+    canvas.send_keys(Keys.ESCAPE)
+    assert "No vessel" in page.text("#picked")
+    page.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    size, picked = canvas.size, None
+    for step in range(400):
+        x, y = (step * 0.618) % 1 - 0.5, (step * 0.755) % 1 - 0.5
+        ActionChains(page.driver).move_to_element_with_offset(canvas, int(0.8 * x * size["width"]), int(0.8 * y * size["height"])).click().perform()
+        if page.driver.execute_script("return Boolean(document.querySelector('#picked h3'))"):
+            picked = int(page.text("#picked h3").split(":")[0].split()[1])
+            break
+    assert picked is not None and 0 <= picked < len(page.edges)
+    selected = page.driver.execute_script("return document.querySelector('#sheet tr[aria-selected=true]').dataset.row")
+    assert int(selected) == picked
+
+
+def check_colours(page):
+    """Every figure to colour by gives its own picture and a scale."""
+    options = page.driver.execute_script("return [...document.querySelectorAll('#colour-by option')].map(o => o.textContent)")
+    seen = set()
+    for at in range(len(options)):
+        page.driver.execute_script("const s = document.getElementById('colour-by'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", at)
+        seen.add(page.picture())
+        assert page.text("#colour-ticks"), options[at]
+    assert len(seen) > len(options) // 2
+
+
+def check_labels(page):
+    """Labels are text: no script but the two of the page, no message box, the label in a cell as it is."""
+    assert page.driver.execute_script("return document.scripts.length") == 2
+    cells = page.driver.execute_script("return [...document.querySelectorAll('#sheet td')].map(c => c.textContent)")
+    for label in {e["label"] for e in page.edges[:100] if e["label"]}:
+        assert label in cells, label
+
+
+def main():
+    chromium, folders = sys.argv[1], sys.argv[2:]
+    with tempfile.TemporaryDirectory() as profile:
+        driver = browser(chromium, profile)
+        try:
+            for folder in folders:
+                page = Page(driver, folder)
+                check_labels(page)
+                if page.one("#slider").is_displayed():
+                    check_threshold(page)
+                    check_toggles(page)
+                    check_table(page)
+                    check_picking(page)
+                check_colours(page)
+                page.no_error()
+                print(folder, "holds")
+        finally:
+            driver.quit()
+    with tempfile.TemporaryDirectory() as profile:
+        driver = browser(chromium, profile, "--disable-3d-apis")
+        try:
+            page = Page(driver, folders[0])
+            assert "flat lines" in page.text("#canvas-note")
+            check_toggles(page)
+            check_picking(page)
+            page.no_error()
+            print(folders[0], "holds without WebGL")
+        finally:
+            driver.quit()
+
+
+main()
