@@ -229,7 +229,10 @@ fn a_large_matrix_is_one_small_image() {
     let svg = Document::parse(&text).expect("well-formed");
     let images: Vec<_> = svg.descendants().filter(|n| n.tag_name().name() == "image").collect();
     assert_eq!(images.len(), 1);
-    let data = images[0].attribute("href").and_then(|h| h.strip_prefix("data:image/png;base64,")).expect("data");
+    let data = images[0]
+        .attribute(("http://www.w3.org/1999/xlink", "href"))
+        .and_then(|h| h.strip_prefix("data:image/png;base64,"))
+        .expect("data");
     let (width, height, rgb) = pixels(&base64::engine::general_purpose::STANDARD.decode(data).expect("base64"));
     assert_eq!(width, height);
     let share = |wanted: [u8; 3]| rgb.chunks_exact(3).filter(|p| *p == wanted).count() as f64 / (width * height) as f64;

@@ -32,8 +32,8 @@ impl Drawing {
         let [width, height] = inches.map(|length| (length * f64::from(Self::DPI)).round() as i32);
         let [wide, high] = [width, height].map(|dots| f64::from(dots) / 100.0);
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{wide}pt\" height=\"{high}pt\" viewBox=\"0 0 {width} {height}\" \
-             role=\"img\" aria-label=\"{}\">\n<path fill=\"#fff\" d=\"M0 0H{width}V{height}H0z\"/>\n{}</svg>\n",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{wide}pt\" \
+             height=\"{high}pt\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">\n<path fill=\"#fff\" d=\"M0 0H{width}V{height}H0z\"/>\n{}</svg>\n",
             self.name, self.elements
         )
     }
@@ -112,11 +112,12 @@ impl Page for Drawing {
     fn image(&mut self, from: Dot, to: Dot, image: &dyn Fn() -> Image) -> Result<bool, String> {
         let image = image();
         let side = image.side as u32;
+        // The prefix is for programs older than SVG 2.
         let file = png([side; 2], &image.rgb, None)?;
         let ((x, y), width, height, data) = (from, to.0 - from.0, to.1 - from.1, STANDARD.encode(file));
         self.element(format_args!(
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>"
+             xlink:href=\"data:image/png;base64,{data}\"/>"
         ));
         Ok(true)
     }
