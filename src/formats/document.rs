@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::sniff::{Format, format_of};
-use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp};
+use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtk, read_vtp};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
@@ -40,7 +40,7 @@ pub struct Document {
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The VTP point array that holds the radius, where it is not one of the usual names.
+    /// The array of a VTK file that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
     /// Whether centerlines may come without any radius.
     pub radius_optional: bool,
@@ -63,13 +63,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             let (lines, notes) = read_swc(bytes, &options.scale).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
-        Format::Vtp => {
+        Format::Vtp | Format::Vtk => {
             let radius = match options.radius_array.as_deref() {
                 Some(name) => RadiusArray::Named(name),
                 None if options.radius_optional => RadiusArray::Optional,
                 None => RadiusArray::Usual,
             };
-            let (lines, notes) = read_vtp(bytes, &options.scale, radius).map_err(here)?;
+            let read = if format == Format::Vtp { read_vtp } else { read_vtk };
+            let (lines, notes) = read(bytes, &options.scale, radius).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
         Format::GraphMl => {

@@ -150,8 +150,7 @@ fn build(all: &Lines, ids: &[u64]) -> Centerlines {
         let mut before = None;
         for (n, point) in line.points.iter().enumerate() {
             let p = *point as usize;
-            let row =
-                *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], line.strand));
+            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], line.strand));
             if let Some(before) = before.replace(row).filter(|before| *before != row) {
                 out.add_link([before, row], &all.names[line.names[n - 1] as usize]);
             }

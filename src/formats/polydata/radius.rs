@@ -138,9 +138,8 @@ fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
     };
     match name {
         Some(name) => Fault::file(format!("no point array \"{name}\""), has),
-        None => Fault::file(
-            format!("no point array {}", RADII[..NAMED].join(", ")),
-            format!("{has}; name one with --radius-array"),
-        ),
+        None => {
+            Fault::file(format!("no point array {}", RADII[..NAMED].join(", ")), format!("{has}; name one with --radius-array"))
+        }
     }
 }

@@ -70,7 +70,8 @@ impl Arrays<'_> {
             "Int64" | "UInt64" | "Float64" => 8,
             _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
         };
-        let found = if is_ascii(array) { ascii(array, &text(array), kind, count)? } else { self.binary(array, kind, size, count)? };
+        let found =
+            if is_ascii(array) { ascii(array, &text(array), kind, count)? } else { self.binary(array, kind, size, count)? };
         let length = match &found {
             Numbers::Real(values) => values.len(),
             Numbers::Whole(values) => values.len(),
