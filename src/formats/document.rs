@@ -8,7 +8,7 @@ use super::sniff::{Format, format_of};
 use super::unit_check::unit_check;
 use super::{
     RadiusArray, add_loops, csv_graph, icafe, name_stretches, read_csv_edges, read_csv_nodes, read_graphml, read_markups,
-    read_points, read_swc, read_traced_vessels, read_tre, read_vtp,
+    read_points, read_swc, read_traced_vessels, read_tre, read_vtk, read_vtp,
 };
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
@@ -44,7 +44,7 @@ pub struct Document {
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The VTP point array that holds the radius, where it is not one of the usual names.
+    /// The array of a VTK file that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
     /// Whether centerlines may come without any radius.
     pub radius_optional: bool,
@@ -103,8 +103,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             let (lines, notes) = read_points(bytes, &options.scale, options.radius_optional).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
-        Format::Vtp => {
-            let (lines, notes) = read_vtp(bytes, &options.scale, radius).map_err(here)?;
+        Format::Vtp | Format::Vtk => {
+            let read = if format == Format::Vtp { read_vtp } else { read_vtk };
+            let (lines, notes) = read(bytes, &options.scale, radius).map_err(here)?;
             (Content::Centerlines(lines), notes)
         }
         Format::GraphMl => {

@@ -19,6 +19,7 @@ mod swc_points;
 mod table;
 mod tre;
 mod unit_check;
+mod vtk_legacy;
 mod vtp;
 mod xml;
 
@@ -36,4 +37,5 @@ pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use swc_points::{write_centerlines_swc, write_loops};
 pub use table::write_csv;
 pub use tre::{read_tre, write_tre};
+pub use vtk_legacy::{Digits, read_vtk, write_vtk};
 pub use vtp::{read_vtp, write_vtp};

@@ -31,6 +31,22 @@ pub(super) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
     Ok(network.vessels().map(line).collect())
 }
 
+/// The points of a network, nodes first, and the rows of each vessel's from node to node.
+pub(super) fn cells(network: &Network) -> io::Result<(Vec<PathPoint>, Vec<Vec<i64>>)> {
+    let mut points = node_points(network)?;
+    let mut lines = Vec::with_capacity(network.vessel_count());
+    for ([a, b], vessel) in network.vessels() {
+        let mut line = vec![a as i64];
+        for point in between(&vessel.path, points[a].position, points[b].position, true) {
+            line.push(points.len() as i64);
+            points.push(point);
+        }
+        line.push(b as i64);
+        lines.push(line);
+    }
+    Ok((points, lines))
+}
+
 /// The points of a path without those that its two nodes are, in the sense asked for.
 pub(super) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
     let mut points = path.to_vec();

@@ -13,8 +13,7 @@
 //!   the common end as one point, as files of networks do), or coincident in their first three points. Two vessels that leave a
 //!   junction under more than some 14 degrees are thus two from its first point;
 //! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
-//! - one junction: leaving within 0.75 radii of a junction is leaving at it, so that a trifurcation is one;
-//! - the link from the tree to what is left goes aslant: points nearer to the last shared one than it is to the tree are left out.
+//! - one junction: leaving within 0.75 radii of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
 //!
 //! The place on the tree moves along it with the line, never by a jump: a vessel that turns back beside itself is not cut short.
 
@@ -70,18 +69,10 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
 /// What a line has for itself, with the points of the tree that it hangs on.
 fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Option<Shared>) -> Option<Line> {
     let n = line.points.len();
-    let mut first = front.map_or(0, |f| f.last + 1);
-    let mut last = back.map_or(n, |b| n - 1 - b.last);
+    let first = front.map_or(0, |f| f.last + 1);
+    let last = back.map_or(n, |b| n - 1 - b.last);
     if first >= last {
         return None;
-    }
-    let within = |a: usize, b: usize, gap: f64| distance(all.at[line.points[a] as usize], all.at[line.points[b] as usize]) < gap;
-    let half = usize::midpoint(first, last);
-    if let Some(front) = front {
-        first = (first..half).find(|p| !within(*p, front.last, front.gap)).unwrap_or(half);
-    }
-    if let Some(back) = back {
-        last = (half + 1..last).rev().find(|p| !within(*p, n - 1 - back.last, back.gap)).unwrap_or(half) + 1;
     }
     let mut points: Vec<u32> = front.iter().map(|f| f.from).collect();
     points.extend(&line.points[first..last]);

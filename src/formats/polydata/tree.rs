@@ -20,7 +20,7 @@ const CLOSE: f64 = 0.12;
 const SAME_POINTS: usize = 3;
 /// are no further than this many radii from points of the other.
 const SAME: f64 = 1e-6;
-/// A line that leaves within this many radii of a junction leaves at the junction.
+/// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
 const ONE_JUNCTION: f64 = 0.75;
 /// Points walked in search of one: a ring without length has no end.
 const MOST_STEPS: usize = 10_000;
@@ -46,8 +46,6 @@ pub(super) struct Shared {
     pub(super) last: usize,
     /// The point of the tree where it leaves.
     pub(super) from: u32,
-    /// How far it is there from the tree.
-    pub(super) gap: f64,
 }
 
 struct Foot {
@@ -109,7 +107,7 @@ impl<'a> Tree<'a> {
                 }
             } else {
                 away = 0.0;
-                shared = Some(Shared { last: n, from: self.nearer_end(&foot), gap: foot.gap });
+                shared = Some(Shared { last: n, from: self.nearer_end(&foot) });
             }
             on = vec![foot.link];
             (sum, length) = (sum + gap * step, length + step);
@@ -125,7 +123,10 @@ impl<'a> Tree<'a> {
             }
         }
         let shared = shared.filter(|_| is_one)?;
-        Some(Shared { from: self.junction_near(shared.from), ..shared })
+        let step =
+            line.get(shared.last + 1).map_or(0.0, |next| distance(self.at[line[shared.last] as usize], self.at[*next as usize]));
+        let reach = step.max(ONE_JUNCTION * self.radii[shared.from as usize]);
+        Some(Shared { from: self.junction_near(shared.from, reach), ..shared })
     }
 
     /// The nearest place on the links that hang together with `on` within a ball around `p`.
@@ -170,8 +171,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The nearest junction along the tree, where one is near; else the point itself.
-    fn junction_near(&self, point: u32) -> u32 {
-        let reach = ONE_JUNCTION * self.radii[point as usize];
+    fn junction_near(&self, point: u32, reach: f64) -> u32 {
         let mut best: (f64, u32) = (f64::INFINITY, point);
         // Between junctions the tree has no branches, so each direction is walked once.
         if self.around[point as usize].len() > 2 {

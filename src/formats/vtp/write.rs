@@ -6,9 +6,8 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::{Compression, write::ZlibEncoder};
 
 use super::super::column::{Column, Values, check_rows};
-use super::super::polyline::{between, node_points};
+use super::super::polyline::cells;
 use super::super::xml::escape;
-use crate::geometry::Point;
 use crate::network::Network;
 use crate::units::millimetres;
 
@@ -25,20 +24,15 @@ const BLOCK: usize = 1 << 15;
 /// A node without position or a column without one value for each vessel (`InvalidInput`), or the writer's own.
 pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Column]) -> io::Result<()> {
     check_rows(vessel_columns, network.vessel_count())?;
-    let nodes = node_points(network)?;
-    let mut points: Vec<Point> = nodes.iter().map(|node| node.position).collect();
-    let mut radii: Vec<f64> = nodes.iter().map(|node| node.radius).collect();
-    let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
-    for ([a, b], vessel) in network.vessels() {
-        connectivity.push(a as i64);
-        for point in between(&vessel.path, points[a], points[b], true) {
-            connectivity.push(points.len() as i64);
-            points.push(point.position);
-            radii.push(point.radius);
-        }
-        connectivity.push(b as i64);
-        offsets.push(connectivity.len() as i64);
-    }
+    let (points, cells) = cells(network)?;
+    let connectivity: Vec<i64> = cells.iter().flatten().copied().collect();
+    let offsets: Vec<i64> = cells
+        .iter()
+        .scan(0, |end, cell| {
+            *end += cell.len() as i64;
+            Some(*end)
+        })
+        .collect();
     writeln!(out, r#"<?xml version="1.0"?>"#)?;
     writeln!(
         out,
@@ -53,7 +47,7 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     writeln!(out, r#"      <PointData Scalars="MaximumInscribedSphereRadius">"#)?;
     let reals = |values: &mut dyn Iterator<Item = f64>| values.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let wholes = |values: &[i64]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let radius = reals(&mut radii.into_iter().map(millimetres));
+    let radius = reals(&mut points.iter().map(|p| millimetres(p.radius)));
     array(&mut out, r#"type="Float64" Name="MaximumInscribedSphereRadius""#, &radius)?;
     writeln!(out, "      </PointData>")?;
     writeln!(out, "      <CellData>")?;
@@ -73,7 +67,7 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     }
     writeln!(out, "      </CellData>")?;
     writeln!(out, "      <Points>")?;
-    let coordinates = reals(&mut points.into_iter().flatten().map(millimetres));
+    let coordinates = reals(&mut points.iter().flat_map(|p| p.position).map(millimetres));
     array(&mut out, r#"type="Float64" Name="Points" NumberOfComponents="3""#, &coordinates)?;
     writeln!(out, "      </Points>")?;
     writeln!(out, "      <Lines>")?;
