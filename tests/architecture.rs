@@ -35,6 +35,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("plotters", &["report/plots.rs", "report/plots/"]),
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
+    ("hdf5_reader", &["formats/vtrails.rs"]),
     ("statrs", &["stats/gamma.rs"]),
 ];
 

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::sniff::{Format, format_of};
-use super::{RadiusArray, add_loops, csv_graph, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp};
+use super::{
+    RadiusArray, add_loops, pair, read_csv_edges, read_csv_nodes, read_graphml, read_skeleton_npz, read_swc, read_vtp,
+    read_vtrails,
+};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
@@ -16,7 +19,7 @@ use crate::units::Scale;
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),
-    /// Vessels that an image showed, as they stand.
+    /// Vessels that an image showed, as they stand; a radius that the file lacks, where it may, is NaN.
     Vessels(Network),
     /// A ready graph, whose edges are vessels as they stand.
     Graph(Network),
@@ -42,7 +45,7 @@ pub struct ReadOptions {
     pub scale: Scale,
     /// The VTP point array that holds the radius, where it is not one of the usual names.
     pub radius_array: Option<String>,
-    /// Whether centerlines may come without any radius.
+    /// Whether centerlines and observed vessels may come without any radius.
     pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
@@ -77,7 +80,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             (Content::Graph(network), notes)
         }
         Format::Csv => {
-            let beside = csv_graph::nodes_beside(path);
+            let beside = pair::nodes_beside(path);
             let nodes = (beside.as_deref())
                 .map(|nodes| {
                     let bytes = bytes_of(nodes)?;
@@ -87,6 +90,13 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             let (network, mut notes) = read_csv_edges(bytes, nodes, &options.scale).map_err(here)?;
             notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
             (Content::Graph(network), notes)
+        }
+        Format::Voreen => pair::read_voreen(path, bytes, options)?,
+        Format::VesselVio => pair::read_vesselvio(path, bytes, options)?,
+        Format::Npz => read_skeleton_npz(bytes, &options.scale, options.radius_optional).map_err(here)?,
+        Format::VTrails => {
+            let (lines, notes) = read_vtrails(bytes, &options.scale, options.radius_optional).map_err(here)?;
+            (Content::Centerlines(lines), notes)
         }
         other => return Err(here(Fault::file(format!("{} cannot be read", other.name()), "expected another format"))),
     };
@@ -102,7 +112,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
