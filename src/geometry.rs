@@ -34,6 +34,18 @@ pub fn unit(a: Point) -> Point {
     if n > 0.0 { [a[0] / n, a[1] / n, a[2] / n] } else { [0.0; 3] }
 }
 
+/// The radius of a circle of an area, sqrt(a/π).
+pub fn radius_of(area: f64) -> f64 {
+    (area / std::f64::consts::PI).sqrt()
+}
+
+/// The area of a circle, πr²: of the neighbouring numbers the one from which [`radius_of`] gives the radius back.
+pub fn area_of(radius: f64) -> f64 {
+    let area = std::f64::consts::PI * radius * radius;
+    let near = [area, area.next_up(), area.next_down(), area.next_up().next_up(), area.next_down().next_down()];
+    near.into_iter().find(|a| radius_of(*a) == radius).unwrap_or(area)
+}
+
 /// The diagonal of the box around the points; zero for none.
 pub fn box_diagonal(points: impl IntoIterator<Item = Point>) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);

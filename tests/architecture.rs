@@ -37,6 +37,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("strsim", &["suggestion.rs"]),
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
+    ("hdf5_reader", &["formats/vtrails.rs"]),
     ("statrs", &["stats/gamma.rs"]),
 ];
 

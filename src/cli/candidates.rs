@@ -6,9 +6,9 @@ use clap::Args;
 use serde_json::json;
 use willis::candidates::build;
 use willis::error::{Error, Result};
-use willis::formats::write_graphml;
+use willis::formats::{graph_columns, write_graphml};
 use willis::network::Origin;
-use willis::report::{StagedFile, graph_columns, staged::write_file};
+use willis::report::{StagedFile, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
@@ -55,7 +55,8 @@ impl CandidatesArgs {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }
         say_boundary(terminal, &graph, &boundary);
-        let (nodes, vessels) = graph_columns(&graph, &boundary);
+        let graph = boundary.stated_in(graph);
+        let (nodes, vessels) = graph_columns(&graph);
         let file = StagedFile::new(&self.output, force)?;
         write_file(&file.path(), |out| write_graphml(out, &graph, &nodes, &vessels))?;
         file.commit()?;

@@ -166,15 +166,13 @@ impl InputArgs {
             loops: self.loops.clone(),
         };
         let document = read(&self.input, &options)?;
-        if !matches!(document.content, Content::Centerlines(_)) {
-            let given = [("--radius-array", self.radius_array.as_ref()), ("--default-radius", self.default_radius.as_ref())];
-            if let Some((option, value)) = given.into_iter().find_map(|(option, value)| Some((option, value?))) {
-                return Err(Error::parameter(
-                    option,
-                    value,
-                    "goes with centerlines; the vessels of this input state their radii",
-                ));
-            }
+        let given = [
+            ("--radius-array", self.radius_array.as_ref(), matches!(document.content, Content::Centerlines(_))),
+            ("--default-radius", self.default_radius.as_ref(), !matches!(document.content, Content::Graph(_))),
+        ];
+        if let Some((option, value, _)) = given.into_iter().find(|(_, value, fits)| value.is_some() && !fits) {
+            let why = "goes with centerlines; the vessels of this input state their radii";
+            return Err(Error::parameter(option, value.map_or("", String::as_str), why));
         }
         if self.observed && !matches!(document.content, Content::Graph(_)) {
             return Err(Error::parameter("--observed", "", "goes with a candidate graph; these vessels are observed anyway"));
@@ -249,7 +247,14 @@ impl InputArgs {
                 }
                 Ok(made.network)
             }
-            Content::Vessels(network) => {
+            Content::Vessels(mut network) => {
+                let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
+                if let Some(radius) = default_radius.filter(|_| !without.is_empty()) {
+                    for row in &without {
+                        network.vessel_mut(*row).radius = radius;
+                    }
+                    notes.push(format!("{} without any radius: took --default-radius", plural(without.len(), "vessel")));
+                }
                 let size = format!(
                     "{}, {}{}",
                     plural(network.node_count(), "node"),

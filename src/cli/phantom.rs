@@ -6,11 +6,13 @@ use clap::Args;
 use serde_json::{Value, json};
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
-use willis::formats::{is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp};
+use willis::formats::{
+    graph_columns, is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp,
+};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
 use willis::network::{Network, fragments};
 use willis::phantom::{Breaks, Kind, Truth, break_up, without};
-use willis::report::{StagedFile, graph_columns, staged::write_file};
+use willis::report::{StagedFile, staged::write_file};
 
 use super::input::length;
 use super::shell::print_json;
@@ -142,7 +144,8 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
 
 fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> Result<()> {
     let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
-    let (nodes, vessels) = graph_columns(network, &boundary);
+    let network = &boundary.stated_in(network.clone());
+    let (nodes, vessels) = graph_columns(network);
     let file = StagedFile::new(path, force)?;
     match ending {
         "swc" if is_forest(network) => write_file(&file.path(), |out| write_swc(out, network))?,

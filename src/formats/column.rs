@@ -22,6 +22,23 @@ pub enum Values {
     Text(Vec<String>),
 }
 
+impl Column {
+    /// A column of numbers; NaN is missing.
+    pub fn real(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
+        Self { name, values: Values::Real(values.collect()) }
+    }
+
+    /// A column of whole numbers.
+    pub fn whole(name: &'static str, values: impl Iterator<Item = usize>) -> Self {
+        Self { name, values: Values::Integer(values.map(|v| v as i64).collect()) }
+    }
+
+    /// A column of text.
+    pub fn text(name: &'static str, values: impl Iterator<Item = String>) -> Self {
+        Self { name, values: Values::Text(values.collect()) }
+    }
+}
+
 impl Values {
     /// How many rows there are.
     pub fn len(&self) -> usize {

@@ -1,10 +1,12 @@
 //! A graph as CSV: a table of edges, and beside it, where there is one, a table of nodes.
 
-use std::collections::{HashMap, hash_map::Entry};
-use std::io::BufRead;
-use std::path::{Path, PathBuf};
+use std::collections::HashMap;
+use std::io::{self, BufRead, Write};
 
 use super::attributes::{Record, nodes, vessels};
+use super::graph_columns::{graph_columns, points_column};
+use super::rows::{Rows, columns, delimiter};
+use super::table::write_csv;
 use crate::error::Fault;
 use crate::network::{Network, Node};
 use crate::units::Scale;
@@ -14,21 +16,14 @@ const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 /// The nodes of a table and the name by which the edges know each.
 #[derive(Debug, Clone)]
 pub struct NodeTable {
-    nodes: Vec<Node>,
-    row_of: HashMap<String, usize>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) row_of: HashMap<String, usize>,
 }
 
 /// Whether a line is the header of a table of edges.
 pub(super) fn is_header(line: &str) -> bool {
-    let columns: Vec<&str> = line.split(',').map(|column| column.trim().trim_matches('"')).collect();
+    let columns: Vec<&str> = line.split(delimiter(line)).map(|column| column.trim().trim_matches('"')).collect();
     ENDS.iter().any(|ends| ends.iter().all(|end| columns.contains(end)))
-}
-
-/// The table of nodes beside a table of edges: its name with `nodes` for `edges`, or `nodes.csv`.
-pub(super) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
-    let name = edges.file_name()?.to_str()?;
-    let renamed = name.replace("edges", "nodes");
-    [renamed.as_str(), "nodes.csv"].into_iter().filter(|n| *n != name).map(|n| edges.with_file_name(n)).find(|p| p.is_file())
 }
 
 /// Reads a table of nodes: `node` (the name in the table of edges), `id`, and the attributes of GraphML nodes.
@@ -39,7 +34,7 @@ pub(super) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
 pub fn read_csv_nodes(input: impl BufRead, scale: &Scale) -> Result<NodeTable, Fault> {
     let (header, records) = table(input)?;
     let Some(key) = ["node", "id"].into_iter().find(|key| header.iter().any(|h| h == key)) else {
-        return Err(Fault::line(1, format!("columns {}", header.join(",")), "expected a column node or id"));
+        return Err(Fault::line(1, columns(&header), "expected a column node or id"));
     };
     let mut row_of = HashMap::with_capacity(records.len());
     let mut named = Vec::with_capacity(records.len());
@@ -71,8 +66,8 @@ pub fn read_csv_edges(
 ) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(input)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
-        let found = format!("columns {}", header.join(","));
-        return Err(Fault::line(1, found, "expected a table of edges with columns node_a,node_b or source,target"));
+        let accepted = "expected a table of edges with columns node_a,node_b or source,target";
+        return Err(Fault::line(1, columns(&header), accepted));
     };
     let given = table_of_nodes.is_some();
     let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
@@ -124,41 +119,28 @@ fn place(node: &mut Record, edge: &Record, side: &str) {
     node.line = edge.line;
 }
 
-/// The header and the rows of a CSV file.
-fn table(input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
-    let header: Vec<String> = reader.headers().map_err(|e| csv_fault(&e))?.iter().map(str::to_owned).collect();
-    let mut seen = HashMap::new();
-    for (column, name) in header.iter().enumerate() {
-        match seen.entry(name.as_str()) {
-            Entry::Vacant(slot) => _ = slot.insert(column),
-            Entry::Occupied(_) => {
-                return Err(Fault::line(1, format!("column \"{name}\" comes twice"), "expected every column once"));
-            }
-        }
-    }
-    let mut records = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|e| csv_fault(&e))?;
-        let values = header.iter().zip(row.iter()).filter(|(_, value)| !value.is_empty());
-        records.push(Record {
-            line: row.position().map_or(0, |p| p.line() as usize),
-            values: values.map(|(name, value)| (name.clone(), value.to_owned())).collect(),
-        });
-    }
-    Ok((header, records))
+/// Writes a network as the two tables that [`read_csv_nodes`] and [`read_csv_edges`] take, with every attribute of GraphML:
+/// the nodes with their ids and conditions, the vessels in their order, each with its points.
+///
+/// # Errors
+///
+/// The writers' own.
+pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
+    let (node_columns, mut vessel_columns) = graph_columns(network);
+    vessel_columns.extend(points_column(network));
+    write_csv(nodes, &node_columns)?;
+    write_csv(edges, &vessel_columns)
 }
 
-/// A fault of the CSV reader in words of a person.
-pub(super) fn csv_fault(error: &csv::Error) -> Fault {
-    let line = error.position().map_or(1, |p| p.line() as usize);
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            Fault::line(line, format!("{len} columns"), format!("expected {expected_len}, as in the header"))
-        }
-        csv::ErrorKind::Utf8 { err, .. } => {
-            Fault::line(line, format!("column {} is not UTF-8", err.field() + 1), "expected UTF-8 text")
-        }
-        _ => Fault::line(line, format!("not CSV: {error}"), "expected comma-separated values"),
+/// The header and the rows of a file.
+fn table(mut input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
+    let mut bytes = Vec::new();
+    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
+    let mut rows = Rows::open(&bytes)?;
+    let mut records = Vec::new();
+    while let Some(row) = rows.next()? {
+        let values = row.fields().map(|(name, value)| (name.to_owned(), value.to_owned())).collect();
+        records.push(Record { line: row.line, values });
     }
+    Ok((rows.header().to_vec(), records))
 }

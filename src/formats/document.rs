@@ -5,22 +5,23 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::sniff::{Format, format_of};
+use super::tracing::{read_table_of_vessels, read_tracing};
 use super::unit_check::unit_check;
 use super::{
-    RadiusArray, add_loops, csv_graph, icafe, name_stretches, read_csv_edges, read_csv_nodes, read_graphml, read_markups,
-    read_points, read_swc, read_traced_vessels, read_tre, read_vtk, read_vtp,
+    RadiusArray, add_loops, pair, read_csv_edges, read_csv_nodes, read_graphml, read_markups, read_points, read_skeleton_npz,
+    read_tre, read_vtk, read_vtp, read_vtrails,
 };
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
-use crate::units::{LengthUnit, Scale};
+use crate::units::Scale;
 
 /// What a file holds.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),
-    /// Vessels that an image showed, as they stand.
+    /// Vessels that an image showed, as they stand; a radius that the file lacks, where it may, is NaN.
     Vessels(Network),
     /// A ready graph, whose edges are vessels as they stand.
     Graph(Network),
@@ -46,7 +47,7 @@ pub struct ReadOptions {
     pub scale: Scale,
     /// The array of a VTK file that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
-    /// Whether centerlines may come without any radius.
+    /// Whether centerlines and observed vessels may come without any radius.
     pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
@@ -60,72 +61,8 @@ pub struct ReadOptions {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let all = bytes_of(path)?;
     let bytes = without_mark(&all);
-    let mut format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
-    let here = |fault: Fault| fault.in_file(path);
-    let radius = match options.radius_array.as_deref() {
-        Some(name) => RadiusArray::Named(name),
-        None if options.radius_optional => RadiusArray::Optional,
-        None => RadiusArray::Usual,
-    };
-    let (mut content, mut notes) = match format {
-        Format::Swc => {
-            let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(here)?;
-            if let Some(table) = icafe::table_beside(path)
-                && let Some(note) = name_vessels(&mut lines, &bytes_of(&table)?, &table, &options.scale)?
-            {
-                format = Format::ICafe;
-                notes.push(note);
-            }
-            notes.extend(spacing_note(path, &options.scale));
-            (Content::Centerlines(lines), notes)
-        }
-        Format::ICafe => {
-            let tracing = icafe::tracing_beside(path).map_err(here)?;
-            let traced = bytes_of(&tracing)?;
-            let (mut lines, mut notes) =
-                read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
-            notes.push(format!("the points are those of {}", tracing.display()));
-            let wrong =
-                || Fault::file("none of its vessels begins and ends at points of the tracing", "expected those of one image");
-            notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
-            notes.extend(spacing_note(&tracing, &options.scale));
-            (Content::Centerlines(lines), notes)
-        }
-        Format::Tre => {
-            let (lines, notes) = read_tre(bytes, &options.scale, options.radius_optional).map_err(here)?;
-            (Content::Centerlines(lines), notes)
-        }
-        Format::Markups => {
-            let (lines, notes) = read_markups(bytes, &options.scale, radius).map_err(here)?;
-            (Content::Centerlines(lines), notes)
-        }
-        Format::Points => {
-            let (lines, notes) = read_points(bytes, &options.scale, options.radius_optional).map_err(here)?;
-            (Content::Centerlines(lines), notes)
-        }
-        Format::Vtp | Format::Vtk => {
-            let read = if format == Format::Vtp { read_vtp } else { read_vtk };
-            let (lines, notes) = read(bytes, &options.scale, radius).map_err(here)?;
-            (Content::Centerlines(lines), notes)
-        }
-        Format::GraphMl => {
-            let (network, notes) = read_graphml(bytes, &options.scale).map_err(here)?;
-            (Content::Graph(network), notes)
-        }
-        Format::Csv => {
-            let beside = csv_graph::nodes_beside(path);
-            let nodes = (beside.as_deref())
-                .map(|nodes| {
-                    let bytes = bytes_of(nodes)?;
-                    read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
-                })
-                .transpose()?;
-            let (network, mut notes) = read_csv_edges(bytes, nodes, &options.scale).map_err(here)?;
-            notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
-            (Content::Graph(network), notes)
-        }
-        other => return Err(here(Fault::file(format!("{} cannot be read", other.name()), "expected another format"))),
-    };
+    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let (format, mut content, mut notes) = read_as(format, path, bytes, options)?;
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
@@ -139,26 +76,55 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
 }
 
-/// Names the stretches of an iCafe tracing after its table of vessels; `None` when the table is that of another tracing.
-fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Scale) -> Result<Option<String>> {
-    let vessels = read_traced_vessels(without_mark(bytes), scale).map_err(|fault| fault.in_file(table))?;
-    let named = name_stretches(lines, &vessels);
-    let note = || format!("labels are those of {}: {named} of its {} vessels are in the tracing", table.display(), vessels.len());
-    Ok((named > 0).then(note))
+/// The format of a file with what lies beside it, what it holds, and what a person should know about it.
+fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
+    let (scale, optional) = (&options.scale, options.radius_optional);
+    let radius = match options.radius_array.as_deref() {
+        Some(name) => RadiusArray::Named(name),
+        None if optional => RadiusArray::Optional,
+        None => RadiusArray::Usual,
+    };
+    let here = |fault: Fault| fault.in_file(path);
+    let lines = |read: Result<(Centerlines, Vec<String>), Fault>| {
+        read.map_err(here).map(|(lines, notes)| (Content::Centerlines(lines), notes))
+    };
+    let read = match format {
+        Format::Swc => return read_tracing(path, bytes, options),
+        Format::ICafe => read_table_of_vessels(path, bytes, options),
+        Format::Csv => read_tables(path, bytes, scale),
+        Format::Voreen => pair::read_voreen(path, bytes, options),
+        Format::VesselVio => pair::read_vesselvio(path, bytes, options),
+        Format::GraphMl => read_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
+        Format::Npz => read_skeleton_npz(bytes, scale, optional).map_err(here),
+        Format::Vtp => lines(read_vtp(bytes, scale, radius)),
+        Format::Vtk => lines(read_vtk(bytes, scale, radius)),
+        Format::Tre => lines(read_tre(bytes, scale, optional)),
+        Format::Markups => lines(read_markups(bytes, scale, radius)),
+        Format::Points => lines(read_points(bytes, scale, optional)),
+        Format::VTrails => lines(read_vtrails(bytes, scale, optional)),
+    };
+    read.map(|(content, notes)| (format, content, notes))
 }
 
-/// The voxel spacing that iCafe states beside a tracing, where lengths are not taken as voxels.
-fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
-    let spacing = icafe::spacing_beside(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
-    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))
+/// A table of edges, with the table of nodes beside it.
+fn read_tables(path: &Path, bytes: &[u8], scale: &Scale) -> Result<(Content, Vec<String>)> {
+    let beside = pair::nodes_beside(path);
+    let read = |nodes: &PathBuf| {
+        let bytes = bytes_of(nodes)?;
+        read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
+    };
+    let nodes = beside.as_ref().map(read).transpose()?;
+    let (network, mut notes) = read_csv_edges(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
+    notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
+    Ok((Content::Graph(network), notes))
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 /// The bytes after a byte order mark.
-fn without_mark(bytes: &[u8]) -> &[u8] {
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 

@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-use super::csv_graph::csv_fault;
+use super::rows::fault;
 use crate::centerline::{Centerlines, Labels};
 use crate::error::Fault;
 use crate::geometry::Point;
@@ -84,7 +84,7 @@ pub fn read_traced_vessels(input: impl BufRead, scale: &Scale) -> Result<Vec<Tra
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
     let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(input);
-    let header = reader.headers().map_err(|e| csv_fault(&e))?.clone();
+    let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);
     let needed =
         |name: &str| column(name).ok_or_else(|| Fault::line(1, format!("no column {name}"), format!("expected iCafe's {TABLE}")));
@@ -96,7 +96,7 @@ pub fn read_traced_vessels(input: impl BufRead, scale: &Scale) -> Result<Vec<Tra
     let count_at = column("NumPts");
     let mut vessels = Vec::new();
     for row in reader.records() {
-        let row = row.map_err(|e| csv_fault(&e))?;
+        let row = row.map_err(|e| fault(&e, 0))?;
         let line = row.position().map_or(0, |p| p.line() as usize);
         if row.iter().all(str::is_empty) {
             continue;

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, Read, Write};
 
 use super::column::real;
-use super::csv_graph::csv_fault;
 use super::polyline::polylines;
+use super::rows::fault;
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::Network;
@@ -32,7 +32,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
     let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|mark| (count(*mark), *mark == b',')).unwrap_or(b',');
     let mut reader =
         csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(io::Cursor::new(head).chain(input));
-    let header = reader.headers().map_err(|e| csv_fault(&e))?.clone();
+    let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
     let mut columns = [None; 7];
     for (at, name) in header.iter().enumerate() {
         let Some(which) = NAMES.iter().position(|names| names.iter().any(|n| n.eq_ignore_ascii_case(name))) else { continue };
@@ -51,7 +51,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
     let mut row = csv::StringRecord::new();
-    while reader.read_record(&mut row).map_err(|e| csv_fault(&e))? {
+    while reader.read_record(&mut row).map_err(|e| fault(&e, 0))? {
         let line = row.position().map_or(0, |p| p.line() as usize);
         let text = |which: usize| columns[which].and_then(|at: usize| row.get(at)).unwrap_or_default();
         if row.iter().all(str::is_empty) {

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{csv_graph, icafe, xml};
+use super::rows::delimiter;
+use super::{csv_graph, icafe, pair, xml};
 use crate::error::Fault;
 
 /// The formats that are known.
@@ -81,10 +82,10 @@ pub(super) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     let first = lines.next().unwrap_or_default();
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("swc") => return Ok(Format::Swc),
-        Some("csv" | "tsv") => return Ok(table(first).unwrap_or(Format::Csv)),
+        Some("csv" | "tsv") => return Ok(table(path, first).unwrap_or(Format::Csv)),
         _ => {}
     }
-    if let Some(format) = table(first) {
+    if let Some(format) = table(path, first) {
         return Ok(format);
     }
     if first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok()) {
@@ -109,6 +110,9 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if starts(b"MATLAB 5.0 MAT-file") {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected it saved with -v7.3"));
     }
+    if starts(b"\x93NUMPY") {
+        return Err(Fault::file("a single NumPy array", "expected a skeleton graph as .npz: coords, edges, radii"));
+    }
     if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
         return Ok(Some(Format::Npz));
     }
@@ -125,17 +129,26 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
 }
 
 /// The table that a header line begins.
-fn table(header: &str) -> Option<Format> {
-    let columns: Vec<&str> = header.split([',', ';', '\t']).map(|column| column.trim().trim_matches('"')).collect();
+///
+/// Edges by the columns `Source ID,Target ID` are VesselVio's, and so are edges by `source,target` whose table of nodes has
+/// no names (`node`, `id`): these can only be rows. So is a table of positions without names beside a table of edges.
+fn table(path: &Path, header: &str) -> Option<Format> {
+    let header = header.trim_start_matches('\u{feff}');
+    let columns: Vec<&str> = header.split(delimiter(header)).map(|column| column.trim().trim_matches('"')).collect();
     let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column.eq_ignore_ascii_case(name)));
-    if has(&["node1id", "node2id"]) {
+    let named = has(&["node"]) || has(&["id"]);
+    if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
         Some(Format::Voreen)
+    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && pair::refers_to_rows(path)) {
+        Some(Format::VesselVio)
     } else if csv_graph::is_header(header) {
         Some(Format::Csv)
     } else if has(&["fragment"]) {
         Some(Format::Points)
     } else if icafe::is_header(&columns) {
         Some(Format::ICafe)
+    } else if has(&["x", "y", "z"]) && !named && pair::edges_beside(path).is_some() {
+        Some(Format::VesselVio)
     } else {
         None
     }

@@ -10,9 +10,14 @@ use super::column::{Column, check_rows};
 ///
 /// Columns of different lengths (`InvalidInput`), or the writer's own.
 pub fn write_csv(out: impl Write, columns: &[Column]) -> io::Result<()> {
+    write_table(out, b',', columns)
+}
+
+/// The same with another delimiter.
+pub(super) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) -> io::Result<()> {
     let rows = columns.first().map_or(0, |c| c.values.len());
     check_rows(columns, rows)?;
-    let mut csv = csv::Writer::from_writer(out);
+    let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
     if !columns.is_empty() {
         csv.write_record(columns.iter().map(|c| c.name))?;
     }

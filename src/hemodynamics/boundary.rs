@@ -132,6 +132,16 @@ impl Boundary {
         self
     }
 
+    /// The network with these roles and conditions as those that its nodes state, so that a file of it keeps them.
+    #[must_use]
+    pub fn stated_in(&self, mut network: Network) -> Network {
+        for (node, role) in self.roles.iter().enumerate() {
+            let stated = network.node_mut(node);
+            (stated.role, stated.condition) = (Some(*role), self.condition(node));
+        }
+        network
+    }
+
     /// How many nodes have a role.
     pub fn count(&self, role: Role) -> usize {
         self.roles.iter().filter(|r| **r == role).count()

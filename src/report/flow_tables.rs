@@ -1,8 +1,8 @@
 //! The columns of nodes.csv and edges.csv of a forward simulation.
 
 use super::simulated::Simulated;
-use super::tables::{axis, condition_columns, real, text, whole};
-use crate::formats::Column;
+use super::tables::condition_columns;
+use crate::formats::{Column, axis};
 use crate::network::Network;
 use crate::state::{State, VesselState};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
@@ -23,15 +23,15 @@ const FLOW: [[&str; 2]; 8] = [
 pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
     let place = |of_axis: usize| network.nodes().map(move |n| axis(n.position, of_axis));
-    let pressure = |name, state: &State| real(name, state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)));
+    let pressure = |name, state: &State| Column::real(name, state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)));
     let mut columns = vec![
-        whole("node", 0..network.node_count()),
-        text("id", network.nodes().map(|n| n.id.clone())),
-        real("x_mm", place(0)),
-        real("y_mm", place(1)),
-        real("z_mm", place(2)),
-        text("label", network.nodes().map(|n| n.label.clone())),
-        text("role", boundary.roles.iter().map(|r| r.name().to_owned())),
+        Column::whole("node", 0..network.node_count()),
+        Column::text("id", network.nodes().map(|n| n.id.clone())),
+        Column::real("x_mm", place(0)),
+        Column::real("y_mm", place(1)),
+        Column::real("z_mm", place(2)),
+        Column::text("label", network.nodes().map(|n| n.label.clone())),
+        Column::text("role", boundary.roles.iter().map(|r| r.name().to_owned())),
         pressure("pressure_mmHg", &result.unperturbed),
     ];
     columns.extend(result.perturbed.as_ref().map(|state| pressure("pressure_mmHg_perturbed", state)));
@@ -47,7 +47,7 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     if let Some(perturbed) = &result.perturbed {
         columns.extend(flow_columns(perturbed, 1));
         let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
-        columns.push(real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
+        columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
     }
     columns
 }
@@ -55,18 +55,18 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
 fn places(network: &Network) -> Vec<Column> {
     let vessels = || network.vessels();
     vec![
-        whole("edge", 0..network.vessel_count()),
-        whole("node_a", vessels().map(|(ends, _)| ends[0])),
-        whole("node_b", vessels().map(|(ends, _)| ends[1])),
-        text("label", vessels().map(|(_, v)| v.label.clone())),
-        real("length_mm", vessels().map(|(_, v)| millimetres(v.length))),
-        real("radius_mm", vessels().map(|(_, v)| millimetres(v.radius))),
+        Column::whole("edge", 0..network.vessel_count()),
+        Column::whole("node_a", vessels().map(|(ends, _)| ends[0])),
+        Column::whole("node_b", vessels().map(|(ends, _)| ends[1])),
+        Column::text("label", vessels().map(|(_, v)| v.label.clone())),
+        Column::real("length_mm", vessels().map(|(_, v)| millimetres(v.length))),
+        Column::real("radius_mm", vessels().map(|(_, v)| millimetres(v.radius))),
     ]
 }
 
 fn flow_columns(state: &State, which: usize) -> Vec<Column> {
     let [resistance, drop, flow, velocity, wall_shear, reynolds, resilience, diffused] = FLOW.map(|names| names[which]);
-    let figure = |name, of: fn(&VesselState) -> f64| real(name, state.vessels.iter().map(of));
+    let figure = |name, of: fn(&VesselState) -> f64| Column::real(name, state.vessels.iter().map(of));
     vec![
         figure(resistance, |v| mmhg_s_per_ml(v.resistance)),
         figure(drop, |v| mmhg(v.drop)),
@@ -75,6 +75,6 @@ fn flow_columns(state: &State, which: usize) -> Vec<Column> {
         figure(wall_shear, |v| v.wall_shear),
         figure(reynolds, |v| v.reynolds),
         figure(resilience, |v| v.resilience),
-        whole(diffused, state.vessels.iter().map(|v| usize::from(v.diffused))),
+        Column::whole(diffused, state.vessels.iter().map(|v| usize::from(v.diffused))),
     ]
 }

@@ -19,4 +19,3 @@ pub use outcome::{Outcome, write_outcome};
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary};
-pub use tables::graph_columns;

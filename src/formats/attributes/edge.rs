@@ -1,5 +1,7 @@
 //! Edges of a ready graph: each is a vessel as it stands, never merged, contracted or put in another order.
 
+use std::collections::BTreeMap;
+
 use super::{Item, Record};
 use crate::centerline::is_radius;
 use crate::error::Fault;
@@ -14,6 +16,7 @@ pub(in super::super) fn vessels(
     scale: &Scale,
 ) -> Result<Vec<String>, Fault> {
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
+    let mut names = BTreeMap::new();
     for (row, (ends, record)) in edges.iter().enumerate() {
         let [a, b] = ends.map(|end| network.node(end));
         let item = Item { record, name: format!("edge {row} ({} - {})", a.id, b.id) };
@@ -26,10 +29,15 @@ pub(in super::super) fn vessels(
             }
             None => path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
         };
-        let radius = match item.length("radius", scale)? {
-            Some((_, radius)) if is_radius(radius) => radius,
+        let radius = match item.radius(scale)? {
+            Some((key, radius)) if is_radius(radius) => {
+                if !key.starts_with("radius") || key == "radius_avg" {
+                    *names.entry(key).or_insert(0) += 1;
+                }
+                radius
+            }
             Some((key, _)) => {
-                let value = item.text(&key).unwrap_or_default();
+                let value = item.text(key).unwrap_or_default();
                 return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
             }
             None if path.is_empty() => {
@@ -66,6 +74,14 @@ pub(in super::super) fn vessels(
     }
     if straight > 0 {
         notes.push(format!("{straight} edges without length_mm have the distance between their nodes"));
+    }
+    for (name, edges) in names {
+        let means = match name {
+            "avgCrossSection" => "sqrt(avgCrossSection/π)".to_owned(),
+            "diameter" | "d" => format!("half of {name}"),
+            name => name.to_owned(),
+        };
+        notes.push(format!("the radius of {edges} edges is {means}"));
     }
     if from_nodes > 0 {
         notes.push(format!("{from_nodes} edges without radius_mm have the smaller radius of their nodes"));

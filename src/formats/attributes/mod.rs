@@ -8,7 +8,10 @@ pub(super) use node::nodes;
 
 use std::collections::HashMap;
 
+use super::number::number;
+use crate::centerline::is_radius;
 use crate::error::Fault;
+use crate::geometry::radius_of;
 use crate::units::{Scale, metres};
 
 /// The attributes of a node or edge as text, and the line they stand on. An empty text is as good as none.
@@ -36,7 +39,7 @@ impl<'a> Item<'a> {
     /// A number, infinite or NaN ones included.
     fn real(&self, key: &str) -> Result<Option<f64>, Fault> {
         let Some(text) = self.text(key) else { return Ok(None) };
-        text.parse().map(Some).map_err(|_| self.fault(format!("{key} \"{text}\""), "expected a number"))
+        number(text).map(Some).map_err(|accepted| self.fault(format!("{key} \"{text}\""), accepted))
     }
 
     /// A finite number; NaN is a missing one, as graphs hold it where other nodes have the attribute.
@@ -54,6 +57,32 @@ impl<'a> Item<'a> {
             return Ok(Some((key, metres(mm))));
         }
         Ok(self.real(name)?.map(|x| (name.to_owned(), scale.length(x))))
+    }
+
+    /// A radius under any of the names that programs give it: the name and its value in m.
+    ///
+    /// A cross-section area a gives sqrt(a/π) and comes before radii that are not willis's own.
+    fn radius(&self, scale: &Scale) -> Result<Option<(&'static str, f64)>, Fault> {
+        if let Some(mm) = self.real("radius_mm")? {
+            return Ok(Some(("radius_mm", metres(mm))));
+        }
+        if let Some(radius) = self.real("radius")? {
+            return Ok(Some(("radius", scale.length(radius))));
+        }
+        if let Some(area) = self.real("avgCrossSection")?.filter(|area| is_radius(*area)) {
+            return Ok(Some(("avgCrossSection", scale.length(radius_of(area)))));
+        }
+        for (key, share) in [("radius_avg", 1.0), ("avgRadiusAvg", 1.0), ("diameter", 0.5)] {
+            if let Some(size) = self.real(key)? {
+                return Ok(Some((key, scale.length(share * size))));
+            }
+        }
+        // Letters mean other things too; then they are no positive numbers.
+        let letter = |key: &'static str, share: f64| {
+            let size = self.text(key).and_then(|text| number(text).ok()).filter(|size| is_radius(*size))?;
+            Some((key, scale.length(share * size)))
+        };
+        Ok(letter("r", 1.0).or_else(|| letter("d", 0.5)))
     }
 
     fn boolean(&self, key: &str) -> Result<Option<bool>, Fault> {

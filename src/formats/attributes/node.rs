@@ -1,5 +1,6 @@
 //! Nodes of a ready graph: position, radius, label, role and boundary condition.
 
+use super::super::number::number;
 use super::{Item, Record};
 use crate::centerline::is_radius;
 use crate::error::Fault;
@@ -27,7 +28,7 @@ pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Re
         nodes.push(Node {
             id: id.clone(),
             position: position(&item, scale)?,
-            radius: item.length("radius", scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
+            radius: item.radius(scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
@@ -36,9 +37,10 @@ pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Re
     Ok(nodes)
 }
 
-/// The first of x_mm y_mm z_mm (always mm), x y z and X Y Z (in the unit of the file) that is there at all.
+/// The first of x_mm y_mm z_mm (always mm), x y z, X Y Z, pos_x pos_y pos_z and pos (in the unit of the file) that is there
+/// at all.
 fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
-    for keys in [["x_mm", "y_mm", "z_mm"], ["x", "y", "z"], ["X", "Y", "Z"]] {
+    for keys in [["x_mm", "y_mm", "z_mm"], ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]] {
         match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
             [None, None, None] => {}
             [Some(x), Some(y), Some(z)] if keys[0] == "x_mm" => return Ok(Some([x, y, z].map(metres))),
@@ -49,7 +51,15 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
             }
         }
     }
-    Ok(None)
+    let Some(text) = item.text("pos") else { return Ok(None) };
+    let words = text.trim_matches(|c: char| "[]() \t\r\n".contains(c)).split(|c: char| c == ',' || c.is_whitespace());
+    let numbers: Option<Vec<f64>> = words.filter(|word| !word.is_empty()).map(|word| number(word).ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok(Some(scale.position([*x, *y, *z]))),
+        // A place in a drawing.
+        Some([_, _]) => Ok(None),
+        _ => Err(item.fault(format!("pos \"{text}\""), "expected three finite numbers")),
+    }
 }
 
 /// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow

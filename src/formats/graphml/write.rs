@@ -2,10 +2,10 @@
 
 use std::io::{self, Write};
 
-use super::super::column::{Column, Values, check_rows, real};
+use super::super::column::{Column, Values, check_rows};
+use super::super::graph_columns::points;
 use super::super::xml::escape;
-use crate::network::{Network, PathPoint};
-use crate::units::millimetres;
+use crate::network::Network;
 
 /// Writes the nodes with their ids, the vessels in their order, and the columns as attributes.
 ///
@@ -70,12 +70,4 @@ fn data(out: &mut impl Write, on: &str, columns: &[Column], row: usize) -> io::R
         }
     }
     Ok(())
-}
-
-fn points(path: &[PathPoint]) -> String {
-    let point = |p: &PathPoint| {
-        let [x, y, z] = p.position.map(|x| real(millimetres(x)));
-        format!("{x} {y} {z} {}", real(millimetres(p.radius)))
-    };
-    path.iter().map(point).collect::<Vec<_>>().join(";")
 }

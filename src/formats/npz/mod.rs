@@ -1,0 +1,8 @@
+//! A skeleton graph as NumPy arrays in one `.npz`: `coords`, `edges`, `radii`, and `labels` and `lengths` where there are any.
+
+mod array;
+mod read;
+mod write;
+
+pub use read::read_skeleton_npz;
+pub use write::write_skeleton_npz;

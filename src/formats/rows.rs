@@ -1,0 +1,153 @@
+//! Tables of text row by row, whichever delimiter, line end and mark at the beginning their program gave them.
+
+use std::collections::HashSet;
+
+use super::number::number;
+use crate::error::Fault;
+
+/// A table of which the header has been read.
+pub(super) struct Rows<'a> {
+    reader: csv::Reader<&'a [u8]>,
+    header: Vec<String>,
+    record: csv::StringRecord,
+    /// Lines before the header.
+    skipped: usize,
+    /// Rows read.
+    count: usize,
+}
+
+/// One row.
+pub(super) struct Row<'a> {
+    header: &'a [String],
+    fields: &'a csv::StringRecord,
+    /// Its line, counted from 1.
+    pub(super) line: usize,
+    /// Its number, counted from 0.
+    pub(super) row: usize,
+}
+
+/// The delimiter that a header line uses most of comma, semicolon and tab.
+pub(super) fn delimiter(header: &str) -> char {
+    let count = |delimiter: char| header.matches(delimiter).count();
+    [',', ';', '\t'].into_iter().rev().max_by_key(|d| count(*d)).unwrap_or(',')
+}
+
+/// A header in a message, however many columns it has.
+pub(super) fn columns(header: &[String]) -> String {
+    const MOST: usize = 8;
+    let (shown, more) = (header[..header.len().min(MOST)].join(","), header.len().saturating_sub(MOST));
+    if more == 0 { format!("columns {shown}") } else { format!("columns {shown} and {more} more") }
+}
+
+impl<'a> Rows<'a> {
+    /// Reads the header: the first line that is neither empty nor a comment (`#`).
+    pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+        }
+        let (mut rest, mut skipped) = (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 0);
+        let first = loop {
+            let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+            let line = rest[..end].trim_ascii();
+            if !line.is_empty() && !line.starts_with(b"#") {
+                break line;
+            }
+            if end == rest.len() {
+                return Err(Fault::file("the table is empty", "expected a header and rows"));
+            }
+            (rest, skipped) = (&rest[end + 1..], skipped + 1);
+        };
+        let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
+        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(rest);
+        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, skipped))?.iter().map(str::to_owned).collect();
+        let mut seen = HashSet::new();
+        if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
+            return Err(Fault::line(skipped + 1, format!("column \"{twice}\" comes twice"), "expected every column once"));
+        }
+        Ok(Self { reader, header, record: csv::StringRecord::new(), skipped, count: 0 })
+    }
+
+    /// The names of the columns.
+    pub(super) fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// The first of the names that the header has, in whatever case.
+    pub(super) fn find(&self, names: &[&str]) -> Option<usize> {
+        names.iter().find_map(|name| self.header.iter().position(|column| column.eq_ignore_ascii_case(name)))
+    }
+
+    /// The first of the names that the header has, in whatever case; `what` says what they are for.
+    pub(super) fn expect(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
+        let accepted = || format!("expected {what}: a column {}", names.join(" or "));
+        self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
+    }
+
+    /// The line of the header.
+    pub(super) fn header_line(&self) -> usize {
+        self.skipped + 1
+    }
+
+    /// The next row.
+    pub(super) fn next(&mut self) -> Result<Option<Row<'_>>, Fault> {
+        if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.skipped))? {
+            return Ok(None);
+        }
+        self.count += 1;
+        let line = self.record.position().map_or(0, |p| p.line() as usize) + self.skipped;
+        Ok(Some(Row { header: &self.header, fields: &self.record, line, row: self.count - 1 }))
+    }
+}
+
+impl Row<'_> {
+    /// The name of a column.
+    pub(super) fn name(&self, column: usize) -> &str {
+        &self.header[column]
+    }
+
+    /// The text of a column; empty where the row has none.
+    pub(super) fn text(&self, column: usize) -> &str {
+        self.fields.get(column).unwrap_or_default()
+    }
+
+    /// Names and texts of the columns that are not empty.
+    pub(super) fn fields(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.header.iter().map(String::as_str).zip(self.fields.iter()).filter(|(_, text)| !text.is_empty())
+    }
+
+    /// The number in a column; NaN for an empty one.
+    pub(super) fn real(&self, column: usize) -> Result<f64, Fault> {
+        let text = self.text(column);
+        if text.is_empty() {
+            return Ok(f64::NAN);
+        }
+        number(text).map_err(|accepted| Fault::line(self.line, format!("{} \"{text}\"", self.header[column]), accepted))
+    }
+
+    /// The finite numbers in three columns.
+    pub(super) fn position(&self, columns: [usize; 3]) -> Result<[f64; 3], Fault> {
+        let mut position = [0.0; 3];
+        for (x, column) in position.iter_mut().zip(columns) {
+            *x = self.real(column)?;
+            if !x.is_finite() {
+                let found = format!("{} \"{}\"", self.header[column], self.text(column));
+                return Err(Fault::line(self.line, found, "expected a finite number"));
+            }
+        }
+        Ok(position)
+    }
+}
+
+/// A fault of the CSV reader in words of a person; `skipped` lines stand before what it read.
+pub(super) fn fault(error: &csv::Error, skipped: usize) -> Fault {
+    let line = error.position().map_or(1, |p| p.line() as usize) + skipped;
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            Fault::line(line, format!("{len} columns"), format!("expected {expected_len}, as in the header"))
+        }
+        csv::ErrorKind::Utf8 { err, .. } => {
+            Fault::line(line, format!("column {} is not UTF-8", err.field() + 1), "expected UTF-8 text")
+        }
+        _ => Fault::line(line, format!("not CSV: {error}"), "expected comma-separated values"),
+    }
+}

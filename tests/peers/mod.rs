@@ -1,0 +1,80 @@
+//! What tests of formats share: Python, files in a folder of their own, and what two networks have in common.
+
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::Path;
+use std::process::Command;
+
+use willis::formats::{Content, Document, ReadOptions, read};
+use willis::network::{Network, RadiusRule, contract};
+use willis::units::millimetres;
+
+/// Runs a script with a python that has the peers' packages; `None` where there is none.
+pub fn python(script: &str, arguments: &[&Path]) -> Option<String> {
+    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+        eprintln!("skipped: WILLIS_PYTHON names no python");
+        return None;
+    };
+    let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8(output.stdout).unwrap().trim().to_owned())
+}
+
+/// Reads the first of some files that lie in one folder; an error without the folder's name.
+pub fn read_first(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<Document, String> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let place = format!("{}/", folder.path().display());
+    read(&folder.path().join(files[0].0), options)
+        .map(|mut document| {
+            document.notes.iter_mut().for_each(|note| *note = note.replace(&place, ""));
+            document
+        })
+        .map_err(|error| error.to_string().replace(&place, ""))
+}
+
+/// The vessels that a document comes to.
+pub fn network_of(document: Document) -> Network {
+    match document.content {
+        Content::Vessels(network) | Content::Graph(network) => network,
+        Content::Centerlines(mut lines) => {
+            lines.weld(1e-6);
+            contract(&lines, RadiusRule::Mean, None).unwrap().network
+        }
+    }
+}
+
+/// Positions, mm, by node.
+pub fn positions(network: &Network) -> Vec<[f64; 3]> {
+    network.nodes().map(|n| n.position.unwrap().map(millimetres)).collect()
+}
+
+/// Ends, label, and points with radii (mm) of every vessel.
+pub fn courses(network: &Network) -> Vec<([usize; 2], String, Vec<[f64; 4]>)> {
+    let point = |p: &willis::network::PathPoint| {
+        let [x, y, z] = p.position.map(millimetres);
+        [x, y, z, millimetres(p.radius)]
+    };
+    network.vessels().map(|(ends, v)| (ends, v.label.clone(), v.path.iter().map(point).collect())).collect()
+}
+
+/// Ends, label, length and radius (mm) of every vessel.
+pub fn sizes(network: &Network) -> Vec<([usize; 2], String, f64, f64)> {
+    network.vessels().map(|(ends, v)| (ends, v.label.clone(), millimetres(v.length), millimetres(v.radius))).collect()
+}
+
+/// Every prefix of a file is read or refused in one line; none may panic. Returns how many are read.
+pub fn truncated(files: &[(&str, &[u8])], step: usize, options: &ReadOptions) -> usize {
+    let mut whole = 0;
+    for length in (0..files[0].1.len()).step_by(step) {
+        let mut cut = files.to_vec();
+        cut[0].1 = &files[0].1[..length];
+        match read_first(&cut, options) {
+            Ok(_) => whole += 1,
+            Err(line) => assert!(!line.contains('\n') && line.contains(';'), "{length}: {line}"),
+        }
+    }
+    whole
+}
