@@ -2,6 +2,7 @@
 
 mod boundary;
 mod candidates;
+mod convert;
 mod infer;
 mod input;
 mod modulate;
@@ -38,6 +39,7 @@ enum Command {
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
+    Convert(Box<convert::ConvertArgs>),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
@@ -100,6 +102,7 @@ impl Cli {
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),
+            Command::Convert(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(terminal, force),

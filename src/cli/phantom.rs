@@ -6,14 +6,14 @@ use clap::Args;
 use serde_json::{Value, json};
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
-use willis::formats::{
-    graph_columns, is_forest, write_centerlines_swc, write_csv, write_graphml, write_loops, write_swc, write_vtp,
-};
+use willis::formats::convert::Target;
+use willis::formats::{Format, write_centerlines_swc, write_loops};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::network::{Network, fragments};
+use willis::network::fragments;
 use willis::phantom::{Breaks, Kind, Truth, break_up, without};
 use willis::report::{StagedFile, staged::write_file};
 
+use super::convert::{check, put};
 use super::input::length;
 use super::shell::print_json;
 use super::terminal::{Terminal, count, plural};
@@ -27,7 +27,7 @@ use super::terminal::{Terminal, count, plural};
 pub struct PhantomArgs {
     /// circle-of-willis, cerebral or tree
     kind: String,
-    /// The file to write; its ending says the format: .swc, .vtp, .graphml or .csv (edges, with nodes beside them)
+    /// The file to write; its ending says the format, as for willis convert
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
     /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1
@@ -57,15 +57,16 @@ impl PhantomArgs {
             let missing = self.without.join(", ");
             terminal.say("note", format!("without {missing} the network falls into {parts} parts"));
         }
-        StagedFile::check(&self.output, force)?;
-        let ending = self.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let target = Target::new(&self.output, None)?;
+        check(&target, force)?;
         if !self.broken {
-            write_network(&self.output, &ending, &network, force)?;
-            terminal.say("written", format!("{}: {kind}, {}", self.output.display(), plural(network.vessel_count(), "vessel")));
+            let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
+            let (names, _) = put(&boundary.stated_in(network.clone()), &target, terminal, force)?;
+            terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
             let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
             return self.print(json!({ "counts": counts }));
         }
-        if ending != "swc" {
+        if target.format != Format::Swc {
             return Err(Error::parameter("--output", self.output.display(), "expected an ending .swc for a broken extraction"));
         }
         let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
@@ -140,46 +141,4 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
     );
     terminal.say("truth", beside(path, "truth.json").display().to_string());
     Ok((!loops.is_empty()).then(|| beside(path, "loops.csv")))
-}
-
-fn write_network(path: &Path, ending: &str, network: &Network, force: bool) -> Result<()> {
-    let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
-    let network = &boundary.stated_in(network.clone());
-    let (nodes, vessels) = graph_columns(network);
-    let file = StagedFile::new(path, force)?;
-    match ending {
-        "swc" if is_forest(network) => write_file(&file.path(), |out| write_swc(out, network))?,
-        "swc" => {
-            return Err(Error::parameter(
-                "--output",
-                path.display(),
-                "the phantom has loops, which SWC cannot hold; expected .vtp, .graphml or .csv, or --break",
-            ));
-        }
-        "vtp" => write_file(&file.path(), |out| write_vtp(out, network, &vessels))?,
-        "graphml" => write_file(&file.path(), |out| write_graphml(out, network, &nodes, &vessels))?,
-        "csv" => {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let table = if name.contains("edges") {
-                path.with_file_name(name.replace("edges", "nodes"))
-            } else {
-                path.with_file_name("nodes.csv")
-            };
-            if table == path {
-                return Err(Error::parameter(
-                    "--output",
-                    path.display(),
-                    "is the table of nodes; expected another name for that of the vessels",
-                ));
-            }
-            let table = StagedFile::new(&table, force)?;
-            write_file(&table.path(), |out| write_csv(out, &nodes))?;
-            write_file(&file.path(), |out| write_csv(out, &vessels))?;
-            table.commit()?;
-        }
-        other => {
-            return Err(Error::parameter("--output", format!(".{other}"), "expected an ending .swc, .vtp, .graphml or .csv"));
-        }
-    }
-    file.commit()
 }

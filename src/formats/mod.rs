@@ -3,6 +3,7 @@
 mod attributes;
 mod column;
 pub mod conditions;
+pub mod convert;
 mod csv_graph;
 mod document;
 mod graph_columns;

@@ -18,6 +18,13 @@ pub(super) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
     first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
 }
 
+/// Where the table of nodes goes beside a table of edges that is written; `None` when that is its own name.
+pub(super) fn nodes_path(edges: &Path) -> Option<PathBuf> {
+    let name = edges.file_name()?.to_string_lossy();
+    let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
+    (nodes != name).then(|| edges.with_file_name(nodes))
+}
+
 /// The table of edges beside a table of nodes, by the same names.
 pub(super) fn edges_beside(nodes: &Path) -> Option<PathBuf> {
     first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))

@@ -193,7 +193,8 @@ pub fn is_forest(network: &Network) -> bool {
     cycles(network) == 0
 }
 
-/// Writes a forest as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres.
+/// Writes a network as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres. Returns the id
+/// pairs of the links that close loops, which SWC cannot hold: none for a forest.
 ///
 /// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
 /// its widest vessel; one that has none of either is written with 0. The type of a point is the label of the vessel that leads
@@ -201,11 +202,8 @@ pub fn is_forest(network: &Network) -> bool {
 ///
 /// # Errors
 ///
-/// A network with a cycle or a node without position (`InvalidInput`), or the writer's own.
-pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
-    if !is_forest(network) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "SWC cannot hold a network with cycles"));
-    }
+/// A node without position (`InvalidInput`), or the writer's own.
+pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
     let mut around = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
@@ -216,8 +214,8 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
     types.write(&mut out)?;
     writeln!(out, "# id type x y z radius parent")?;
-    let mut used = 0_usize;
-    let mut write = |point: &PathPoint, kind: u64, parent: Option<usize>| -> io::Result<usize> {
+    let mut used = 0_u64;
+    let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
         used += 1;
         let [x, y, z] = point.position.map(|x| real(millimetres(x)));
         let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
@@ -228,6 +226,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
         Ok(used)
     };
     let mut id_of = vec![None; network.node_count()];
+    let (mut done, mut loops) = (vec![false; network.vessel_count()], Vec::new());
     let inlets = (0..network.node_count()).filter(|n| network.node(*n).role == Some(Role::Inlet));
     for root in inlets.chain(0..network.node_count()) {
         if id_of[root].is_some() {
@@ -238,7 +237,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
         let mut open = vec![(root, root_id)];
         while let Some((node, node_id)) = open.pop() {
             for (row, next) in &around[node] {
-                if id_of[*next].is_some() {
+                if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }
                 let inner =
@@ -248,11 +247,16 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<()> {
                 for point in &inner {
                     parent = write(point, kind, Some(parent))?;
                 }
+                if let Some(there) = id_of[*next] {
+                    loops.push([parent, there]);
+                    continue;
+                }
                 parent = write(&at[*next], kind, Some(parent))?;
                 id_of[*next] = Some(parent);
                 open.push((*next, parent));
             }
         }
     }
-    out.flush()
+    out.flush()?;
+    Ok(loops)
 }

@@ -96,7 +96,7 @@ fn topology(
         write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
         if name == "topology" {
             if is_forest(&graph) {
-                write_file(&file("swc"), |out| write_swc(out, &graph))?;
+                write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
             } else {
                 notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
             }

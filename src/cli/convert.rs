@@ -1,0 +1,85 @@
+//! `willis convert`: a network from one format into another.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+use willis::error::Result;
+use willis::formats::convert::{Target, losses, write};
+use willis::network::Network;
+use willis::report::{StagedFile, staged::write_file};
+
+use super::input::InputArgs;
+use super::shell::print_json;
+use super::terminal::{Terminal, plural};
+
+/// Convert centerlines or a graph into another format, saying what is lost
+///
+/// The ending of OUT says the format: .swc, .vtp, .vtk (legacy), .graphml, .csv (a table of vessels, with one of nodes beside
+/// it), .json (3D Slicer markups), .tre (ITK tubes), .npz (skeleton graph for NumPy). --to says it where the ending does not.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// The file to write
+    #[arg(value_name = "OUT", value_hint = clap::ValueHint::FilePath)]
+    output: PathBuf,
+    /// The format to write
+    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
+    to: Option<String>,
+    /// Print a summary on standard output, as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl ConvertArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        self.input.refuse_candidates("convert")?;
+        let target = Target::new(&self.output, self.to.as_deref())?;
+        check(&target, force)?;
+        let loaded = self.input.load(terminal)?;
+        let (nodes, vessels) = (loaded.network.node_count(), loaded.network.vessel_count());
+        let (names, lost) = put(&loaded.network, &target, terminal, force)?;
+        let size = format!("{}, {}", plural(nodes, "node"), plural(vessels, "vessel"));
+        terminal.say("written", format!("{}: {}: {size}", names.join(", "), target.format.name()));
+        if !self.json {
+            return Ok(());
+        }
+        print_json(&json!({
+            "willis": env!("CARGO_PKG_VERSION"),
+            "input": loaded.provenance,
+            "output": names,
+            "format": target.format.name(),
+            "counts": { "nodes": nodes, "vessels": vessels },
+            "lost": lost,
+        }))
+    }
+}
+
+/// Refuses a target whose files stand already, or cannot be written.
+pub fn check(target: &Target, force: bool) -> Result<()> {
+    [&target.path].into_iter().chain(&target.nodes).try_for_each(|path| StagedFile::check(path, force))
+}
+
+/// Writes the files of a target, says what is lost, and returns their names and what is lost.
+pub fn put(network: &Network, target: &Target, terminal: Terminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
+    let lost = losses(network, target.format);
+    let (files, notes) = write(network, target)?;
+    let mut staged = Vec::new();
+    for (path, bytes) in &files {
+        let file = StagedFile::new(path, force)?;
+        write_file(&file.path(), |out| out.write_all(bytes))?;
+        staged.push(file);
+    }
+    for file in staged {
+        file.commit()?;
+    }
+    for note in &notes {
+        terminal.say("note", note);
+    }
+    for what in &lost {
+        terminal.say("lost", what);
+    }
+    Ok((files.iter().map(|(path, _)| path.display().to_string()).collect(), lost))
+}
