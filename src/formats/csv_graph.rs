@@ -149,6 +149,12 @@ fn table(input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
     Ok((header, records))
 }
 
+/// A CSV reader of rows of any length that counts lines right: with its own line ends it is one line behind after `\r\n`.
+pub(super) fn lines_of<R: std::io::Read>(input: R, delimiter: u8) -> csv::Reader<R> {
+    let mut builder = csv::ReaderBuilder::new();
+    builder.delimiter(delimiter).flexible(true).trim(csv::Trim::All).terminator(csv::Terminator::Any(b'\n')).from_reader(input)
+}
+
 /// A fault of the CSV reader in words of a person.
 pub(super) fn csv_fault(error: &csv::Error) -> Fault {
     let line = error.position().map_or(1, |p| p.line() as usize);

@@ -43,7 +43,7 @@ pub struct Document {
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The VTP point array that holds the radius, where it is not one of the usual names.
+    /// The VTP point array, or the measurement of markups, that holds the radius, where it is not one of the usual names.
     pub radius_array: Option<String>,
     /// Whether centerlines may come without any radius.
     pub radius_optional: bool,
