@@ -45,7 +45,7 @@ pub struct Document {
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The array of a VTK file that holds the radius, where it has none of the usual names.
+    /// The array of a VTK file, or the measurement of markups, that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
     /// Whether centerlines and observed vessels may come without any radius.
     pub radius_optional: bool,

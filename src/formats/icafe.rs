@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-use super::rows::fault;
+use super::rows::{fault, lines_of};
 use crate::centerline::{Centerlines, Labels};
 use crate::error::Fault;
 use crate::geometry::Point;
@@ -83,7 +83,7 @@ pub fn read_traced_vessels(input: impl BufRead, scale: &Scale) -> Result<Vec<Tra
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(input);
+    let mut reader = lines_of(input, b',');
     let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);
     let needed =

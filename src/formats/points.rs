@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use super::column::real;
 use super::polyline::polylines;
-use super::rows::fault;
+use super::rows::{fault, lines_of};
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::Network;
@@ -30,8 +30,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
     input.read_until(b'\n', &mut head).map_err(|e| Fault::line(1, format!("cannot be read: {e}"), "expected text"))?;
     let count = |mark: u8| head.split(|b| *b == mark).count();
     let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|mark| (count(*mark), *mark == b',')).unwrap_or(b',');
-    let mut reader =
-        csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(io::Cursor::new(head).chain(input));
+    let mut reader = lines_of(io::Cursor::new(head).chain(input), delimiter);
     let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
     let mut columns = [None; 7];
     for (at, name) in header.iter().enumerate() {
@@ -56,6 +55,10 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
         let text = |which: usize| columns[which].and_then(|at: usize| row.get(at)).unwrap_or_default();
         if row.iter().all(str::is_empty) {
             continue;
+        }
+        if row.len() != header.len() {
+            let accepted = format!("expected {}, as in the header", header.len());
+            return Err(Fault::line(line, format!("{} columns", row.len()), accepted));
         }
         if text(0).is_empty() {
             return Err(Fault::line(line, "no fragment", "expected the name or number of the polyline"));

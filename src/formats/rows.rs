@@ -138,6 +138,12 @@ impl Row<'_> {
     }
 }
 
+/// A CSV reader of rows of any length that counts lines right: with its own line ends it is one line behind after `\r\n`.
+pub(super) fn lines_of<R: std::io::Read>(input: R, delimiter: u8) -> csv::Reader<R> {
+    let mut builder = csv::ReaderBuilder::new();
+    builder.delimiter(delimiter).flexible(true).trim(csv::Trim::All).terminator(csv::Terminator::Any(b'\n')).from_reader(input)
+}
+
 /// A fault of the CSV reader in words of a person; `skipped` lines stand before what it read.
 pub(super) fn fault(error: &csv::Error, skipped: usize) -> Fault {
     let line = error.position().map_or(1, |p| p.line() as usize) + skipped;

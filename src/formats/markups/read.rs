@@ -115,13 +115,13 @@ pub fn read_markups(bytes: &[u8], scale: &Scale, radius: RadiusArray<'_>) -> Res
     }
     let mut notes = Vec::new();
     if flipped > 0 {
-        notes.push(format!("{flipped} markups in RAS: x and y changed sign, for positions are kept in LPS"));
+        notes.push(format!("markups in RAS, whose x and y changed sign because positions are kept in LPS: {flipped}"));
     }
     if undefined > 0 {
-        notes.push(format!("{undefined} control points without a defined position are left out"));
+        notes.push(format!("control points without a defined position, left out: {undefined}"));
     }
     if !others.is_empty() {
-        notes.push(format!("{} markups that are no curves are left out", others.len()));
+        notes.push(format!("markups that are no curves, left out: {}", others.len()));
     }
     Ok((lines, notes))
 }

@@ -33,7 +33,7 @@ pub fn read_tre(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(C
         }
     }
     if twice > 0 {
-        notes.push(format!("{twice} tubes have the ID of one before them: children belong to the first"));
+        notes.push(format!("objects with the ID of one before them, to which its children belong: {twice}"));
     }
     let parents = parents(&objects, &row_of)?;
     let to_scene = to_scene(&objects, &parents)?;
@@ -96,11 +96,11 @@ pub fn read_tre(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(C
         lines.add_link(ends.map(|p| p as u32), object.field("Name").map_or("", |(_, name)| name));
     }
     if lost > 0 {
-        notes.push(format!("{lost} tubes name a parent that is not there: read as roots"));
+        notes.push(format!("tubes whose parent is not there, read as roots: {lost}"));
     }
     let others = objects.iter().filter(|o| !o.is_tube() && o.kind != "Group" && o.kind != "AffineTransform").count();
     if others > 0 {
-        notes.push(format!("{others} objects that are no tubes are left out"));
+        notes.push(format!("objects that are no tubes, left out: {others}"));
     }
     Ok((lines, notes))
 }

@@ -6,6 +6,26 @@ use super::points::{Sample, read_points};
 use crate::error::Fault;
 
 const ENTRY: &str = "expected a line Key = value";
+/// The types of objects that MetaIO knows.
+const KINDS: [&str; 17] = [
+    "Scene",
+    "Group",
+    "AffineTransform",
+    "Transform",
+    "Tube",
+    "TubeGraph",
+    "Line",
+    "Contour",
+    "Surface",
+    "Mesh",
+    "FEMObject",
+    "Landmark",
+    "Blob",
+    "Ellipse",
+    "Gaussian",
+    "Arrow",
+    "Image",
+];
 /// How much of a wrong line an error shows.
 const SHOWN: usize = 40;
 
@@ -121,7 +141,11 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         }
         let object = open.get_or_insert_with(|| Object { line, ..Object::default() });
         match key.as_str() {
-            "ObjectType" => object.kind = value,
+            "ObjectType" if KINDS.contains(&value.as_str()) => object.kind = value,
+            "ObjectType" => {
+                let found = format!("ObjectType \"{}\"", shown(value.as_bytes()));
+                return Err(Fault::line(line, found, "expected Scene, Group, Tube or another type of MetaIO"));
+            }
             "NObjects" if object.kind == "Scene" => {
                 let wrong = || Fault::line(line, format!("NObjects \"{value}\""), "expected a whole number");
                 stated = Some((line, value.parse::<usize>().map_err(|_| wrong())?));
