@@ -4,20 +4,21 @@
 //! The lines lie on each other to the last bit or nearly (numerical noise, smoothing and resampling move them by a fraction of the
 //! radius), run apart slowly where their vessels part, and no point of one is a point of another.
 //!
-//! The first line is taken as it is. Every next one is followed along those taken so far from a common end, a source or a target,
-//! stored forwards or backwards, to where it leaves them for good ([`super::tree`]); only what is left of it is hung on there. So
-//! the shared stretch keeps the points and radii of the line that came first. All tolerances are fractions of the local radius:
+//! The first line is taken as it is. Every next one (those that have an end in common with a line before them first) is followed
+//! along those taken so far, from a common end, a source or a target, stored forwards or backwards, to where it leaves them for
+//! good ([`super::tree`]); only what is left of it is hung on there. So the shared stretch keeps the points and radii of the line
+//! that came first. All tolerances are fractions of the local radius:
 //!
 //! - a common end: within 0.4 radii. Without one lines are never merged, however near they pass;
 //! - the same vessel: together until one radius from the common end, 0.12 radii apart on the mean (three radii where the file has
 //!   the common end as one point, as files of networks do), or coincident in their first three points. Two vessels that leave a
 //!   junction under more than some 14 degrees are thus two from its first point;
 //! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
-//! - one junction: leaving within 0.75 radii of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
+//! - one junction: leaving within a radius of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
 //!
 //! The place on the tree moves along it with the line, never by a jump: a vessel that turns back beside itself is not cut short.
 
-use super::tree::{Shared, Tree};
+use super::tree::{COMMON_END, Shared, Tree};
 use super::{Line, Lines};
 use crate::centerline::is_radius;
 use crate::geometry::distance;
@@ -35,8 +36,10 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
     }
     let radii = without_gaps(all);
     let mut tree = Tree::new(&all.at, &radii);
-    let (mut kept, mut merged, mut length) = (Vec::new(), 0, 0.0);
-    for line in &all.lines {
+    let mut kept: Vec<Option<Line>> = vec![None; all.lines.len()];
+    let (mut merged, mut length) = (0, 0.0);
+    for row in order(all, &radii) {
+        let line = &all.lines[row];
         let backwards: Vec<u32> = line.points.iter().rev().copied().collect();
         let (front, back) = (tree.follow(&line.points), tree.follow(&backwards));
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
@@ -54,16 +57,37 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
         }
         if let Some(rest) = rest {
             tree.add(&rest.points);
-            kept.push(rest);
+            kept[row] = Some(rest);
         }
     }
     if merged == 0 {
         return None;
     }
     let all_lines = all.lines.len();
-    all.lines = kept;
+    all.lines = kept.into_iter().flatten().collect();
     let length = millimetres(length);
     Some(format!("{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: made one vessel each time"))
+}
+
+/// The lines in an order in which each has an end in common with one before it, where there is such a one.
+fn order(all: &Lines, radii: &[f64]) -> Vec<usize> {
+    let ends = |line: &Line| line.points.first().zip(line.points.last()).map(|(a, b)| [*a as usize, *b as usize]);
+    let meet = |a: usize, b: usize| distance(all.at[a], all.at[b]) <= COMMON_END * radii[a].max(radii[b]);
+    let mut left: Vec<usize> = (0..all.lines.len()).collect();
+    let mut order: Vec<usize> = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        let mut at = order.len();
+        order.push(left.remove(0));
+        while let Some(here) = order.get(at).and_then(|row| ends(&all.lines[*row])) {
+            let common =
+                |row: &usize| ends(&all.lines[*row]).is_some_and(|e| e.iter().any(|e| here.iter().any(|h| meet(*h, *e))));
+            let (next, others) = left.into_iter().partition::<Vec<usize>, _>(common);
+            left = others;
+            order.extend(next);
+            at += 1;
+        }
+    }
+    order
 }
 
 /// What a line has for itself, with the points of the tree that it hangs on.

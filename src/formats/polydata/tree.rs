@@ -3,7 +3,7 @@
 use crate::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 
 /// A line begins where another one ends, or begins, when this many radii lie between them at most.
-const COMMON_END: f64 = 0.4;
+pub(super) const COMMON_END: f64 = 0.4;
 /// A line has left the tree when it is this many radii away from it,
 const LEAVES: f64 = 0.4;
 /// and for good when it is this many away,
@@ -21,7 +21,7 @@ const SAME_POINTS: usize = 3;
 /// are no further than this many radii from points of the other.
 const SAME: f64 = 1e-6;
 /// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
-const ONE_JUNCTION: f64 = 0.75;
+const ONE_JUNCTION: f64 = 1.0;
 /// Points walked in search of one: a ring without length has no end.
 const MOST_STEPS: usize = 10_000;
 
@@ -115,12 +115,7 @@ impl<'a> Tree<'a> {
                 same += 1;
             }
             is_one |= !is_known && same >= SAME_POINTS && length > 0.0;
-            if !is_one && distance(start, here) >= stretch * radius {
-                if sum > CLOSE * length {
-                    break;
-                }
-                is_one = true;
-            }
+            is_one |= sum <= CLOSE * length && distance(start, here) >= stretch * radius;
         }
         let shared = shared.filter(|_| is_one)?;
         let step =
