@@ -157,10 +157,10 @@ fn points_faults_name_line_and_value() {
     for (text, message) in [
         ("fragment,x,y,radius\n1,0,0,1\n".into(), format!("p:1: columns fragment,x,y,radius; {columns}")),
         ("fragment,x,y,z\n1,0,0,1\n".into(), "p:1: no column radius; expected one, or give --default-radius".into()),
-        ("fragment,x,y,z,x_mm\n".into(), "p:1: column \"x_mm\" comes twice; expected every column once".into()),
+        ("fragment,x,y,z,x\n".into(), "p:1: column \"x\" comes twice; expected every column once".into()),
         (head.into(), "p: no points; expected a row for every point".into()),
         (format!("{head}1,0,0,zero,1\n"), "p:2: z \"zero\"; expected a number".into()),
-        (format!("{head}1,0,NaN,0,1\n"), "p:2: y NaN; expected a finite number".into()),
+        (format!("{head}1,0,NaN,0,1\n"), "p:2: y \"NaN\"; expected a finite number".into()),
         (format!("{head}1,0,0,0,wide\n"), "p:2: radius \"wide\"; expected a number".into()),
         (format!("{head}1,0,0,0,1\n,0,0,0,1\n"), "p:3: no fragment; expected the name or number of the polyline".into()),
         ("fragment,x,y,z,r\r\n1,0,0,0,1\r\n\r\n1,0,0,q,1\r\n".into(), "p:4: z \"q\"; expected a number".into()),

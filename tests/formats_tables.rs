@@ -442,6 +442,12 @@ fn every_malformed_table_is_one_clear_line() {
             "a.csv:1: columns a,b,c,d,e,f,g,h and 1 more; expected a table of edges with columns node_a,node_b or source,target",
         ),
     ];
+    let like = alone("a.csv", "edge,node_a,node_b,length_mm,mean_radius_mm\r\n0,a,b,1,2\r\n").unwrap_err();
+    let accepted = "expected radius_mm on the edge, or on both of its nodes";
+    assert_eq!(like, format!("a.csv:2: edge 0 (a - b): no radius_mm but mean_radius_mm; {accepted}"));
+    let nodes_alone = alone("nodes.csv", "node,id,x_mm\na,a,1\n").unwrap_err();
+    let accepted = "these are nodes; give the table of edges, with columns node_a,node_b or source,target";
+    assert_eq!(nodes_alone, format!("nodes.csv:1: columns node,id,x_mm; {accepted}"));
     for (read, expected) in cases {
         assert_eq!(read.expect_err(expected).as_str(), expected);
     }

@@ -66,7 +66,11 @@ pub fn read_csv_edges(
 ) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(input)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
-        let accepted = "expected a table of edges with columns node_a,node_b or source,target";
+        let accepted = if header.iter().any(|column| column == "node") {
+            "these are nodes; give the table of edges, with columns node_a,node_b or source,target"
+        } else {
+            "expected a table of edges with columns node_a,node_b or source,target"
+        };
         return Err(Fault::line(1, columns(&header), accepted));
     };
     let given = table_of_nodes.is_some();

@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-use super::rows::{fault, lines_of};
+use super::rows::Rows;
 use crate::centerline::{Centerlines, Labels};
 use crate::error::Fault;
 use crate::geometry::Point;
@@ -78,46 +78,38 @@ pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
 /// # Errors
 ///
 /// A missing column, a position that is no number, a type that is no whole number.
-pub fn read_traced_vessels(input: impl BufRead, scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
+pub fn read_traced_vessels(mut input: impl BufRead, scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
     const ENDS: [[&str; 3]; 2] = [
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut reader = lines_of(input, b',');
-    let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
-    let column = |name: &str| header.iter().position(|h| h == name);
-    let needed =
-        |name: &str| column(name).ok_or_else(|| Fault::line(1, format!("no column {name}"), format!("expected iCafe's {TABLE}")));
-    let kind_at = needed("VesselType")?;
-    let mut ends_at = [[0; 3]; 2];
-    for (at, name) in ends_at.iter_mut().flatten().zip(ENDS.iter().flatten()) {
-        *at = needed(name)?;
+    let mut bytes = Vec::new();
+    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
+    let mut rows = Rows::open(&bytes)?;
+    let line = rows.header_line();
+    let column = |name: &str| {
+        rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE}")))
+    };
+    let kind = column("VesselType")?;
+    let mut ends = [[0; 3]; 2];
+    for (at, name) in ends.iter_mut().flatten().zip(ENDS.iter().flatten()) {
+        *at = column(name)?;
     }
-    let count_at = column("NumPts");
+    let count = rows.find(&["NumPts"]);
     let mut vessels = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(|e| fault(&e, 0))?;
-        let line = row.position().map_or(0, |p| p.line() as usize);
-        if row.iter().all(str::is_empty) {
+    while let Some(row) = rows.next()? {
+        if row.fields().next().is_none() {
             continue;
         }
-        let number = |at: usize| {
-            let text = row.get(at).unwrap_or_default();
-            let wrong = || Fault::line(line, format!("{} \"{text}\"", &header[at]), "expected a finite number");
-            text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong)
-        };
-        let mut ends = [[0.0; 3]; 2];
-        for (x, at) in ends.iter_mut().flatten().zip(ends_at.iter().flatten()) {
-            *x = number(*at)?;
-        }
-        let kind = number(kind_at)?;
-        if kind < 0.0 || kind.fract() != 0.0 {
-            return Err(Fault::line(line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
+        let ends = [row.position(ends[0])?, row.position(ends[1])?];
+        let kind = row.real(kind)?;
+        if !(kind >= 0.0 && kind.fract() == 0.0) {
+            return Err(Fault::line(row.line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
         }
         vessels.push(TracedVessel {
             label: ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
             ends: ends.map(|end| scale.position(end)),
-            points: count_at.and_then(|at| row.get(at)).and_then(|text| text.parse().ok()),
+            points: count.and_then(|column| row.text(column).parse().ok()),
         });
     }
     Ok(vessels)

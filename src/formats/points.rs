@@ -1,19 +1,24 @@
 //! CSV of points: `fragment,x,y,z,radius`, one point a row.
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Read, Write};
+use std::io::{self, BufRead, Write};
 
 use super::column::real;
 use super::polyline::polylines;
-use super::rows::{fault, lines_of};
+use super::rows::{Rows, columns as describe};
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::Network;
 use crate::units::{Scale, millimetres};
 
 const HEADER: &str = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on); label and id are optional";
-const NAMES: [&[&str]; 7] =
-    [&["fragment"], &["x", "x_mm"], &["y", "y_mm"], &["z", "z_mm"], &["radius", "radius_mm", "r", "r_mm"], &["label"], &["id"]];
+const FRAGMENT: &[&str] = &["fragment"];
+const X: &[&str] = &["x", "x_mm"];
+const Y: &[&str] = &["y", "y_mm"];
+const Z: &[&str] = &["z", "z_mm"];
+const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
+const LABEL: &[&str] = &["label"];
+const ID: &[&str] = &["id"];
 
 /// Reads points in the order of their fragments; returns also what a person should know.
 ///
@@ -26,72 +31,51 @@ const NAMES: [&[&str]; 7] =
 /// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
 pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut head = Vec::new();
-    input.read_until(b'\n', &mut head).map_err(|e| Fault::line(1, format!("cannot be read: {e}"), "expected text"))?;
-    let count = |mark: u8| head.split(|b| *b == mark).count();
-    let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|mark| (count(*mark), *mark == b',')).unwrap_or(b',');
-    let mut reader = lines_of(io::Cursor::new(head).chain(input), delimiter);
-    let header = reader.headers().map_err(|e| fault(&e, 0))?.clone();
-    let mut columns = [None; 7];
-    for (at, name) in header.iter().enumerate() {
-        let Some(which) = NAMES.iter().position(|names| names.iter().any(|n| n.eq_ignore_ascii_case(name))) else { continue };
-        if columns[which].replace(at).is_some() {
-            return Err(Fault::line(1, format!("column \"{name}\" comes twice"), "expected every column once"));
-        }
-    }
-    if columns[..4].contains(&None) {
-        let found = format!("columns {}", header.iter().collect::<Vec<_>>().join(","));
-        return Err(Fault::line(1, found, HEADER));
-    }
-    if columns[4].is_none() && !radius_optional {
-        return Err(Fault::line(1, "no column radius", "expected one, or give --default-radius"));
+    let mut bytes = Vec::new();
+    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
+    let mut rows = Rows::open(&bytes)?;
+    let header = rows.header_line();
+    let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
+    let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
+        return Err(Fault::line(header, describe(rows.header()), HEADER));
+    };
+    if radius.is_none() && !radius_optional {
+        return Err(Fault::line(header, "no column radius", "expected one, or give --default-radius"));
     }
     let mut lines = Centerlines::default();
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
-    let mut row = csv::StringRecord::new();
-    while reader.read_record(&mut row).map_err(|e| fault(&e, 0))? {
-        let line = row.position().map_or(0, |p| p.line() as usize);
-        let text = |which: usize| columns[which].and_then(|at: usize| row.get(at)).unwrap_or_default();
-        if row.iter().all(str::is_empty) {
+    while let Some(row) = rows.next()? {
+        if row.fields().next().is_none() {
             continue;
         }
-        if row.len() != header.len() {
-            let accepted = format!("expected {}, as in the header", header.len());
-            return Err(Fault::line(line, format!("{} columns", row.len()), accepted));
+        let name = row.text(fragment);
+        if name.is_empty() {
+            return Err(Fault::line(row.line, "no fragment", "expected the name or number of the polyline"));
         }
-        if text(0).is_empty() {
-            return Err(Fault::line(line, "no fragment", "expected the name or number of the polyline"));
-        }
-        let number = |which: usize| {
-            let wrong = || Fault::line(line, format!("{} \"{}\"", NAMES[which][0], text(which)), "expected a number");
-            text(which).parse::<f64>().map_err(|_| wrong())
-        };
-        let position = [number(1)?, number(2)?, number(3)?];
-        if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
-            return Err(Fault::line(line, format!("{} {}", NAMES[axis + 1][0], position[axis]), "expected a finite number"));
-        }
-        let radius = if text(4).is_empty() { f64::NAN } else { scale.length(number(4)?) };
-        let radius = if is_radius(radius) { radius } else { f64::NAN };
-        let id = if columns[6].is_some() {
-            let wrong = || Fault::line(line, format!("id \"{}\"", text(6)), "expected a whole number from 0 on");
-            let id = text(6).parse().map_err(|_| wrong())?;
-            if let Some(first) = line_of.insert(id, line) {
-                return Err(Fault::line(line, format!("id {id} is that of line {first} too"), "expected every id once"));
+        let position = row.position([x, y, z])?;
+        let radius = radius.map_or(Ok(f64::NAN), |column| row.real(column))?;
+        let radius = Some(scale.length(radius)).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
+        let id = if let Some(column) = id {
+            let text = row.text(column);
+            let wrong = || Fault::line(row.line, format!("id \"{text}\""), "expected a whole number from 0 on");
+            let id = text.parse().map_err(|_| wrong())?;
+            if let Some(first) = line_of.insert(id, row.line) {
+                return Err(Fault::line(row.line, format!("id {id} is that of line {first} too"), "expected every id once"));
             }
             id
         } else {
             lines.points.len() as u64
         };
-        let known = last.get(text(0)).copied();
+        let known = last.get(name).copied();
         let strand = known.map_or(last.len() as u32, |(strand, _)| strand);
         let point = lines.add_point(scale.position(position), radius, id, strand);
         if let Some((_, before)) = known {
-            lines.add_link([before, point], text(5));
+            lines.add_link([before, point], label.map_or("", |column| row.text(column)));
         }
-        match last.get_mut(text(0)) {
+        match last.get_mut(name) {
             Some(slot) => slot.1 = point,
-            None => _ = last.insert(text(0).to_owned(), (strand, point)),
+            None => _ = last.insert(name.to_owned(), (strand, point)),
         }
     }
     if lines.points.is_empty() {

@@ -10,6 +10,8 @@ pub(super) struct Rows<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: Vec<String>,
     record: csv::StringRecord,
+    /// The file from its header on.
+    text: &'a [u8],
     /// Lines before the header.
     skipped: usize,
     /// Rows read.
@@ -23,7 +25,7 @@ pub(super) struct Row<'a> {
     /// Its line, counted from 1.
     pub(super) line: usize,
     /// Its number, counted from 0.
-    pub(super) row: usize,
+    pub(super) number: usize,
 }
 
 /// The delimiter that a header line uses most of comma, semicolon and tab.
@@ -59,12 +61,12 @@ impl<'a> Rows<'a> {
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(rest);
-        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, skipped))?.iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, skipped))?.iter().map(str::to_owned).collect();
         let mut seen = HashSet::new();
         if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
             return Err(Fault::line(skipped + 1, format!("column \"{twice}\" comes twice"), "expected every column once"));
         }
-        Ok(Self { reader, header, record: csv::StringRecord::new(), skipped, count: 0 })
+        Ok(Self { reader, header, record: csv::StringRecord::new(), text: rest, skipped, count: 0 })
     }
 
     /// The names of the columns.
@@ -90,12 +92,12 @@ impl<'a> Rows<'a> {
 
     /// The next row.
     pub(super) fn next(&mut self) -> Result<Option<Row<'_>>, Fault> {
-        if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.skipped))? {
+        if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.text, self.skipped))? {
             return Ok(None);
         }
         self.count += 1;
-        let line = self.record.position().map_or(0, |p| p.line() as usize) + self.skipped;
-        Ok(Some(Row { header: &self.header, fields: &self.record, line, row: self.count - 1 }))
+        let line = self.record.position().map_or(0, |p| line_of(p, self.text)) + self.skipped;
+        Ok(Some(Row { header: &self.header, fields: &self.record, line, number: self.count - 1 }))
     }
 }
 
@@ -138,15 +140,13 @@ impl Row<'_> {
     }
 }
 
-/// A CSV reader of rows of any length that counts lines right: with its own line ends it is one line behind after `\r\n`.
-pub(super) fn lines_of<R: std::io::Read>(input: R, delimiter: u8) -> csv::Reader<R> {
-    let mut builder = csv::ReaderBuilder::new();
-    builder.delimiter(delimiter).flexible(true).trim(csv::Trim::All).terminator(csv::Terminator::Any(b'\n')).from_reader(input)
+/// The line on which a record begins. The reader of CSV takes a record to begin between `\r` and `\n`.
+fn line_of(position: &csv::Position, text: &[u8]) -> usize {
+    position.line() as usize + usize::from(text.get(position.byte() as usize) == Some(&b'\n'))
 }
 
-/// A fault of the CSV reader in words of a person; `skipped` lines stand before what it read.
-pub(super) fn fault(error: &csv::Error, skipped: usize) -> Fault {
-    let line = error.position().map_or(1, |p| p.line() as usize) + skipped;
+fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
+    let line = error.position().map_or(1, |p| line_of(p, text)) + skipped;
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             Fault::line(line, format!("{len} columns"), format!("expected {expected_len}, as in the header"))

@@ -89,7 +89,7 @@ pub fn read_vesselvio_edges(
     let mut straight = 0;
     while let Some(row) = rows.next()? {
         let ends = linked(&row, ends, vertices.positions.len())?;
-        let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.row), accepted);
+        let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
         let size = scale.length(row.real(radius)?);
         if !is_radius(size) && !radius_optional {
             let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
@@ -117,7 +117,7 @@ fn linked(row: &Row, ends: [usize; 2], vertices: usize) -> Result<[u32; 2], Faul
     for (end, column) in at.iter_mut().zip(ends) {
         let x = row.real(column)?;
         if !(x >= 0.0 && x < vertices as f64 && x.fract() == 0.0) {
-            let found = format!("edge {}: {} \"{}\"", row.row, row.name(column), row.text(column));
+            let found = format!("edge {}: {} \"{}\"", row.number, row.name(column), row.text(column));
             let last = vertices.saturating_sub(1);
             return Err(Fault::line(row.line, found, format!("expected a row of the vertices, 0 to {last}")));
         }
@@ -143,7 +143,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
     };
     if !is_straight(network) {
         let found = skeleton(network)?;
-        let mut table = places(found.points.iter().map(|p| p.position));
+        let mut table = places(&found.points.iter().map(|p| p.position));
         table.push(Column::real("radius", found.points.iter().map(|p: &PathPoint| millimetres(p.radius))));
         write_csv(vertices, &table)?;
         let mut table = ends(&found.links);
@@ -155,7 +155,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id)));
     }
     let position = |node: usize| network.node(node).position.unwrap_or_default();
-    write_csv(vertices, &places((0..network.node_count()).map(position)))?;
+    write_csv(vertices, &places(&(0..network.node_count()).map(position)))?;
     let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
     let vessels = || network.vessels().map(|(_, v)| (millimetres(v.length), millimetres(v.radius)));
     let gap = |[a, b]: [usize; 2]| millimetres(distance(position(a), position(b)));
@@ -172,7 +172,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
     write_csv(edges, &table)
 }
 
-fn places(points: impl Iterator<Item = Point> + Clone) -> Vec<Column> {
+fn places(points: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
     let of_axis = |which: usize| points.clone().map(move |p| axis(Some(p), which));
     vec![Column::real("X", of_axis(0)), Column::real("Y", of_axis(1)), Column::real("Z", of_axis(2))]
 }

@@ -33,7 +33,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
         if id.is_empty() {
             return Err(Fault::line(row.line, "no id", "expected the id of a node"));
         }
-        if table.row_of.insert(id.clone(), row.row).is_some() {
+        if table.row_of.insert(id.clone(), row.number).is_some() {
             return Err(Fault::line(row.line, format!("id {id} comes twice"), "expected every node once"));
         }
         let position = Some(scale.position(row.position(place)?));
@@ -71,7 +71,7 @@ pub fn read_voreen_edges(
     }
     let (mut from_area, mut from_radius, mut straight) = (0, 0, 0);
     while let Some(row) = rows.next()? {
-        let name = id.map_or_else(|| row.row.to_string(), |id| row.text(id).to_owned());
+        let name = id.map_or_else(|| row.number.to_string(), |id| row.text(id).to_owned());
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {name}: {found}"), accepted);
         let mut at = [0; 2];
         for (end, column) in at.iter_mut().zip(ends) {

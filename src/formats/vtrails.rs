@@ -47,10 +47,7 @@ pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Resul
     }
     let mut lines = Centerlines::default();
     let mut void = 0;
-    if !matches!(paths.dtype(), Datatype::Reference { .. }) {
-        // A struct of one element holds its field itself.
-        add(&mut lines, &paths, 0, scale)?;
-    } else {
+    if matches!(paths.dtype(), Datatype::Reference { .. }) {
         let references = paths.read_raw_bytes().and_then(|raw| read_object_references(&raw, 8)).map_err(broken)?;
         let all = file.group("#refs#").and_then(|group| group.datasets()).map_err(broken)?;
         let at: HashMap<u64, &Dataset> = all.iter().map(|array| (array.address(), array)).collect();
@@ -63,6 +60,9 @@ pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Resul
                 add(&mut lines, path, row, scale)?;
             }
         }
+    } else {
+        // A struct of one element holds its field itself.
+        add(&mut lines, &paths, 0, scale)?;
     }
     if lines.links.is_empty() {
         return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));

@@ -43,7 +43,7 @@ pub(in super::super) fn vessels(
             None if path.is_empty() => {
                 from_nodes += 1;
                 let (Some(p), Some(q)) = (a.radius, b.radius) else {
-                    return Err(item.fault("no radius_mm", "expected radius_mm on the edge, or on both of its nodes"));
+                    return Err(item.lacks("radius", "expected radius_mm on the edge, or on both of its nodes"));
                 };
                 p.min(q)
             }
@@ -101,7 +101,7 @@ fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, F
 /// The distance between the nodes, m.
 fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
     let [Some(p), Some(q)] = nodes.map(|node| node.position) else {
-        return Err(item.fault("no length_mm", "expected length_mm, or the positions of both nodes"));
+        return Err(item.lacks("length", "expected length_mm, or the positions of both nodes"));
     };
     match distance(p, q) {
         length if (length > 0.0 || ends[0] == ends[1]) && length.is_finite() => Ok(length),

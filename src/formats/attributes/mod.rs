@@ -36,6 +36,15 @@ impl<'a> Item<'a> {
         Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
     }
 
+    /// A fault of a length in mm that is not there; says what is there under like names.
+    fn lacks(&self, name: &str, accepted: &str) -> Fault {
+        let mut like: Vec<&str> = self.record.values.keys().map(String::as_str).collect();
+        like.retain(|key| key.to_ascii_lowercase().contains(name) && self.text(key).is_some());
+        like.sort_unstable();
+        let like = if like.is_empty() { String::new() } else { format!(" but {}", like.join(", ")) };
+        self.fault(format!("no {name}_mm{like}"), accepted)
+    }
+
     /// A number, infinite or NaN ones included.
     fn real(&self, key: &str) -> Result<Option<f64>, Fault> {
         let Some(text) = self.text(key) else { return Ok(None) };

@@ -72,7 +72,7 @@ impl Array {
             .and_then(|values| values.checked_mul(size))
             .ok_or_else(|| fault(format!("shape {}", tuple(&shape)), &format!("expected at most {MOST_VALUES} values")))?;
         let short = |found: usize| {
-            fault(format!("shape {} needs {bytes} bytes, there are {found}", tuple(&shape)), "expected a whole file")
+            fault(format!("shape {} needs {bytes} bytes, the file has {found}", tuple(&shape)), "expected a whole file")
         };
         if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
             return Err(short(stored as usize));

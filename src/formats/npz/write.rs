@@ -22,8 +22,7 @@ use crate::units::millimetres;
 /// A node without a position; two vessels that points cannot tell apart (`InvalidInput`); the writer's own.
 pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
     let mut zip = ZipWriter::new(out);
-    let label;
-    if is_straight(network) {
+    let names: Vec<&str> = if is_straight(network) {
         if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id)));
         }
@@ -33,15 +32,15 @@ pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Resu
         write(&mut zip, "edges", &edges(&links))?;
         write(&mut zip, "radii", &network.vessels().map(|(_, v)| millimetres(v.radius)).collect::<Array1<f64>>())?;
         write(&mut zip, "lengths", &network.vessels().map(|(_, v)| millimetres(v.length)).collect::<Array1<f64>>())?;
-        label = network.vessels().map(|(_, v)| v.label.as_str()).collect();
+        network.vessels().map(|(_, v)| v.label.as_str()).collect()
     } else {
         let found = skeleton(network)?;
         write(&mut zip, "coords", &coords(found.points.iter().map(|p| &p.position)))?;
         write(&mut zip, "edges", &edges(&found.links))?;
         write(&mut zip, "radii", &found.points.iter().map(|p| millimetres(p.radius)).collect::<Array1<f64>>())?;
-        label = found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect();
-    }
-    labels(&mut zip, label)?;
+        found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
+    };
+    labels(&mut zip, &names)?;
     zip.finish().map_err(io::Error::other)?.flush()
 }
 
@@ -71,7 +70,7 @@ fn write<T: WritableElement, D: ndarray::Dimension>(
 }
 
 /// Text as NumPy's `<U`: UTF-32 of equal length, which no element type of a fixed size can be.
-fn labels(zip: &mut ZipWriter<impl Write + Seek>, labels: Vec<&str>) -> io::Result<()> {
+fn labels(zip: &mut ZipWriter<impl Write + Seek>, labels: &[&str]) -> io::Result<()> {
     let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     if longest == 0 {
         return Ok(());
