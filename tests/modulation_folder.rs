@@ -6,13 +6,14 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "classes.csv",
     "edges.csv",
     "hypertension.csv",
     "hypertension.png",
     "modulation.png",
     "nodes.csv",
+    "report.html",
     "run.json",
     "samples.npz",
 ];
@@ -104,7 +105,7 @@ fn centerlines_are_modulated_without_candidates() {
     let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
     assert_eq!(record["counts"]["vessels"], 3);
     assert_eq!(record["parameters"]["outlets_found"], "ground");
-    assert_eq!(names(&here.path().join("out")), FILES[..7]);
+    assert_eq!(names(&here.path().join("out")), FILES[..8]);
 }
 
 const SCRIPT: &str = r#"

@@ -75,7 +75,9 @@ fn is_closed(page: &str) {
     assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (2, 2));
     assert!(page.contains("default-src 'none'"));
     let without_names = page.replace("http://www.w3.org/2000/svg", "");
-    for word in ["http://", "https://", "fetch(", "XMLHttpRequest", "WebSocket", "import(", "@import", "<link", "<iframe", "innerHTML"] {
+    for word in
+        ["http://", "https://", "fetch(", "XMLHttpRequest", "WebSocket", "import(", "@import", "<link", "<iframe", "innerHTML"]
+    {
         assert!(!without_names.contains(word), "{word}");
     }
     for opening in ["src=\"", "href=\"", "url("] {
@@ -134,8 +136,7 @@ fn the_data_are_those_of_the_folder() {
     let candidate: Vec<f64> = edges("origin").iter().map(|o| f64::from(u8::from(o == "candidate"))).collect();
     assert_eq!(numbers(column(table, "on_trial"), 300), candidate);
 
-    let mut record: Value =
-        serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
+    let mut record: Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
     assert_eq!(content["trial"]["threshold"], record["threshold"]["value"]);
     assert_eq!(content["trial"]["median"], record["threshold"]["median"]);
     let fields = record.as_object_mut().expect("an object");

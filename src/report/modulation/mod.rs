@@ -51,6 +51,9 @@ impl ModulationOutcome<'_> {
     }
 }
 
+/// Draws a picture at a resolution.
+type Draw = fn(&ModulationOutcome<'_>, u32) -> Result<Vec<u8>>;
+
 /// Writes every file of a modulation into a folder; `samples.npz` when `samples` is on.
 ///
 /// # Errors
@@ -75,7 +78,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
         write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
     }
     let mut figures = Vec::new();
-    let pictures: [(_, _, _, fn(&ModulationOutcome<'_>, u32) -> Result<Vec<u8>>); 2] = [
+    let pictures: [(_, _, _, Draw); 2] = [
         ("modulation.png", "Response", RESPONSE, pictures::response),
         ("hypertension.png", "Hypertension", HYPERTENSION, pictures::hypertension),
     ];

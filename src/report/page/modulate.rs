@@ -118,12 +118,13 @@ fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> V
 }
 
 fn colourings(classes: &[String]) -> Vec<Colouring> {
-    let by_class = |column: &'static str| classes.iter().enumerate().map(move |(at, class)| (format!("u in {class}"), at, column));
+    let by_class =
+        |column: &'static str| classes.iter().enumerate().map(move |(at, class)| (format!("u in {class}"), at, column));
     let each = QUANTITIES.iter().zip(VARIATION).map(|((name, unit, [mean, _, variation, rest]), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, *rest));
         let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, trial_only: false, variants };
-        let mean = colouring(name, unit, Scale::Log, by_class(*mean).chain(at_rest).collect());
-        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(*variation).collect())]
+        let mean = colouring(name, unit, Scale::Log, by_class(mean).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation).collect())]
     });
     each.flatten().collect()
 }

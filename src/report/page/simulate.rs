@@ -54,8 +54,7 @@ pub fn page(
 }
 
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
-const COLLATERAL: [&str; 6] =
-    ["edge", "label", "flow_mL_per_min", "flow_mL_per_min_perturbed", "gain_mL_per_min", "reversed"];
+const COLLATERAL: [&str; 6] = ["edge", "label", "flow_mL_per_min", "flow_mL_per_min_perturbed", "gain_mL_per_min", "reversed"];
 
 fn facts(record: &Value, perturbed: bool) -> Vec<Fact> {
     let fact = |name, pointer: &str, unit| Fact::of(record, name, pointer, unit);
