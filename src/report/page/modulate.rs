@@ -14,7 +14,7 @@ pub struct Tables {
     pub classes: Vec<Column>,
     /// nodes.csv.
     pub nodes: Vec<Column>,
-    /// edges.csv: class by class, in it vessel by vessel, in it one row for each of [`QUANTITIES`].
+    /// edges.csv: class by class, in it vessel by vessel, in it flow, drop, resilience and hypertension.
     pub vessels: Vec<Column>,
     /// hypertension.csv.
     pub hypertension: Vec<Column>,
