@@ -119,6 +119,7 @@ fn the_shipped_example_gives_every_file_and_the_same_bytes_at_any_thread_count()
             "likelihood.png",
             "likelihood.svg",
             "nodes.csv",
+            "report.html",
             "run.json",
             "topology-median.graphml",
             "topology-median.vtp",

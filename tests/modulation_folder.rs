@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "classes.csv",
     "edges.csv",
     "hypertension.csv",
@@ -15,6 +15,7 @@ const FILES: [&str; 10] = [
     "modulation.png",
     "modulation.svg",
     "nodes.csv",
+    "report.html",
     "run.json",
     "samples.npz",
 ];
@@ -106,7 +107,7 @@ fn centerlines_are_modulated_without_candidates() {
     let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
     assert_eq!(record["counts"]["vessels"], 3);
     assert_eq!(record["parameters"]["outlets_found"], "ground");
-    assert_eq!(names(&here.path().join("out")), FILES[..9]);
+    assert_eq!(names(&here.path().join("out")), FILES[..10]);
 }
 
 const SCRIPT: &str = r#"

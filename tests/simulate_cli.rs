@@ -137,7 +137,7 @@ fn the_same_command_gives_the_same_files_and_prints_run_json() {
         assert!(output.status.success(), "{}", stderr(&output));
         let files = contents(&here.path().join(out));
         let names: Vec<String> = files.iter().map(|(name, _)| name.display().to_string()).collect();
-        assert_eq!(names, ["edges.csv", "flow.png", "flow.svg", "nodes.csv", "run.json", "topology.vtp"]);
+        assert_eq!(names, ["edges.csv", "flow.png", "flow.svg", "nodes.csv", "report.html", "run.json", "topology.vtp"]);
         assert_eq!(first.get_or_insert_with(|| files.clone()), &files);
         let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert_eq!(printed["willis"], env!("CARGO_PKG_VERSION"));

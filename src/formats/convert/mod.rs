@@ -62,12 +62,12 @@ impl Target {
             Some(word) => TARGETS.iter().find(|(_, known, _)| *known == word.to_ascii_lowercase()),
             None => TARGETS.iter().find(|(.., known)| *known == ending && !ending.is_empty()),
         };
-        let format = found.map(|(format, ..)| *format).ok_or_else(|| match word {
-            Some(word) => Error::parameter("--to", word, format!("expected one of {}", words())),
-            None => {
-                let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or --to FORMAT";
-                Error::parameter("output", path.display(), accepted)
+        let format = found.map(|(format, ..)| *format).ok_or_else(|| {
+            if let Some(word) = word {
+                return Error::parameter("--to", word, format!("expected one of {}", words()));
             }
+            let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or --to FORMAT";
+            Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
             Format::Csv | Format::Voreen | Format::VesselVio => Some(pair::nodes_path(path).ok_or_else(|| {

@@ -177,14 +177,9 @@ fn as_markup(text: &str) -> String {
 
 /// JSON in which nothing can end a script or a line of one.
 fn as_script(json: &str) -> String {
-    let mut text = String::with_capacity(json.len());
-    for c in json.chars() {
-        match c {
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => text.push_str(&format!("\\u{:04x}", c as u32)),
-            c => text.push(c),
-        }
-    }
-    text
+    const ESCAPES: [(char, &str); 5] =
+        [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")];
+    ESCAPES.iter().fold(json.to_owned(), |text, (mark, escape)| text.replace(*mark, escape))
 }
 
 /// The record of a run for its page: what differs between two runs of one command, and lists that the tables hold, left out.

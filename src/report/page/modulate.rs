@@ -14,7 +14,7 @@ pub struct Tables {
     pub classes: Vec<Column>,
     /// nodes.csv.
     pub nodes: Vec<Column>,
-    /// edges.csv: class by class, in it vessel by vessel, in it one row for each of [`QUANTITIES`].
+    /// edges.csv: class by class, in it vessel by vessel, in it flow, drop, resilience and hypertension.
     pub vessels: Vec<Column>,
     /// hypertension.csv.
     pub hypertension: Vec<Column>,
@@ -123,8 +123,8 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
     let each = QUANTITIES.iter().zip(VARIATION).map(|((name, unit, [mean, _, variation, rest]), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, *rest));
         let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, trial_only: false, variants };
-        let mean = colouring(name, unit, Scale::Log, by_class(*mean).chain(at_rest).collect());
-        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(*variation).collect())]
+        let mean = colouring(name, unit, Scale::Log, by_class(mean).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation).collect())]
     });
     each.flatten().collect()
 }

@@ -56,9 +56,11 @@ class Histogram {
       ticks.push(draw("line", { x1: x(t), x2: x(t), y1: base, y2: base + 4, stroke: "var(--ink)" }),
         draw("text", { x: x(t), y: base + 15, "text-anchor": "middle", text: this.log ? power(t) : shown(t) }));
     }
-    const marks = [];
-    if (trial.median !== null) marks.push(...line(trial.median, "median", "4 3", 26));
-    if (trial.now !== null && (!this.log || trial.now > 0)) marks.push(...line(trial.now, "threshold", null, 12));
+    const pairs = [];
+    if (trial.median !== null) pairs.push(line(trial.median, "median", "4 3", 26));
+    if (trial.now !== null && (!this.log || trial.now > 0)) pairs.push(line(trial.now, "threshold", null, 12));
+    // Words stand over the lines.
+    const marks = [...pairs.map(([mark]) => mark), ...pairs.map(([, text]) => text)];
     const hatch = draw("pattern", { id: "hatch", width: 4, height: 4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       draw("line", { x1: 0, x2: 0, y1: 0, y2: 4, stroke: "var(--pruned)", "stroke-width": 1.6 }));
     const name = withUnit(trial.name, trial.unit && `(${trial.unit})`);

@@ -31,7 +31,7 @@ function showFacts() {
   byId("facts").append(...data.facts.filter(([, value]) => value !== null).map(([name, value, unit]) =>
     make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit })))));
   const { input, willis } = data.record;
-  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}), SHA-256 ${input.sha256}. Made by willis ${willis}.`;
+  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
 }
 
 // A part of the record, nested objects one level down.
