@@ -85,6 +85,10 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
         .filter(|(thing, count, _)| *count > 0 && lacks.contains(thing))
         .map(|(_, count, what)| what.replace("{}", &count.to_string()))
         .collect();
+    let joints = degree.iter().filter(|d| **d == 2).count();
+    if consists_of_lines(format, network) && joints > 0 {
+        lost.push(format!("{joints} nodes that join two vessels, which are read again as one"));
+    }
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     if consists_of_lines(format, network) && without_course > 0 {
         lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
