@@ -115,15 +115,21 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]:
     sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
 }
 
+/// More letters than there is room for, however narrow.
+const MOST_LETTERS: usize = 200;
+
 /// A name with its middle left out where there is no room for it.
 fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
     let letters: Vec<char> = name.chars().collect();
-    let mut cut = name.to_owned();
-    let mut kept = letters.len();
+    let shortened = |kept: usize| {
+        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
+        first.iter().chain(&['\u{2026}']).chain(last).collect::<String>()
+    };
+    let mut kept = letters.len().min(MOST_LETTERS);
+    let mut cut = if kept < letters.len() { shortened(kept) } else { name.to_owned() };
     while sheet.text_width(&cut, TEXT)? > NAME {
         kept -= 1;
-        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
-        cut = first.iter().chain(&['\u{2026}']).chain(last).collect();
+        cut = shortened(kept);
     }
     Ok(cut)
 }
