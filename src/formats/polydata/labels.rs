@@ -39,8 +39,8 @@ pub(super) fn is_wanted(name: &str) -> bool {
 
 /// Per line the row of its name among `names`, which grow; empty without names. Whole numbers are names by their digits.
 pub(super) fn of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
-    let has = |name: &&str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == **name);
-    let circle = CIRCLE_RADII.iter().any(|name| has(&name));
+    let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
+    let circle = CIRCLE_RADII.iter().any(|name| has(name));
     let texts = NAMES.iter().find_map(|usual| {
         let mut arrays = piece.line_data.iter().filter(|array| plain(&array.name) == *usual);
         arrays.find_map(|array| texts(array, circle))

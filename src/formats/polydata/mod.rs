@@ -78,7 +78,7 @@ struct Lines {
     radii: Vec<f64>,
     /// The names of links; the first one is empty.
     names: Vec<String>,
-    lines: Vec<Line>,
+    each: Vec<Line>,
 }
 
 /// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also what a person should know.
@@ -103,12 +103,12 @@ pub(super) fn centerlines(
         all.radii.extend(radii.into_iter().map(|r| scale.length(r)));
         ids.extend((0..piece.points.len()).map(|point| (piece.before[0] + point) as u64));
         let names = labels::of_lines(piece, &mut all.names);
-        let from = all.lines.len();
+        let from = all.each.len();
         for (line, cell) in cells.iter().enumerate() {
             let points: Vec<u32> = cell.iter().map(|p| (first + p) as u32).collect();
             let links = points.len().saturating_sub(1);
             let strand = (piece.before[1] + line) as u32;
-            all.lines.push(Line { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
+            all.each.push(Line { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
         }
         cut.extend(tracts::of_lines(piece, from));
     }
@@ -146,7 +146,7 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
 fn build(all: &Lines, ids: &[u64]) -> Centerlines {
     let mut out = Centerlines::default();
     let mut row_of: HashMap<u32, u32> = HashMap::new();
-    for line in &all.lines {
+    for line in &all.each {
         let mut before = None;
         for (n, point) in line.points.iter().enumerate() {
             let p = *point as usize;

@@ -31,15 +31,15 @@ const WOBBLE: f64 = 2.0;
 
 /// Merges the lines; says over which length, if at all.
 pub(super) fn merge(all: &mut Lines) -> Option<String> {
-    if all.lines.len() < 2 || all.lines.len() > MOST {
+    if all.each.len() < 2 || all.each.len() > MOST {
         return None;
     }
     let radii = without_gaps(all);
     let mut tree = Tree::new(&all.at, &radii);
-    let mut kept: Vec<Option<Line>> = vec![None; all.lines.len()];
+    let mut kept: Vec<Option<Line>> = vec![None; all.each.len()];
     let (mut merged, mut length) = (0, 0.0);
     for row in order(all, &radii) {
-        let line = &all.lines[row];
+        let line = &all.each[row];
         let backwards: Vec<u32> = line.points.iter().rev().copied().collect();
         let (front, back) = (tree.follow(&line.points), tree.follow(&backwards));
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
@@ -63,8 +63,8 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
     if merged == 0 {
         return None;
     }
-    let all_lines = all.lines.len();
-    all.lines = kept.into_iter().flatten().collect();
+    let all_lines = all.each.len();
+    all.each = kept.into_iter().flatten().collect();
     let length = millimetres(length);
     Some(format!("{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: made one vessel each time"))
 }
@@ -73,14 +73,13 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
 fn order(all: &Lines, radii: &[f64]) -> Vec<usize> {
     let ends = |line: &Line| line.points.first().zip(line.points.last()).map(|(a, b)| [*a as usize, *b as usize]);
     let meet = |a: usize, b: usize| distance(all.at[a], all.at[b]) <= COMMON_END * radii[a].max(radii[b]);
-    let mut left: Vec<usize> = (0..all.lines.len()).collect();
+    let mut left: Vec<usize> = (0..all.each.len()).collect();
     let mut order: Vec<usize> = Vec::with_capacity(left.len());
     while !left.is_empty() {
         let mut at = order.len();
         order.push(left.remove(0));
-        while let Some(here) = order.get(at).and_then(|row| ends(&all.lines[*row])) {
-            let common =
-                |row: &usize| ends(&all.lines[*row]).is_some_and(|e| e.iter().any(|e| here.iter().any(|h| meet(*h, *e))));
+        while let Some(here) = order.get(at).and_then(|row| ends(&all.each[*row])) {
+            let common = |row: &usize| ends(&all.each[*row]).is_some_and(|e| e.iter().any(|e| here.iter().any(|h| meet(*h, *e))));
             let (next, others) = left.into_iter().partition::<Vec<usize>, _>(common);
             left = others;
             order.extend(next);
@@ -115,7 +114,7 @@ fn arc(all: &Lines, points: &[u32]) -> f64 {
 /// The radii with those of the point before, or else the first valid one of the line, where they are missing.
 fn without_gaps(all: &Lines) -> Vec<f64> {
     let mut radii = all.radii.clone();
-    for line in &all.lines {
+    for line in &all.each {
         let valid = line.points.iter().map(|p| radii[*p as usize]).find(|r| is_radius(*r));
         let mut before = valid.unwrap_or(0.0);
         for point in &line.points {

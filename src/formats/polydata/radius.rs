@@ -93,7 +93,7 @@ pub(super) fn radii(
         for point in &holes {
             first.values[*point] = spare.values[*point];
         }
-        note += &format!("; at {} points without one from {}", holes.len(), spare.title());
+        note = format!("{note}; at {} points without one from {}", holes.len(), spare.title());
     }
     if first.of_lines {
         note += "; a point has the mean of its cells";
@@ -115,7 +115,9 @@ fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
     let mut sum = vec![(0.0, 0.0); piece.points.len()];
     for (cell, value) in cells.iter().zip(of_line) {
         if is_radius(value) {
-            cell.iter().for_each(|p| sum[*p] = (sum[*p].0 + value, sum[*p].1 + 1.0));
+            for p in cell {
+                sum[*p] = (sum[*p].0 + value, sum[*p].1 + 1.0);
+            }
         }
     }
     let values = sum.into_iter().map(|(sum, n)| if n > 0.0 { sum / n } else { f64::NAN }).collect();
@@ -125,7 +127,9 @@ fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
 /// Which points a line uses.
 fn used(cells: &[Vec<usize>], count: usize) -> Vec<bool> {
     let mut used = vec![false; count];
-    cells.iter().flatten().for_each(|p| used[*p] = true);
+    for p in cells.iter().flatten() {
+        used[*p] = true;
+    }
     used
 }
 

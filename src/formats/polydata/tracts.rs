@@ -12,7 +12,7 @@ const TOUCH: f64 = 1e-6;
 /// Which stretch of which line a piece is.
 pub(super) struct Tract {
     centerline: i64,
-    tract: i64,
+    order: i64,
     group: i64,
     line: usize,
 }
@@ -33,7 +33,7 @@ pub(super) fn of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
         return Vec::new();
     };
     let rows = lines.iter().zip(tracts).zip(groups).enumerate();
-    rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, tract: *t as i64, group: *g as i64, line: from + row }).collect()
+    rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, order: *t as i64, group: *g as i64, line: from + row }).collect()
 }
 
 /// Joins pieces when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); says how many were joined.
@@ -42,8 +42,8 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     if !tracts.windows(2).any(|t| t[0].group == t[1].group && t[0].centerline != t[1].centerline) {
         return None;
     }
-    tracts.sort_by_key(|t| (t.centerline, t.tract, t.line));
-    let reach = TOUCH * box_diagonal(all.lines.iter().flat_map(|l| &l.points).map(|p| all.at[*p as usize]));
+    tracts.sort_by_key(|t| (t.centerline, t.order, t.line));
+    let reach = TOUCH * box_diagonal(all.each.iter().flat_map(|l| &l.points).map(|p| all.at[*p as usize]));
     let near = |a: Option<&u32>, b: Option<&u32>| {
         a.zip(b).is_some_and(|(a, b)| distance(all.at[*a as usize], all.at[*b as usize]) <= reach)
     };
@@ -51,7 +51,7 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     let pieces = tracts.len();
     let mut first_of_line = true;
     for (n, tract) in tracts.iter().enumerate() {
-        let mut next = std::mem::replace(&mut all.lines[tract.line], Line { points: Vec::new(), names: Vec::new(), strand: 0 });
+        let mut next = std::mem::replace(&mut all.each[tract.line], Line { points: Vec::new(), names: Vec::new(), strand: 0 });
         let fresh = n == 0 || tracts[n - 1].centerline != tract.centerline;
         if let Some(line) = joined.last_mut().filter(|_| !fresh) {
             let meets = |p: Option<&u32>, next: &Line| near(p, next.points.first()) || near(p, next.points.last());
@@ -72,8 +72,8 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
         joined.push(next);
     }
     let note = format!("{pieces} pieces are {} lines by their {CENTERLINE} and {TRACT}", joined.len());
-    all.lines.retain(|line| !line.points.is_empty());
-    all.lines.extend(joined);
+    all.each.retain(|line| !line.points.is_empty());
+    all.each.extend(joined);
     Some(note)
 }
 

@@ -22,6 +22,10 @@ const SAME_POINTS: usize = 3;
 const SAME: f64 = 1e-6;
 /// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
 const ONE_JUNCTION: f64 = 1.0;
+/// A line is looked at every so many radii at least,
+const BETWEEN: f64 = 0.5;
+/// but no oftener than so many times between two of its points.
+const MOST_BETWEEN: f64 = 16.0;
 /// Points walked in search of one: a ring without length has no end.
 const MOST_STEPS: usize = 10_000;
 
@@ -82,6 +86,9 @@ impl<'a> Tree<'a> {
         let reach = COMMON_END * self.radii[first as usize];
         let common = self.ends.iter().filter(|end| distance(self.at[**end as usize], start) <= reach);
         let mut on: Vec<u32> = common.flat_map(|end| &self.around[*end as usize]).copied().collect();
+        if on.is_empty() {
+            return None;
+        }
         // A file of a network has a point once and all that meet there share it; lines traced each for itself share a link or nothing.
         let is_known =
             !self.around[first as usize].is_empty() && !line.get(1).is_some_and(|second| self.is_linked(first, *second));
@@ -89,8 +96,7 @@ impl<'a> Tree<'a> {
         let mut shared = None;
         let (mut is_one, mut sum, mut length, mut same, mut away) = (false, 0.0, 0.0, 0, 0.0);
         let mut before = start;
-        for (n, point) in line.iter().enumerate() {
-            let (here, own) = (self.at[*point as usize], self.radii[*point as usize]);
+        for (here, own, n) in self.samples(line) {
             let step = distance(before, here);
             before = here;
             let Some(foot) = self.foot(&on, here, step + LOST * own) else { break };
@@ -107,11 +113,12 @@ impl<'a> Tree<'a> {
                 }
             } else {
                 away = 0.0;
-                shared = Some(Shared { last: n, from: self.nearer_end(&foot) });
+                let from = self.nearer_end(&foot);
+                shared = n.map(|last| Shared { last, from }).or(shared);
             }
             on = vec![foot.link];
             (sum, length) = (sum + gap * step, length + step);
-            if same == n && distance(here, self.at[self.nearer_end(&foot) as usize]) <= SAME * radius {
+            if n == Some(same) && distance(here, self.at[self.nearer_end(&foot) as usize]) <= SAME * radius {
                 same += 1;
             }
             is_one |= !is_known && same >= SAME_POINTS && length > 0.0;
@@ -122,6 +129,24 @@ impl<'a> Tree<'a> {
             line.get(shared.last + 1).map_or(0.0, |next| distance(self.at[line[shared.last] as usize], self.at[*next as usize]));
         let reach = step.max(ONE_JUNCTION * self.radii[shared.from as usize]);
         Some(Shared { from: self.junction_near(shared.from, reach), ..shared })
+    }
+
+    /// Places along a line with their radii, close enough not to pass over what lies between its points; with the number of the
+    /// point where it is one.
+    fn samples(&self, line: &[u32]) -> Vec<(Point, f64, Option<usize>)> {
+        let mut out: Vec<(Point, f64, Option<usize>)> = Vec::with_capacity(line.len());
+        for (n, point) in line.iter().enumerate() {
+            let (here, own) = (self.at[*point as usize], self.radii[*point as usize]);
+            if let Some((before, radius, _)) = out.last().copied() {
+                let steps = (distance(before, here) / (BETWEEN * own)).ceil().clamp(1.0, MOST_BETWEEN);
+                for step in 1..steps as usize {
+                    let share = step as f64 / steps;
+                    out.push((lerp(before, here, share), radius + share * (own - radius), None));
+                }
+            }
+            out.push((here, own, Some(n)));
+        }
+        out
     }
 
     /// The nearest place on the links that hang together with `on` within a ball around `p`.

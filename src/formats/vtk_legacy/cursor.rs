@@ -74,7 +74,7 @@ impl<'a> Cursor<'a> {
             return Fault::item(section, found.to_string(), accepted);
         }
         let before = &self.bytes[..self.at.min(self.bytes.len())];
-        let line = before.trim_ascii_end().iter().filter(|b| **b == b'\n').count() + 1;
+        let line = before.trim_ascii_end().split(|b| *b == b'\n').count();
         Fault::line(line, format!("{section}: {found}"), accepted)
     }
 

@@ -218,11 +218,12 @@ impl Reader<'_> {
                     "" => 1,
                     text => text.parse().map_err(|_| self.cursor.fault(format!("\"{text}\""), "expected 1 to 4 components"))?,
                 };
-                if self.cursor.is_next("LOOKUP_TABLE") {
-                    self.cursor.word();
-                    self.cursor.need("a name")?;
+                let table = self.cursor.need("LOOKUP_TABLE")?;
+                if !table.eq_ignore_ascii_case("LOOKUP_TABLE") {
+                    return Err(self.cursor.fault(format!("\"{}\"", table.escape_debug()), "expected LOOKUP_TABLE"));
                 }
-                self.values(name, kind, width, rows)
+                self.cursor.need("a name")?;
+                self.values(&name, kind, width, rows)
             }
             _ => {
                 let width = match keyword {
@@ -233,7 +234,7 @@ impl Reader<'_> {
                     _ => 1,
                 };
                 let kind = self.cursor.need("a type")?;
-                self.values(name, kind, width, rows)
+                self.values(&name, kind, width, rows)
             }
         }
     }
@@ -251,10 +252,10 @@ impl Reader<'_> {
         if let Some((_, expected)) = self.group.filter(|(_, expected)| *expected != rows && is_wanted(name.trim(), self.choice)) {
             return Err(self.cursor.fault(format!("{rows} values"), format!("expected {expected}")));
         }
-        self.values(name, kind, width, rows)
+        self.values(&name, kind, width, rows)
     }
 
-    fn values(&mut self, name: String, kind: &str, width: usize, rows: usize) -> Result<(), Fault> {
+    fn values(&mut self, name: &str, kind: &str, width: usize, rows: usize) -> Result<(), Fault> {
         let count = rows.saturating_mul(width);
         let values = if ["string", "utf8_string"].iter().any(|text| kind.eq_ignore_ascii_case(text)) {
             Values::Texts(self.cursor.texts(count)?)

@@ -47,7 +47,9 @@ impl Arrays<'_> {
         let bytes = if is_ascii(array) {
             let wrong = |word: &str| fault(array, format!("value \"{word}\""), "expected the codes of characters");
             let codes = text(array);
-            codes.split_ascii_whitespace().map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>()?
+            // Programs with signed characters write those above 127 below zero.
+            let code = |w: &str| w.parse().ok().filter(|c: &i16| (-128..256).contains(c)).map(|c| c as u8);
+            codes.split_ascii_whitespace().map(|w| code(w).ok_or_else(|| wrong(w))).collect::<Result<_, _>>()?
         } else {
             self.bytes(array, LIMIT, accepted())?
         };
