@@ -135,7 +135,7 @@ fn straight() -> Network {
         network.add_node(Node { id: row.to_string(), position: Some(position.map(metres)), ..Node::default() });
     }
     for (ends, radius, label) in
-        [([0, 1], 2.1, "a"), ([0, 2], 0.4, ""), ([3, 0], 1.3, "c"), ([1, 2], 0.2, "d"), ([2, 3], 0.7, "")]
+        [([0, 1], 2.1, "a"), ([0, 2], 0.4, ""), ([3, 0], 1.3, "c"), ([1, 2], 0.2, "d"), ([2, 3], 0.7, ""), ([1, 3], 1.0, "f")]
     {
         let [p, q] = ends.map(|end| network.node(end).position.unwrap());
         network.add_vessel(

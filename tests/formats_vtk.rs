@@ -3,10 +3,12 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
+mod peers;
+
 use std::f64::consts::PI;
 use std::path::Path;
-use std::process::Command;
 
+use peers::python;
 use willis::centerline::Centerlines;
 use willis::error::Fault;
 use willis::formats::{
@@ -17,17 +19,6 @@ use willis::units::{Scale, metres};
 
 fn mm() -> Scale {
     Scale::default()
-}
-
-/// Runs a script with a python that has the peers' packages; `None` where there is none.
-fn python(script: &str, arguments: &[&Path]) -> Option<String> {
-    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
-        eprintln!("skipped: WILLIS_PYTHON names no python");
-        return None;
-    };
-    let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap().trim().to_owned())
 }
 
 /// Names of the links and radii (mm) of the points, in their order.
@@ -140,11 +131,13 @@ fn every_fault_has_its_place_and_one_line() {
             "polygons 2 7\n3 3 1 0\n2 1 2",
             "v: a surface of 2 polygons, not centerlines; expected LINES",
         ),
-        ("lines 2 7\n3 3 1 0\n2 1 2\ncell_data 3", "cell_data 1", "v: no lines; expected LINES"),
     ] {
         let found = old(from, to).expect_err(to).in_file(Path::new("v")).to_string();
         assert_eq!(found, message);
     }
+    let vertex = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\nVERTICES 1 2\n1 0\n";
+    let found = read_vtk(vertex.as_bytes(), &mm(), RadiusArray::Usual).expect_err("no lines").in_file(Path::new("v"));
+    assert_eq!(found.to_string(), "v: no lines; expected LINES");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtk");
     let said = |bytes: &[u8]| {

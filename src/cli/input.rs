@@ -37,7 +37,8 @@ enum Radius {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// Centerlines (SWC, VTP) or a ready candidate graph (GraphML, CSV of edges)
+    /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
+    /// (GraphML, CSV of edges)
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
     pub input: PathBuf,
     /// The unit of coordinates and radii in INPUT [default: mm]
@@ -241,6 +242,10 @@ impl InputArgs {
                         "{} without a positive finite radius: interpolated along the vessel",
                         plural(made.repaired_radii, "point")
                     ));
+                }
+                if made.mixed_labels > 0 {
+                    let vessels = plural(made.mixed_labels, "vessel");
+                    notes.push(format!("{vessels} with more than one label along them: took that of the longest part"));
                 }
                 if made.default_radii > 0 {
                     notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));

@@ -85,7 +85,7 @@ pub fn read_traced_vessels(mut input: impl BufRead, scale: &Scale) -> Result<Vec
     ];
     let mut bytes = Vec::new();
     input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::open(&bytes)?;
+    let mut rows = Rows::ragged(&bytes)?;
     let line = rows.header_line();
     let column = |name: &str| {
         rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE}")))

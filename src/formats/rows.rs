@@ -44,6 +44,15 @@ pub(super) fn columns(header: &[String]) -> String {
 impl<'a> Rows<'a> {
     /// Reads the header: the first line that is neither empty nor a comment (`#`).
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        Self::with(bytes, false)
+    }
+
+    /// The same of a table whose rows may have more or fewer columns than its header.
+    pub(super) fn ragged(bytes: &'a [u8]) -> Result<Self, Fault> {
+        Self::with(bytes, true)
+    }
+
+    fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
             return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
         }
@@ -60,7 +69,7 @@ impl<'a> Rows<'a> {
             (rest, skipped) = (&rest[end + 1..], skipped + 1);
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
-        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(rest);
+        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).flexible(ragged).trim(csv::Trim::All).from_reader(rest);
         let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, skipped))?.iter().map(str::to_owned).collect();
         let mut seen = HashSet::new();
         if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
@@ -140,9 +149,11 @@ impl Row<'_> {
     }
 }
 
-/// The line on which a record begins. The reader of CSV takes a record to begin between `\r` and `\n`.
+/// The line on which a record begins. The reader of CSV takes a record to begin before the line ends that it skips.
 fn line_of(position: &csv::Position, text: &[u8]) -> usize {
-    position.line() as usize + usize::from(text.get(position.byte() as usize) == Some(&b'\n'))
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let skipped = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n'));
+    position.line() as usize + skipped.filter(|b| **b == b'\n').count()
 }
 
 fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {

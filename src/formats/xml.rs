@@ -31,7 +31,9 @@ pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
     roxmltree::Document::parse(text).map_err(|error| {
         let line = match error.pos().row as usize {
             // Errors without a place of their own are those of a text that ends too early.
-            1 if matches!(error, roxmltree::Error::UnclosedRootNode) => text.lines().count(),
+            1 if matches!(error, roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream) => {
+                text.lines().count()
+            }
             row => row,
         };
         Fault::line(line, format!("not well-formed XML: {error}"), "expected a complete XML file")

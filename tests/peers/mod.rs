@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use willis::formats::{Content, Document, ReadOptions, read};
@@ -18,6 +18,20 @@ pub fn python(script: &str, arguments: &[&Path]) -> Option<String> {
     let output = Command::new(python).arg("-c").arg(script).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Some(String::from_utf8(output.stdout).unwrap().trim().to_owned())
+}
+
+/// A file or folder of the shared data; `None`, said, where it is absent.
+pub fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
+    if !path.exists() {
+        eprintln!("skipped: no {name} beside the package");
+    }
+    path.exists().then_some(path)
+}
+
+/// Reads a file of its own; an error without the folder's name.
+pub fn document(name: &str, content: &[u8]) -> Result<Document, String> {
+    read_first(&[(name, content)], &ReadOptions::default())
 }
 
 /// Reads the first of some files that lie in one folder; an error without the folder's name.
