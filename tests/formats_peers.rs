@@ -5,8 +5,6 @@
 
 mod peers;
 
-use std::path::{Path, PathBuf};
-
 use peers::{python, shared};
 use willis::formats::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
 use willis::network::{Condition, Origin, RadiusRule, Role, contract, cycles};

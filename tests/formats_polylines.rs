@@ -9,7 +9,7 @@ use std::path::Path;
 
 use peers::document;
 use willis::centerline::Centerlines;
-use willis::formats::{Document, Format, RadiusArray, ReadOptions, read, read_markups, read_points, read_swc};
+use willis::formats::{Format, RadiusArray, read_markups, read_points, read_swc};
 use willis::network::{Network, RadiusRule, contract, cycles, fragments};
 use willis::units::{Scale, millimetres};
 

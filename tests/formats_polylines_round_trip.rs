@@ -11,8 +11,8 @@ use std::process::Command;
 use peers::{document, python};
 use willis::centerline::Centerlines;
 use willis::formats::{
-    Document, Format, RadiusArray, ReadOptions, read, read_markups, read_points, read_swc, read_tre, write_centerlines_swc,
-    write_markups, write_points, write_swc, write_tre,
+    Format, RadiusArray, read_markups, read_points, read_swc, read_tre, write_centerlines_swc, write_markups, write_points,
+    write_swc, write_tre,
 };
 use willis::network::{Network, Node, PathPoint, RadiusRule, Role, Vessel, contract, cycles, fragments};
 use willis::units::{Scale, metres, millimetres};

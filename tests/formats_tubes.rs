@@ -5,11 +5,11 @@
 
 mod peers;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use peers::{document, shared};
 use willis::centerline::Centerlines;
-use willis::formats::{Content, Document, Format, ReadOptions, read, read_tre};
+use willis::formats::{Content, Format, ReadOptions, read, read_tre};
 use willis::network::{Network, RadiusRule, contract, fragments};
 use willis::units::{LengthUnit, Scale, millimetres};
 
