@@ -232,3 +232,16 @@ fn the_command_says_what_it_wrote_and_refuses_what_it_cannot() {
     refused(table, &["convert", "edges.csv", "a.csv", "--to", "voren"], &["voren", "voreen"]);
     refused(table, &["convert", "edges.csv", "b.graphml", "--observed"], &["--observed"]);
 }
+
+#[test]
+fn a_vessel_with_several_labels_has_that_of_its_longest_part() {
+    let here = folder();
+    // Three of the five links, 4 mm of 6 mm, lead to points of type 7.
+    let text = "1 0 0 0 0 1 -1\n2 5 1 0 0 1 1\n3 7 2 0 0 1 2\n4 7 3 0 0 1 3\n5 7 5 0 0 1 4\n6 5 6 0 0 1 5\n";
+    fs::write(here.path().join("a.swc"), text).unwrap();
+    let done = willis(here.path(), &["convert", "a.swc", "a.csv"]);
+    assert!(stderr(&done).contains("1 vessel with more than one label along them"), "{}", stderr(&done));
+    let table = fs::read_to_string(here.path().join("a.csv")).unwrap();
+    let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!(row[table.lines().next().unwrap().split(',').position(|c| c == "label").unwrap()], "7");
+}

@@ -58,7 +58,7 @@ impl Format {
     }
 }
 
-const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups or NPZ";
+const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ or VTrails MAT";
 
 /// Decides by the first bytes, then by the ending, then by the first line that says something.
 pub(super) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
