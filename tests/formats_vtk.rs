@@ -123,13 +123,18 @@ fn every_fault_has_its_place_and_one_line() {
         (
             "normals",
             "abnormals",
-            "v:25: the head of the file: \"ABNORMALS\"; expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array",
+            "v:25: keyword: \"ABNORMALS\"; expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array",
         ),
         ("lookup_table default\n", "", "v:18: SCALARS \"label\": \"7\"; expected LOOKUP_TABLE"),
         (
             "lines 2 7\n3 3 1 0\n2 1 2",
             "polygons 2 7\n3 3 1 0\n2 1 2",
             "v: a surface of 2 polygons, not centerlines; expected LINES",
+        ),
+        (
+            "lines 2 7\n3 3 1 0\n2 1 2\ncell_data 3\nscalars label int 1\nlookup_table default\n7 8 9\n",
+            "",
+            "v: no lines; expected LINES",
         ),
     ] {
         let found = old(from, to).expect_err(to).in_file(Path::new("v")).to_string();

@@ -187,6 +187,26 @@ fn a_network_that_knows_its_nodes_is_left_alone() {
 }
 
 #[test]
+fn one_long_link_upon_another_is_no_trunk() {
+    // Coordinates are repeated at the node, no point is shared; the second line sets out along the first one.
+    let first = along([0.0; 3], [10.0, 0.0, 0.0], 0.6, 6);
+    let second = vec![([0.0; 3], 0.6), ([2.5, 0.05, 0.0], 0.6), ([3.0, 3.0, 0.0], 0.6), ([3.0, 8.0, 0.0], 0.6)];
+    let (lines, notes) = read_vtk(file(&[first, second]).as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    assert!(notes.is_empty(), "{notes:?}");
+    assert_eq!(lines.links.len(), 8);
+}
+
+#[test]
+fn a_loose_end_beside_another_one_stays_in_a_network() {
+    // The third line starts 0.3 radii from the junction that the first two share and runs beside the second one.
+    let text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0 4 0 0 9 0 0 4.2 0.2 0 9 0.05 0\n\
+                LINES 3 9\n2 0 1 2 1 2 2 3 4\nPOINT_DATA 5\nSCALARS Radius float\nLOOKUP_TABLE default\n1 1 1 1 1\n";
+    let (lines, notes) = read_vtk(text.as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    assert!(notes.is_empty(), "{notes:?}");
+    assert_eq!(lines.links, [[0, 1], [1, 2], [3, 4]]);
+}
+
+#[test]
 fn a_triangle_of_long_links_keeps_its_three_sides() {
     let corner = [[0.0; 3], [10.0, 0.0, 0.0], [5.0, 8.0, 0.0]];
     let side = |a: usize, b: usize| along(corner[a], corner[b], 1.0, 2);

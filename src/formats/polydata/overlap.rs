@@ -10,13 +10,17 @@
 //! that came first. All tolerances are fractions of the local radius:
 //!
 //! - a common end: within 0.4 radii. Without one lines are never merged, however near they pass;
-//! - the same vessel: together until one radius from the common end, 0.12 radii apart on the mean (three radii where the file has
-//!   the common end as one point, as files of networks do), or coincident in their first three points. Two vessels that leave a
-//!   junction under more than some 14 degrees are thus two from its first point;
+//! - the same vessel: together until one radius from the common end, 0.12 radii apart on the mean, or coincident in their first
+//!   three points; three points of the line at least. Two vessels that leave a junction under more than some 14 degrees are thus two from its first point;
 //! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
 //! - one junction: leaving within a radius of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
 //!
+//! A file in which lines end at a point that another line uses too, without the link beside it, knows how its lines hang together:
+//! it is a network already (`vmtkcenterlinemerge`, skeletons, tracings), and nothing in it is merged.
+//!
 //! The place on the tree moves along it with the line, never by a jump: a vessel that turns back beside itself is not cut short.
+
+use std::collections::HashMap;
 
 use super::tree::{COMMON_END, Shared, Tree};
 use super::{Line, Lines};
@@ -31,7 +35,7 @@ const WOBBLE: f64 = 2.0;
 
 /// Merges the lines; says over which length, if at all.
 pub(super) fn merge(all: &mut Lines) -> Option<String> {
-    if all.each.len() < 2 || all.each.len() > MOST {
+    if all.each.len() < 2 || all.each.len() > MOST || knows_its_nodes(&all.each) {
         return None;
     }
     let radii = without_gaps(all);
@@ -67,6 +71,30 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
     all.each = kept.into_iter().flatten().collect();
     let length = millimetres(length);
     Some(format!("{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: made one vessel each time"))
+}
+
+/// Whether a line ends at a point that another line uses too, by a link that no other line has.
+fn knows_its_nodes(lines: &[Line]) -> bool {
+    let (mut points, mut links) = (HashMap::new(), HashMap::new());
+    let link = |a: u32, b: u32| [a.min(b), a.max(b)];
+    for (row, line) in lines.iter().enumerate() {
+        // Per point and link the first line that uses it, and whether another one does.
+        for point in &line.points {
+            let (first, shared) = points.entry(*point).or_insert((row, false));
+            *shared |= *first != row;
+        }
+        for pair in line.points.windows(2) {
+            let (first, shared) = links.entry(link(pair[0], pair[1])).or_insert((row, false));
+            *shared |= *first != row;
+        }
+    }
+    lines.iter().any(|line| {
+        let ends = [line.points.get(..2), line.points.len().checked_sub(2).and_then(|n| line.points.get(n..))];
+        let at = [0, 1];
+        ends.into_iter()
+            .zip(at)
+            .any(|(pair, at)| pair.is_some_and(|pair| points[&pair[at]].1 && !links[&link(pair[0], pair[1])].1))
+    })
 }
 
 /// The lines in an order in which each has an end in common with one before it, where there is such a one.

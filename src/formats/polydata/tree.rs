@@ -12,14 +12,14 @@ const LOST: f64 = 1.0;
 const WITHOUT: f64 = 2.0;
 /// Two lines are one when they stay together until this many radii from their common end,
 const STRETCH: f64 = 1.0;
-/// or, when the file knows their common end as one point and so knows how they hang together, until this many,
-const LONG_STRETCH: f64 = 3.0;
 /// with no more than this many radii between them on the mean;
 const CLOSE: f64 = 0.12;
 /// or, where the trunk is shorter, when so many points of one
 const SAME_POINTS: usize = 3;
 /// are no further than this many radii from points of the other.
 const SAME: f64 = 1e-6;
+/// No fewer of its points show a line to be traced again: one link of a voxel grid lies on another one by chance.
+const LEAST_POINTS: usize = 3;
 /// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
 const ONE_JUNCTION: f64 = 1.0;
 /// A line is looked at every so many radii at least,
@@ -89,10 +89,6 @@ impl<'a> Tree<'a> {
         if on.is_empty() {
             return None;
         }
-        // A file of a network has a point once and all that meet there share it; lines traced each for itself share a link or nothing.
-        let is_known =
-            !self.around[first as usize].is_empty() && !line.get(1).is_some_and(|second| self.is_linked(first, *second));
-        let stretch = if is_known { LONG_STRETCH } else { STRETCH };
         let mut shared = None;
         let (mut is_one, mut sum, mut length, mut same, mut away) = (false, 0.0, 0.0, 0, 0.0);
         let mut before = start;
@@ -121,10 +117,10 @@ impl<'a> Tree<'a> {
             if n == Some(same) && distance(here, self.at[self.nearer_end(&foot) as usize]) <= SAME * radius {
                 same += 1;
             }
-            is_one |= !is_known && same >= SAME_POINTS && length > 0.0;
-            is_one |= sum <= CLOSE * length && distance(start, here) >= stretch * radius;
+            is_one |= same >= SAME_POINTS && length > 0.0;
+            is_one |= sum <= CLOSE * length && distance(start, here) >= STRETCH * radius;
         }
-        let shared = shared.filter(|_| is_one)?;
+        let shared = shared.filter(|shared| is_one && shared.last + 1 >= LEAST_POINTS)?;
         let step =
             line.get(shared.last + 1).map_or(0.0, |next| distance(self.at[line[shared.last] as usize], self.at[*next as usize]));
         let reach = step.max(ONE_JUNCTION * self.radii[shared.from as usize]);
@@ -175,10 +171,6 @@ impl<'a> Tree<'a> {
             let Some(link) = open.pop() else { return best };
             next.extend(self.links[link as usize].iter().flat_map(|end| &self.around[*end as usize]));
         }
-    }
-
-    fn is_linked(&self, a: u32, b: u32) -> bool {
-        self.around[a as usize].iter().any(|link| self.links[*link as usize].contains(&b))
     }
 
     fn radius(&self, foot: &Foot) -> f64 {

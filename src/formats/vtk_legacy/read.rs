@@ -185,7 +185,7 @@ impl Reader<'_> {
             "EDGE_FLAGS",
         ];
         if !known.contains(&keyword) {
-            self.cursor.section.clear();
+            "keyword".clone_into(&mut self.cursor.section);
             return Err(self.cursor.fault(format!("\"{}\"", keyword.escape_debug()), SECTIONS));
         }
         let name = unescape(self.cursor.need("a name")?);
