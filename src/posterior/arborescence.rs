@@ -13,8 +13,8 @@ const MOST_ROOT_FACTOR: f64 = 1000.0;
 const MOST_SCORE: f64 = 1000.0;
 /// Scores are compared in units of 2⁻⁶⁰.
 const SCORE_BITS: i32 = 60;
-/// Below them, the sum of the bridges' rows.
-const ROW_BITS: u32 = 40;
+/// Below them, the sum of the bridges' rows. Lowered costs stay within twice the largest: 119 bits.
+const ROW_BITS: u32 = 48;
 
 /// The decision that keeps the most probability: the explanation with the largest sum of marginals, those of roots times
 /// `root_factor` (below one, fewer fragments stay alone). Per fragment the bridge it hangs by, `None` for a root.

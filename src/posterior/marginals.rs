@@ -25,8 +25,14 @@ pub struct Marginals {
 /// millisecond.
 pub fn marginals(forests: &Forests) -> Marginals {
     let scaled = Scaled::new(forests);
-    let links = forests.bridges().iter().zip(&scaled.bridge).filter(|(_, w)| **w > 0.0).map(|(b, _)| [b.child, b.parent]);
-    let cliques = cliques(&least_degree(forests.fragments(), links));
+    let links = forests
+        .bridges()
+        .iter()
+        .zip(&scaled.bridge)
+        .filter(|(_, w)| **w > 0.0)
+        .map(|(b, _)| [b.child, b.parent])
+        .collect::<Vec<_>>();
+    let cliques = cliques(&least_degree(forests.fragments(), &links));
     let mut log_total = scaled.log_scale;
     // The clique in which each fragment is eliminated, and its place there.
     let mut home = vec![0; forests.fragments()];

@@ -126,12 +126,14 @@ mod tests {
     #[test]
     fn in_cliques_it_is_the_same_as_in_one_piece() {
         for ((nodes, links), least) in [(hub(60, 5), 40), (grid(20), 2)] {
-            let cliques = cliques(&least_degree(nodes, links.iter().map(|(a, b, _)| [*a, *b])));
+            let cliques = cliques(&least_degree(nodes, &links.iter().map(|(a, b, _)| [*a, *b]).collect::<Vec<_>>()));
             let children = |number| cliques.iter().filter(|c| c.parent == Some(number)).count();
             assert!((0..cliques.len()).map(children).max() >= Some(least) && cliques.len() > 6);
             let mut whole = Walk::new(nodes);
             whole.death = (0..nodes).map(|node| 0.01 + 1e-3 * node as f64).collect();
-            links.iter().for_each(|(from, to, odds)| whole.add(*from, *to, *odds));
+            for (from, to, odds) in &links {
+                whole.add(*from, *to, *odds);
+            }
             let mut own: Vec<Walk> = cliques.iter().map(|clique| Walk::new(clique.nodes.len())).collect();
             for (clique, own) in cliques.iter().zip(&mut own) {
                 for (at, node) in clique.nodes[..clique.pivots].iter().enumerate() {
