@@ -123,7 +123,7 @@ fn array<'a, 'i>(piece: Element<'a, 'i>, group: &'static str, is: impl Fn(&str) 
     children(group, "DataArray").find(|a| is(attribute(*a, "Name").trim()))
 }
 
-/// Arrays of texts may be <Array> instead.
+/// Arrays of texts may be `<Array>` instead.
 fn is_array(element: Element) -> bool {
     element.is_element() && matches!(element.tag_name().name(), "DataArray" | "Array")
 }
