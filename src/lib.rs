@@ -46,6 +46,7 @@ pub mod elimination;
 pub mod geometry;
 
 pub mod centerline;
+pub mod posterior;
 
 pub mod network;
 

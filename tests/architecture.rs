@@ -11,7 +11,7 @@ const LAYERS: &[&[&str]] = &[
     &["rng"],
     &["quantity"],
     &["elimination", "geometry"],
-    &["centerline"],
+    &["centerline", "posterior"],
     &["network"],
     &["formats", "candidates", "hemodynamics", "perturbation"],
     &["resilience"],

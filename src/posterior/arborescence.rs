@@ -1,0 +1,136 @@
+//! The best single explanation: the maximum spanning arborescence over a virtual ground, by Edmonds' algorithm.
+//!
+//! In O(m log n), with mergeable heaps and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
+
+use super::heap::Heaps;
+use super::union_find::UnionFind;
+use super::{Forests, Marginals};
+use crate::error::{Error, Result};
+
+/// The largest root factor.
+const MOST_ROOT_FACTOR: f64 = 1000.0;
+/// Scores beyond this are cut.
+const MOST_SCORE: f64 = 1000.0;
+/// Scores are compared in units of 2⁻⁶⁰.
+const SCORE_BITS: i32 = 60;
+/// Below them, the sum of the bridges' rows. Lowered costs stay within twice the largest: 119 bits.
+const ROW_BITS: u32 = 48;
+
+/// The decision that keeps the most probability: the explanation with the largest sum of marginals, those of roots times
+/// `root_factor` (below one, fewer fragments stay alone). Per fragment the bridge it hangs by, `None` for a root.
+///
+/// # Errors
+///
+/// A root factor outside 0 to 1000.
+pub fn decide(forests: &Forests, marginals: &Marginals, root_factor: f64) -> Result<Vec<Option<usize>>> {
+    if !(0.0..=MOST_ROOT_FACTOR).contains(&root_factor) {
+        return Err(Error::parameter("root factor", root_factor, format!("a number from 0 to {MOST_ROOT_FACTOR}")));
+    }
+    let roots: Vec<f64> = marginals.roots.iter().map(|p| root_factor * p).collect();
+    Ok(arborescence(forests, &marginals.bridges, &roots))
+}
+
+/// The explanation with the largest sum of scores: per fragment the bridge it hangs by, `None` for a root.
+///
+/// `bridges` and `roots` are the scores of each; they are taken to 2⁻⁶⁰ and summed exactly, cut at ±1000. A bridge scored -∞ is not taken.
+/// Among explanations of the same score the one with the smallest sum of rows wins, roots counted after all bridges;
+/// what still ties goes to the lower row.
+///
+/// # Panics
+///
+/// The scores belong to other forests.
+pub fn arborescence(forests: &Forests, bridges: &[f64], roots: &[f64]) -> Vec<Option<usize>> {
+    assert_eq!(bridges.len(), forests.bridges().len(), "one score per bridge");
+    assert_eq!(roots.len(), forests.fragments(), "one score per fragment");
+    let ground = forests.fragments();
+    let between = forests.bridges().iter().zip(bridges).enumerate().map(|(row, (bridge, score))| Arc {
+        from: bridge.parent,
+        to: bridge.child,
+        cost: cost(*score, row),
+        row: Some(row),
+    });
+    let to_ground = roots.iter().enumerate().map(|(fragment, score)| Arc {
+        from: ground,
+        to: fragment,
+        cost: cost(*score, bridges.len() + fragment),
+        row: None,
+    });
+    let possible = between.filter(|arc| arc.row.is_some_and(|row| bridges[row] != f64::NEG_INFINITY));
+    let arcs: Vec<Arc> = possible.chain(to_ground).collect();
+    chosen(&arcs, ground).into_iter().map(|arc| arcs[arc].row).collect()
+}
+
+/// An arc from what a fragment hangs on to the fragment.
+struct Arc {
+    from: usize,
+    to: usize,
+    cost: i128,
+    row: Option<usize>,
+}
+
+/// The score first, then the row, as one whole number: smaller is better, and no sum is rounded.
+fn cost(score: f64, row: usize) -> i128 {
+    let units = (score.clamp(-MOST_SCORE, MOST_SCORE) * 2_f64.powi(SCORE_BITS)).round() as i128;
+    (-units << ROW_BITS) + row as i128
+}
+
+/// A cycle that became one node, to be opened again.
+struct Cycle {
+    node: usize,
+    joins: usize,
+    arcs: Vec<usize>,
+}
+
+/// Per node below `root` the arc of the cheapest arborescence that enters it. Every node has an arc from the root.
+fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
+    let mut heaps = Heaps::new(arcs.iter().map(|arc| arc.cost).collect());
+    let mut heap: Vec<Option<usize>> = vec![None; root + 1];
+    for (at, arc) in arcs.iter().enumerate() {
+        heap[arc.to] = heaps.meld(heap[arc.to], Some(at));
+    }
+    let mut union = UnionFind::new(root + 1);
+    let mut seen = vec![usize::MAX; root + 1];
+    seen[root] = root;
+    let mut enters = vec![usize::MAX; root + 1];
+    let mut cycles = Vec::new();
+    for start in 0..root {
+        let (mut path, mut node) = (Vec::new(), start);
+        while seen[node] == usize::MAX {
+            let Some(arc) = heap[node] else { break };
+            heap[node] = heaps.pop_and_lower(arc);
+            path.push((node, arc));
+            seen[node] = start;
+            node = union.find(arcs[arc].from);
+            if seen[node] == start {
+                // Back on the path: what lies on the cycle becomes one node with all its arcs.
+                let (joins, end) = (union.joins(), path.len());
+                let (mut whole, mut from) = (None, end);
+                loop {
+                    from -= 1;
+                    let member = path[from].0;
+                    whole = heaps.meld(whole, heap[member]);
+                    if !union.join(node, member) {
+                        break;
+                    }
+                }
+                node = union.find(node);
+                heap[node] = whole;
+                seen[node] = usize::MAX;
+                cycles.push(Cycle { node, joins, arcs: path.drain(from..).map(|(_, arc)| arc).collect() });
+            }
+        }
+        for (_, arc) in path {
+            enters[union.find(arcs[arc].to)] = arc;
+        }
+    }
+    for cycle in cycles.iter().rev() {
+        union.roll_back(cycle.joins);
+        let from_outside = enters[cycle.node];
+        for arc in &cycle.arcs {
+            enters[union.find(arcs[*arc].to)] = *arc;
+        }
+        enters[union.find(arcs[from_outside].to)] = from_outside;
+    }
+    enters.truncate(root);
+    enters
+}

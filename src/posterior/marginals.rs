@@ -1,0 +1,85 @@
+//! The probability of every bridge and every root.
+
+use super::cliques::{Clique, cliques};
+use super::escape::escapes;
+use super::messages::complete;
+use super::order::least_degree;
+use super::scaled::Scaled;
+use super::walk::Walk;
+use super::{Bridge, Forests};
+
+/// Marginal probabilities of the posterior; those of a fragment's bridges and its root sum to one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Marginals {
+    /// Per bridge, that it is the one its child hangs by.
+    pub bridges: Vec<f64>,
+    /// Per fragment, that it hangs on nothing.
+    pub roots: Vec<f64>,
+    /// ln Z: the log of the sum of the weights of all explanations.
+    pub log_total: f64,
+}
+
+/// The marginals, each accurate to about n units in its last place whatever its size.
+///
+/// Work grows with the cube of the largest clique that elimination makes: n³ at worst, for a hundred fragments a
+/// millisecond.
+pub fn marginals(forests: &Forests) -> Marginals {
+    let scaled = Scaled::new(forests);
+    let links = forests
+        .bridges()
+        .iter()
+        .zip(&scaled.bridge)
+        .filter(|(_, w)| **w > 0.0)
+        .map(|(b, _)| [b.child, b.parent])
+        .collect::<Vec<_>>();
+    let cliques = cliques(&least_degree(forests.fragments(), &links));
+    let mut log_total = scaled.log_scale;
+    // The clique in which each fragment is eliminated, and its place there.
+    let mut home = vec![0; forests.fragments()];
+    for (number, clique) in cliques.iter().enumerate() {
+        clique.nodes[..clique.pivots].iter().for_each(|node| home[*node] = number);
+    }
+    let mut held = vec![Vec::new(); cliques.len()];
+    for (row, bridge) in forests.bridges().iter().enumerate().filter(|(row, _)| scaled.bridge[*row] > 0.0) {
+        held[home[bridge.child].min(home[bridge.parent])].push(row);
+    }
+    let mut place = vec![0; forests.fragments()];
+    let own = cliques.iter().zip(&held).map(|(clique, held)| own_walk(clique, held, forests, &scaled, &mut place)).collect();
+    let (walks, log_sum) = complete(&cliques, own);
+    log_total += log_sum;
+    let mut escape = vec![0.0; forests.bridges().len()];
+    for ((clique, walk), held) in cliques.iter().zip(&walks).zip(&held) {
+        let (q, log_det) = escapes(walk);
+        if clique.parent.is_none() {
+            log_total += log_det;
+        }
+        clique.nodes.iter().enumerate().for_each(|(at, node)| place[*node] = at);
+        for row in held {
+            let Bridge { child, parent, .. } = forests.bridges()[*row];
+            escape[*row] = q.get(place[parent], place[child]);
+        }
+    }
+    let odds: Vec<f64> = scaled.bridge.iter().zip(&escape).map(|(w, q)| w * q).collect();
+    let mut sum = scaled.root.clone();
+    for (bridge, odds) in forests.bridges().iter().zip(&odds) {
+        sum[bridge.child] += odds;
+    }
+    let bridges = forests.bridges().iter().zip(&odds).map(|(bridge, odds)| odds / sum[bridge.child]).collect();
+    Marginals { bridges, roots: scaled.root.iter().zip(&sum).map(|(root, sum)| root / sum).collect(), log_total }
+}
+
+/// The walk of a clique from the bridges that it holds and the roots that are eliminated there.
+fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled, place: &mut [usize]) -> Walk {
+    let mut walk = Walk::new(clique.nodes.len());
+    for (at, node) in clique.nodes.iter().enumerate() {
+        place[*node] = at;
+        if at < clique.pivots {
+            walk.death[at] = scaled.root[*node];
+        }
+    }
+    for row in held {
+        let Bridge { child, parent, .. } = forests.bridges()[*row];
+        walk.add(place[child], place[parent], scaled.bridge[*row]);
+    }
+    walk
+}
