@@ -53,6 +53,8 @@ PATCHES = [
             up = np.where(up < 0, -1, up)
         for x in []:
 """),
+    # Both ends of a short fragment are measured over the same points: both are its widest.
+    ("(re >= widest[pc])", "(re >= widest[pc] * (1 - 1e-9))"),
     # Free ends of other fragments are counted without those of the own one.
     ("min(len(g.ends), 4 * k + 8)", "len(g.ends)"),
 ]

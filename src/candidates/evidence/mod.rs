@@ -8,6 +8,7 @@ pub mod direction;
 mod extraction;
 mod frame;
 pub mod gap;
+mod meeting;
 pub mod parent;
 pub mod radius;
 mod roads;
@@ -23,6 +24,7 @@ use ndarray::Array2;
 
 pub use extraction::{Extraction, Fragment};
 pub use frame::Frame;
+pub use meeting::Meetings;
 pub use root::{ROOT_FEATURES, RootFeature, root_features};
 pub use search::{Bridge, Search, search};
 pub use smooth::SmoothPoints;

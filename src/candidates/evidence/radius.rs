@@ -1,6 +1,7 @@
 //! Features of the radii: whether the two vessels could be one, or the one a branch of the other.
 
 use super::span::Span;
+use super::steady::steady;
 
 /// |ln r_c/r_p| where two free ends meet, else 0: one vessel keeps its radius across a gap.
 pub fn radius_step(s: &Span) -> f64 {
@@ -20,7 +21,7 @@ pub fn taper(s: &Span) -> f64 {
 /// Whether the child is the widest free end of its fragment, 1 or 0: a fragment hangs on its thick end.
 pub fn widest_end(s: &Span) -> f64 {
     let widest = s.extraction.fragments[s.child.fragment].widest_end;
-    if widest.is_some_and(|w| s.child.radius >= w) { 1.0 } else { 0.0 }
+    if widest.is_some_and(|w| steady(s.child.radius / w) >= 1.0) { 1.0 } else { 0.0 }
 }
 
 /// ln of the thinner of the two radii over that of the widest free end of all: bridges of a circle are thick vessels.

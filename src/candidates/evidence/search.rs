@@ -2,20 +2,14 @@
 
 use super::extraction::Extraction;
 use super::frame::Frame;
+use super::meeting::{BEND, Hit, Meetings};
 use super::roads::Reached;
-use super::steady::steady;
+use super::steady::{compare, steady};
 use crate::geometry::{Point, distance, dot, sub};
 
 /// Reach in spacings and in radii of the end: independent of any unit.
 const REACH_SPACINGS: f64 = 20.0;
 const REACH_RADII: f64 = 10.0;
-/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
-const BEND: f64 = 1.3;
-/// A meeting point so many spacings from a free end of its branch is moved there.
-const SNAP_SPACINGS: f64 = 3.0;
-/// A vessel that runs along its parent joins it further on: so many spacings from the nearest point, give or take.
-const AHEAD_SPACINGS: f64 = 3.5;
-const AHEAD_SLACK: f64 = 0.8;
 /// Meeting points on one fragment are so many spacings apart, or a radius there where that is more.
 const APART_SPACINGS: f64 = 2.0;
 /// A bridge within a fragment saves at least so much: path over gap, and path over width of the end.
@@ -27,17 +21,22 @@ const LOOP_COS: f64 = 0.3;
 /// How far the search goes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Search {
-    /// Nearest branches, and nearest free ends, of other fragments for each free end.
+    /// Nearest branches of other fragments for each free end.
     pub branches: usize,
-    /// Of these, the branches that are also met further ahead.
-    pub ahead: usize,
+    /// Nearest free ends of other fragments for each free end.
+    pub free_ends: usize,
     /// Branches of the own fragment for each free end.
     pub own_branches: usize,
+    /// Where a branch is met.
+    pub meetings: Meetings,
+    /// The largest strain, d/D (1.3 - cos β) max(1, 1.3 - cos β'): d the gap, D the end's width, β the bend at the end, β' that
+    /// at the free end it reaches. Infinity keeps all.
+    pub most_strain: f64,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { branches: 4, ahead: 2, own_branches: 2 }
+        Self { branches: 5, free_ends: 4, own_branches: 2, meetings: Meetings::default(), most_strain: 5.0 }
     }
 }
 
@@ -52,24 +51,11 @@ pub struct Bridge {
     pub inside: bool,
 }
 
-/// A point within reach of a free end, with what the search compares.
-#[derive(Debug, Clone, Copy)]
-struct Hit {
-    point: usize,
-    /// Distance, m.
-    distance: f64,
-    /// [`steady`] distance in spacings, then smoothed radius in spacings: the order of hits, whatever their numbers.
-    order: [f64; 2],
-    /// Cosine of the bend from the end's direction.
-    cos: f64,
-}
-
 /// The bridges of an extraction, by free end, other fragments first.
 ///
 /// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,
-/// and to branches of its own fragment that are ahead and much further along the vessels. A branch is met at its nearest
-/// point, where d (1.3 - cos) is least, and some spacings ahead of its nearest point; near a free end it is met there. What
-/// is chosen depends on neither unit, rotation nor the numbers of points; only exact ties in distance and radius go by number.
+/// and to branches of its own fragment that are ahead and much further along the vessels; none that is both far and bent. What
+/// is chosen depends on neither unit, rotation nor the numbers of points; only ties in distance, bend and radius go by number.
 pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
     let mut reached = extraction.roads.room();
     let mut bridges = Vec::new();
@@ -77,7 +63,8 @@ pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
         let around = Around::new(extraction, end);
         for inside in [false, true] {
             let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
-            bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+            let near = targets.into_iter().filter(|point| steady(around.strain(*point)) < params.most_strain);
+            bridges.extend(near.map(|point| Bridge { end: row, point, inside }));
         }
     }
     bridges
@@ -92,44 +79,45 @@ struct Around<'a> {
     hits: Vec<Hit>,
 }
 
-/// A place to meet, with the rank of the rule that found it.
-type Pick = (u8, usize);
-
 impl<'a> Around<'a> {
     fn new(extraction: &'a Extraction, end: &'a Frame) -> Self {
         let position = extraction.position[end.point];
         let reach = REACH_SPACINGS * extraction.spacing + REACH_RADII * end.radius;
-        let hit = |(distance, point): (f64, usize)| Hit {
-            point,
-            distance,
-            order: [distance, extraction.smooth.radius[point]].map(|x| steady(x / extraction.spacing)),
-            cos: cosine(sub(extraction.position[point], position), end.direction, distance),
+        let hit = |(distance, point): (f64, usize)| {
+            let cos = cosine(sub(extraction.position[point], position), end.direction, distance);
+            let [away, radius] = [distance, extraction.smooth.radius[point]].map(|x| steady(x / extraction.spacing));
+            Hit { point, distance, order: [away, steady(BEND - cos), radius], cos }
         };
         let mut hits: Vec<Hit> = extraction.index.within(position, reach).into_iter().map(hit).collect();
         hits.sort_by(|a, b| compare(&a.order, &b.order).then(a.point.cmp(&b.point)));
         Self { extraction, end, reach, hits }
     }
 
+    fn width(&self) -> f64 {
+        2.0 * self.end.radius + self.extraction.spacing
+    }
+
     fn other_fragments(&self, params: &Search) -> Vec<usize> {
         let other = |h: &&Hit| self.extraction.fragment[h.point] != self.end.fragment;
-        let mut picks = self.meetings(&self.nearest_branches(params.branches, other), params.ahead);
+        let branches = self.nearest_branches(params.branches, other);
+        let mut picks = params.meetings.of(self.extraction, self.end, &branches);
         let free = self.hits.iter().filter(other).filter(|h| self.extraction.end_at[h.point].is_some());
-        picks.extend(free.take(params.branches).map(|h| (0, h.point)));
+        picks.extend(free.take(params.free_ends).map(|h| (0, h.point)));
         self.apart(picks)
     }
 
     fn own_branches(&self, params: &Search, reached: &mut Reached) -> Vec<usize> {
         let (roads, own) = (&self.extraction.roads, self.end.fragment);
-        let width = 2.0 * self.end.radius + self.extraction.spacing;
-        let most = (DETOUR * self.reach).max(DETOUR_WIDTHS * width);
+        let most = (DETOUR * self.reach).max(DETOUR_WIDTHS * self.width());
         roads.reach(&[self.end.point], most, reached);
         let saves = |h: &&Hit| {
+            let least = (DETOUR * h.distance).max(DETOUR_WIDTHS * self.width());
             self.extraction.fragment[h.point] == own
                 && steady(h.cos) > LOOP_COS
-                && steady(roads.to_point(reached, h.point)) > steady((DETOUR * h.distance).max(DETOUR_WIDTHS * width))
+                && steady(roads.to_point(reached, h.point)) > steady(least)
         };
-        let picks = self.meetings(&self.nearest_branches(params.own_branches, saves), params.ahead);
-        self.apart(picks)
+        let branches = self.nearest_branches(params.own_branches, saves);
+        self.apart(params.meetings.of(self.extraction, self.end, &branches))
     }
 
     /// The nearest branches, each with its hits, in order.
@@ -150,42 +138,8 @@ impl<'a> Around<'a> {
         hits
     }
 
-    /// Where branches are met: first where distance and bend are least, then at the nearest points, then ahead of these.
-    fn meetings(&self, branches: &[Vec<Hit>], ahead: usize) -> Vec<Pick> {
-        let spacing = self.extraction.spacing;
-        let mut picks = Vec::new();
-        for (rank, hits) in branches.iter().enumerate() {
-            let cost = |h: &Hit| [steady(h.distance / spacing * (BEND - h.cos)), h.order[0], h.order[1]];
-            let bent = hits.iter().min_by(|a, b| compare(&cost(a), &cost(b)));
-            picks.extend(bent.map(|h| (0, self.snapped(h.point))));
-            picks.push((1, self.snapped(hits[0].point)));
-            if rank < ahead {
-                let nearest = self.extraction.position[hits[0].point];
-                let off = |h: &&Hit| {
-                    let off = steady(distance(self.extraction.position[h.point], nearest) / spacing);
-                    (off - AHEAD_SPACINGS).abs() < AHEAD_SLACK
-                };
-                let bend = |h: &Hit| [steady(BEND - h.cos), h.order[0], h.order[1]];
-                let on = hits.iter().filter(off).min_by(|a, b| compare(&bend(a), &bend(b)));
-                picks.extend(on.map(|h| (2, self.snapped(h.point))));
-            }
-        }
-        picks
-    }
-
-    /// The nearest free end of a point's branch where that is near, else the point.
-    fn snapped(&self, point: usize) -> usize {
-        let e = self.extraction;
-        let line = &e.lines[e.branch[point]];
-        let away = |end: usize| steady(distance(e.position[end], e.position[point]) / e.spacing);
-        let order = |end: usize| [away(end), steady(e.smooth.radius[end] / e.spacing)];
-        let free = [line[0], line[line.len() - 1]].into_iter().filter(|p| e.end_at[*p].is_some());
-        let near = free.filter(|end| away(*end) <= SNAP_SPACINGS);
-        near.min_by(|a, b| compare(&order(*a), &order(*b))).unwrap_or(point)
-    }
-
     /// The picks by rule, without those close to an earlier one on the same fragment, which a free end replaces.
-    fn apart(&self, mut picks: Vec<Pick>) -> Vec<usize> {
+    fn apart(&self, mut picks: Vec<(u8, usize)>) -> Vec<usize> {
         let e = self.extraction;
         picks.sort_by_key(|(rule, _)| *rule);
         let mut chosen: Vec<usize> = Vec::new();
@@ -205,14 +159,19 @@ impl<'a> Around<'a> {
         }
         chosen
     }
+
+    /// See [`Search::most_strain`].
+    fn strain(&self, point: usize) -> f64 {
+        let e = self.extraction;
+        let across = sub(e.position[point], e.position[self.end.point]);
+        let gap = distance(e.position[point], e.position[self.end.point]);
+        let bend = |direction: Point| BEND - cosine(across, direction, gap);
+        let there = e.end_at[point].map_or(1.0, |end| bend(e.ends[end].direction.map(|x| -x)));
+        gap / self.width() * bend(self.end.direction) * there.max(1.0)
+    }
 }
 
 /// The cosine between a displacement of a length and a unit vector; zero without a length.
 fn cosine(displacement: Point, direction: Point, length: f64) -> f64 {
     if length > 0.0 { dot(displacement, direction) / length } else { 0.0 }
-}
-
-/// Lexicographic order.
-fn compare(a: &[f64], b: &[f64]) -> std::cmp::Ordering {
-    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
 }

@@ -3,7 +3,7 @@
 use super::extraction::Extraction;
 use super::frame::Frame;
 use super::search::Bridge;
-use super::steady::steady;
+use super::steady::{compare, steady};
 use crate::geometry::{Point, distance, dot, norm_squared, sub, unit};
 
 /// No gap is shorter than this, in spacings.
@@ -68,13 +68,11 @@ pub fn spans<'a>(extraction: &'a Extraction, bridges: &[Bridge]) -> Vec<Span<'a>
     let mut first: Vec<Vec<usize>> = vec![Vec::new(); extraction.ends.len()];
     for (end, rows) in of_end.iter_mut().enumerate() {
         let order = |row: usize, spans: &[Span]| {
-            let point = spans[row].point;
-            [spans[row].gap, extraction.smooth.radius[point]].map(|x| steady(x / extraction.spacing))
+            let s = &spans[row];
+            let bend = 2.0 - dot(s.child.direction, s.across);
+            [s.gap / extraction.spacing, bend, extraction.smooth.radius[s.point] / extraction.spacing].map(steady)
         };
-        rows.sort_by(|a, b| {
-            let ([da, ra], [db, rb]) = (order(*a, &spans), order(*b, &spans));
-            da.total_cmp(&db).then(ra.total_cmp(&rb)).then(a.cmp(b))
-        });
+        rows.sort_by(|a, b| compare(&order(*a, &spans), &order(*b, &spans)).then(a.cmp(b)));
         let mut near: Vec<(usize, f64)> = Vec::new();
         for row in rows.iter() {
             let (branch, gap) = (extraction.branch[spans[*row].point], spans[*row].gap);

@@ -1,5 +1,7 @@
 //! Numbers to compare: rounded so far that what is equal on paper is equal here.
 
+use std::cmp::Ordering;
+
 /// The nearest number of 32 significant bits.
 ///
 /// Extractions lie on voxel grids, so equal distances are common, and rounding would decide between them: differently for
@@ -7,6 +9,11 @@
 pub fn steady(x: f64) -> f64 {
     const GONE: u32 = f64::MANTISSA_DIGITS - 32;
     f64::from_bits((x.to_bits() + (1 << (GONE - 1))) & !((1 << GONE) - 1))
+}
+
+/// Lexicographic order.
+pub fn compare(a: &[f64], b: &[f64]) -> Ordering {
+    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]
