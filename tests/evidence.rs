@@ -6,7 +6,7 @@ use common::Draw;
 use willis::candidates::evidence::{Extraction, FEATURES, Search, features, root_features, search};
 use willis::centerline::Centerlines;
 use willis::geometry::Point;
-use willis::network::{RadiusRule, contract};
+use willis::network::{Network, Node, RadiusRule, contract};
 
 /// Points with their radii, and links, in mm.
 #[derive(Clone, Default)]
@@ -43,6 +43,92 @@ fn trees(seed: u64) -> Points {
         }
     }
     points
+}
+
+/// A straight vessel of 20 mm along x, 2 mm in radius, blood from its left end, and a thin one that ends 5 mm above its middle,
+/// pointing down; a point each mm.
+fn branch_above_a_vessel() -> Points {
+    let mut points = Points::default();
+    let parent = (-10..=10).map(|x| [f64::from(x), 0.0, 0.0, 2.0]);
+    let child = (5..=15).map(|y| [0.0, f64::from(y), 0.0, 0.5]);
+    for line in [parent.collect::<Vec<_>>(), child.collect()] {
+        let first = points.at.len() as u32;
+        points.links.extend((1..line.len() as u32).map(|i| [first + i - 1, first + i]));
+        points.at.extend(line);
+    }
+    points
+}
+
+/// Solved by hand: d = 5, D = 2 · 0.5 + 1 = 2, r = 2, h = 1; no bend; met at a right angle, 10 mm from either end; no rival.
+#[test]
+fn the_features_of_a_branch_above_a_vessel() {
+    let points = branch_above_a_vessel();
+    let (rows, roots) = found(&points, &in_order(&points));
+    let at = |x: f64, y: f64| points.at.iter().position(|p| p[0] == x && p[1] == y).expect("a point") as u32;
+    let (_, inside, row) = rows.iter().find(|r| r.0 == [at(0.0, 5.0), at(0.0, 0.0)]).expect("the bridge");
+    assert!(!inside);
+    let expected = [
+        ("ln_gap", 2.5_f64.ln()),
+        ("gap", 2.5),
+        ("ln_voxels", 5_f64.ln()),
+        ("wall", 1.5_f64.ln()),
+        ("bend_child", 0.0),
+        ("bend_far", 0.0),
+        ("is_end", 0.0),
+        ("t_sin", 1.0),
+        ("too_wide", 0.0),
+        ("kink", 0.0),
+        ("near_tip", (-2_f64).exp()),
+        ("near_junction", 0.0),
+        ("rank", 0.0),
+        ("margin", -2.0),
+        ("blocked", 0.0),
+        ("slim_parent", 5_f64.ln()),
+        ("share_parent", 1.01_f64.ln()),
+        ("fed_parent", 1.0),
+        ("thick_end", 1.0),
+        ("inner_taper", 0.0),
+        ("confluence", 0.0),
+        ("size", 0.25_f64.ln()),
+        ("loop_ratio", 0.0),
+    ];
+    for (name, value) in expected {
+        let column = FEATURES.iter().position(|(n, _)| *n == name).expect("a feature");
+        assert!((row[column] - value).abs() < 1e-12, "{name}: {} instead of {value}", row[column]);
+    }
+    // inlet, slim, share, width, voxels, clutter; the child before the parent by its second column.
+    let clutter = 2_f64.ln() - 3.0;
+    let child = [1.0, 0.0, 6_f64.ln(), 0.51_f64.ln(), 0.25_f64.ln(), 0.5_f64.ln(), clutter];
+    let parent = [1.0, 1.0, 5_f64.ln(), 1.01_f64.ln(), 0.0, 2_f64.ln(), clutter];
+    for (x, y) in roots.concat().iter().zip([child, parent].concat()) {
+        assert!((x - y).abs() < 1e-12, "{roots:?}");
+    }
+}
+
+/// Nothing, a lone point, and vessels of which only the nodes are known.
+#[test]
+fn what_has_no_points_is_no_error() {
+    let of = |network: &Network| {
+        let extraction = Extraction::new(network, &[]).expect("positions");
+        let bridges = search(&extraction, &Search::default());
+        assert!(features(&extraction, &bridges).iter().chain(&root_features(&extraction)).all(|x| x.is_finite()));
+        bridges.len()
+    };
+    let mut network = Network::new();
+    assert_eq!(of(&network), 0);
+    let at = |x: f64| Node { id: x.to_string(), position: Some([x * 1e-3, 0.0, 0.0]), ..Node::default() };
+    network.add_node(at(0.0));
+    assert_eq!(of(&network), 0);
+    for x in [1.0, 5.0, 6.0, 10.0] {
+        network.add_node(at(x));
+    }
+    network.add_vessel([1, 2], common::tube(4.0, 0.5));
+    network.add_vessel([3, 4], common::tube(4.0, 0.5));
+    // To each other across 1 mm, and the first one to the lone point.
+    assert!(of(&network) >= 3);
+    network.add_node(Node { id: "nowhere".into(), ..Node::default() });
+    let error = Extraction::new(&network, &[]).err().expect("an error").to_string();
+    assert!(error.contains("nowhere") && error.contains("position"), "{error}");
 }
 
 /// A bridge by its end, its target and whether it is inside; its features.

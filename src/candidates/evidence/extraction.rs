@@ -7,6 +7,7 @@ use super::steady::steady;
 use super::tangent::{Course, courses};
 use crate::candidates::Place;
 use crate::candidates::knn::PointIndex;
+use crate::centerline::is_radius;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, distance};
 use crate::network::{Network, Origin, PathPoint, Vessel, fragments};
@@ -70,6 +71,10 @@ impl Extraction {
     /// # Errors
     ///
     /// A node without a position.
+    ///
+    /// # Panics
+    ///
+    /// When an inlet is no node.
     pub fn new(network: &Network, inlets: &[usize]) -> Result<Self> {
         let mut position = Vec::with_capacity(network.node_count());
         for node in network.nodes() {
@@ -82,7 +87,7 @@ impl Extraction {
         let parts = fragments(network, |_, v| v.origin == Origin::Observed);
         let mut degree = network.degrees(|v| v.origin == Origin::Observed);
         let mut place: Vec<Place> = (0..network.node_count()).map(Place::Node).collect();
-        let mut radius: Vec<f64> = network.nodes().map(|n| n.radius.unwrap_or(f64::NAN)).collect();
+        let mut radius: Vec<f64> = network.nodes().map(|n| n.radius.filter(|r| is_radius(*r)).unwrap_or(f64::NAN)).collect();
         let mut fragment = parts.of_node.clone();
         let mut lines = Vec::with_capacity(observed.len());
         let rows = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed);
@@ -114,7 +119,7 @@ impl Extraction {
         }
         let branch = owners(&lines, &radius, &roads, place.len());
         let smooth = smooth(&lines, &degree, &position, &radius);
-        let ends = frames(&lines, &branch, &fragment, &degree, &position, &radius, spacing);
+        let ends = frames(&lines, &fragment, &degree, &position, &radius, spacing);
         let mut end_at = vec![None; place.len()];
         for (row, end) in ends.iter().enumerate() {
             end_at[end.point] = Some(row);

@@ -38,7 +38,6 @@ pub struct Frame {
 /// The free ends in node order.
 pub fn frames(
     lines: &[Vec<usize>],
-    branch: &[usize],
     fragment: &[usize],
     degree: &[usize],
     position: &[Point],
@@ -54,7 +53,6 @@ pub fn frames(
                 let path: Vec<(Point, f64)> = inwards.iter().map(|p| (position[*p], radius[*p].ln())).collect();
                 let mut frame = fitted(&path, spacing);
                 (frame.point, frame.branch, frame.fragment) = (point, row, fragment[point]);
-                debug_assert_eq!(branch[point], row);
                 ends.push(frame);
             }
             inwards.reverse();

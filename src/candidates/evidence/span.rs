@@ -98,7 +98,7 @@ pub fn spans<'a>(extraction: &'a Extraction, bridges: &[Bridge]) -> Vec<Span<'a>
     spans
 }
 
-fn span<'a>(extraction: &'a Extraction, bridge: Bridge) -> Span<'a> {
+fn span(extraction: &Extraction, bridge: Bridge) -> Span<'_> {
     let child = &extraction.ends[bridge.end];
     let parent_end = extraction.end_at[bridge.point].map(|end| &extraction.ends[end]);
     let (from, to) = (extraction.position[child.point], extraction.position[bridge.point]);
