@@ -24,7 +24,7 @@ fn trees(seed: u64) -> Points {
     for fragment in 0..14 {
         let mut starts = vec![(None, [0, 1, 2].map(|_| draw.within(0.0, 14.0)))];
         let radius = draw.within(0.3, 1.4);
-        for branch in 0..1 + fragment % 4 {
+        for branch in 0..=fragment % 4 {
             let (mut from, mut p): (Option<u32>, Point) = starts[draw.below(starts.len())];
             let mut heading = [0, 1, 2].map(|_| draw.within(-1.0, 1.0));
             for _ in 0..6 + draw.below(16) {
@@ -155,7 +155,7 @@ fn found(points: &Points, names: &[u32]) -> (Vec<Row>, Vec<Vec<f64>>) {
     let rows = bridges.iter().zip(columns.rows());
     let rows = rows.map(|(b, x)| ([extraction.ends[b.end].point, b.point].map(name), b.inside, x.to_vec()));
     let mut rows: Vec<Row> = rows.collect();
-    rows.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+    rows.sort_by_key(|row| (row.0, row.1));
     let mut roots: Vec<Vec<f64>> = root_features(&extraction).rows().into_iter().map(|r| r.to_vec()).collect();
     roots.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
     (rows, roots)

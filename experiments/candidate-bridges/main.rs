@@ -6,6 +6,7 @@ use std::io::{BufReader, Error, ErrorKind, Result};
 use std::time::Instant;
 
 use willis::candidates::evidence::{Extraction, Meetings, Search, features, search};
+use willis::error::Fault;
 use willis::network::{Network, RadiusRule, contract, nearest, parse_position};
 use willis::units::Scale;
 
@@ -39,11 +40,11 @@ fn rule(name: &str) -> Option<Search> {
 }
 
 fn observed(path: &str) -> Result<Network> {
-    let wrong = |what: String| Error::new(ErrorKind::InvalidData, format!("{path}: {what}"));
+    let wrong = |fault: Fault| Error::other(fault.in_file(path.as_ref()));
     let file = BufReader::new(fs::File::open(path)?);
-    let (mut lines, _) = willis::formats::read_swc(file, &Scale::default()).map_err(|e| wrong(e.to_string()))?;
+    let (mut lines, _) = willis::formats::read_swc(file, &Scale::default()).map_err(wrong)?;
     lines.weld(WELD_TOLERANCE);
-    Ok(contract(&lines, RadiusRule::Mean, None).map_err(|e| wrong(e.to_string()))?.network)
+    Ok(contract(&lines, RadiusRule::Mean, None).map_err(wrong)?.network)
 }
 
 fn main() -> Result<()> {
@@ -57,7 +58,7 @@ fn main() -> Result<()> {
     let inlets: Vec<usize> =
         inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?)).map(|found| found.node).collect();
     let began = Instant::now();
-    let extraction = Extraction::new(&network, &inlets).map_err(|e| Error::new(ErrorKind::InvalidData, e.to_string()))?;
+    let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
     let bridges = search(&extraction, &params);
     let columns = features(&extraction, &bridges);
     let took = began.elapsed();
