@@ -4,6 +4,14 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use crate::geometry::{Point, norm_squared, sub};
 
+/// The nearest points, all at one distance.
+pub struct Nearest {
+    /// Their distance, m; infinite when there is none.
+    pub distance: f64,
+    /// Their numbers, in rising order.
+    pub points: Vec<usize>,
+}
+
 /// Points that can be searched.
 pub struct PointIndex {
     points: Vec<Point>,
@@ -37,6 +45,18 @@ impl PointIndex {
         let mut hits: Vec<(f64, usize)> = measured.filter(|(d2, _)| *d2 <= limit).collect();
         hits.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         hits.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect()
+    }
+
+    /// The points nearest to `p` of those no further than `reach`; those that only rounding parts are all nearest.
+    pub fn nearest(&self, p: Point, reach: f64) -> Nearest {
+        let first = self.tree.as_ref().map(|tree| tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute());
+        let distance = first.map_or(f64::INFINITY, |hit| norm_squared(sub(self.points[hit.item as usize], p)).sqrt());
+        let mut points = Vec::new();
+        if distance <= reach * (1.0 + 1e-9) {
+            points.extend(self.within(p, distance * (1.0 + 1e-9)).into_iter().map(|(_, point)| point));
+            points.sort_unstable();
+        }
+        Nearest { distance, points }
     }
 }
 

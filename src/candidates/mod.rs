@@ -2,6 +2,7 @@
 
 mod attach;
 mod ends;
+pub mod evidence;
 mod knn;
 mod split;
 
@@ -86,9 +87,16 @@ impl Params {
 
 /// A point of a network: a node, or a point along a vessel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Place {
+pub enum Place {
+    /// A node, by row.
     Node(usize),
-    Along { vessel: usize, point: usize },
+    /// A point of a vessel's path.
+    Along {
+        /// The vessel's row.
+        vessel: usize,
+        /// The point's place in its path.
+        point: usize,
+    },
 }
 
 /// A place with its position (m) and local radius (m).

@@ -1,0 +1,87 @@
+//! Writes the candidate bridges of an extraction by a rule: `candidate-bridges RULE FRAGMENTS.swc INLETS.csv EDGES.csv`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{BufReader, Error, ErrorKind, Result};
+use std::time::Instant;
+
+use willis::candidates::evidence::{Extraction, Meetings, Search, features, search};
+use willis::error::Fault;
+use willis::network::{Network, RadiusRule, contract, nearest, parse_position};
+use willis::units::Scale;
+
+/// As the command line: a fraction of the box around the points.
+const WELD_TOLERANCE: f64 = 1e-6;
+
+/// From the reference model's rules to ours, a change at a time.
+fn rule(name: &str) -> Option<Search> {
+    let reference = Search {
+        branches: 4,
+        free_ends: 4,
+        own_branches: 2,
+        meetings: Meetings { ahead: 2, behind: 0, kinks: 0 },
+        most_strain: f64::INFINITY,
+    };
+    let strained = Search { most_strain: 5.0, ..reference.clone() };
+    let behind = Search { meetings: Meetings { behind: 2, ..reference.meetings.clone() }, ..strained.clone() };
+    let kinks = Search { meetings: Meetings::default(), ..strained.clone() };
+    let limited = |most_strain: f64| Some(Search { most_strain, ..Search::default() });
+    match name {
+        "reference" => Some(reference),
+        "strain" => Some(strained),
+        "strain+behind" => Some(behind),
+        "strain+behind+kinks" => Some(kinks),
+        "default" => Some(Search::default()),
+        "default-strain-4" => limited(4.0),
+        "default-strain-6" => limited(6.0),
+        "default-any-strain" => limited(f64::INFINITY),
+        _ => None,
+    }
+}
+
+fn observed(path: &str) -> Result<Network> {
+    let wrong = |fault: Fault| Error::other(fault.in_file(path.as_ref()));
+    let file = BufReader::new(fs::File::open(path)?);
+    let (mut lines, _) = willis::formats::read_swc(file, &Scale::default()).map_err(wrong)?;
+    lines.weld(WELD_TOLERANCE);
+    Ok(contract(&lines, RadiusRule::Mean, None).map_err(wrong)?.network)
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [name, fragments, inlets, edges] = &arguments[..] else {
+        return Err(Error::new(ErrorKind::InvalidInput, "expected RULE FRAGMENTS.swc INLETS.csv EDGES.csv"));
+    };
+    let params = rule(name).ok_or_else(|| Error::new(ErrorKind::InvalidInput, format!("no rule {name}")))?;
+    let network = observed(fragments)?;
+    let inlets = fs::read_to_string(inlets)?;
+    let inlets: Vec<usize> =
+        inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?)).map(|found| found.node).collect();
+    let began = Instant::now();
+    let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
+    let bridges = search(&extraction, &params);
+    let columns = features(&extraction, &bridges);
+    let took = began.elapsed();
+    let mut out = csv::Writer::from_path(edges)?;
+    out.write_record(["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm", "origin", "likelihood", "kept"])?;
+    // A bridge between two free ends is found from both.
+    let mut pairs = BTreeSet::new();
+    for bridge in &bridges {
+        let ends = [extraction.ends[bridge.end].point, bridge.point];
+        if pairs.insert([ends[0].min(ends[1]), ends[0].max(ends[1])]) {
+            let mut row: Vec<String> = ends.iter().flat_map(|p| extraction.position[*p]).map(|x| (x * 1e3).to_string()).collect();
+            row.extend(["candidate", "1", "0"].map(str::to_owned));
+            out.write_record(row)?;
+        }
+    }
+    out.flush()?;
+    eprintln!(
+        "{fragments}: {} points, {} fragments, {} bridges of {} features in {:.1} ms",
+        extraction.position.len(),
+        extraction.fragments.len(),
+        columns.nrows(),
+        columns.ncols(),
+        took.as_secs_f64() * 1e3
+    );
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! Features of a fragment that hangs on nothing: an inlet's tree, or no vessel at all.
+
+use ndarray::Array2;
+
+use super::extraction::{Extraction, Fragment};
+use super::parent::{share, slenderness};
+
+/// A feature of a fragment.
+pub type RootFeature = fn(&Extraction, &Fragment) -> f64;
+
+/// The features of a root, by name.
+pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
+    ("one", one),
+    ("inlet", inlet),
+    ("slim", slenderness),
+    ("share", share),
+    ("width", relative_width),
+    ("voxels", width_in_spacings),
+    ("clutter", clutter),
+];
+
+/// ln of a middling number of fragments.
+const USUAL_CLUTTER: f64 = 3.0;
+
+/// The features of every fragment as a root: a row a fragment, a column a feature of [`ROOT_FEATURES`].
+pub fn root_features(extraction: &Extraction) -> Array2<f64> {
+    let fragments = &extraction.fragments;
+    Array2::from_shape_fn((fragments.len(), ROOT_FEATURES.len()), |(row, column)| {
+        ROOT_FEATURES[column].1(extraction, &fragments[row])
+    })
+}
+
+/// 1: how readily a fragment stays alone.
+pub fn one(_: &Extraction, _: &Fragment) -> f64 {
+    1.0
+}
+
+/// Whether it holds an inlet, 1 or 0.
+pub fn inlet(_: &Extraction, fragment: &Fragment) -> f64 {
+    if fragment.fed { 1.0 } else { 0.0 }
+}
+
+/// ln of the radius of its widest free end over that of the widest fragment's.
+pub fn relative_width(extraction: &Extraction, fragment: &Fragment) -> f64 {
+    let widest = extraction.fragments.iter().map(|f| end_radius(extraction, f)).fold(0.0, f64::max);
+    (end_radius(extraction, fragment) / widest).ln()
+}
+
+/// ln of the radius of its widest free end in spacings.
+pub fn width_in_spacings(extraction: &Extraction, fragment: &Fragment) -> f64 {
+    (end_radius(extraction, fragment) / extraction.spacing).ln()
+}
+
+/// ln of the number of fragments, less 3: the more there are, the more are false.
+pub fn clutter(extraction: &Extraction, _: &Fragment) -> f64 {
+    (extraction.fragments.len() as f64).ln() - USUAL_CLUTTER
+}
+
+/// The radius (m) of its widest free end, half a spacing at least.
+fn end_radius(extraction: &Extraction, fragment: &Fragment) -> f64 {
+    fragment.widest_end.unwrap_or(0.0).max(0.5 * extraction.spacing)
+}

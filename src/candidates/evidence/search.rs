@@ -1,0 +1,177 @@
+//! The bridges that may be: from every free end to the branches and free ends around it.
+
+use super::extraction::Extraction;
+use super::frame::Frame;
+use super::meeting::{BEND, Hit, Meetings};
+use super::roads::Reached;
+use super::steady::{compare, steady};
+use crate::geometry::{Point, distance, dot, sub};
+
+/// Reach in spacings and in radii of the end: independent of any unit.
+const REACH_SPACINGS: f64 = 20.0;
+const REACH_RADII: f64 = 10.0;
+/// Meeting points on one fragment are so many spacings apart, or a radius there where that is more.
+const APART_SPACINGS: f64 = 2.0;
+/// A bridge within a fragment saves at least so much: path over gap, and path over width of the end.
+const DETOUR: f64 = 4.0;
+const DETOUR_WIDTHS: f64 = 6.0;
+/// A bridge within a fragment leaves ahead: least cos of its bend.
+const LOOP_COS: f64 = 0.3;
+
+/// How far the search goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    /// Nearest branches of other fragments for each free end.
+    pub branches: usize,
+    /// Nearest free ends of other fragments for each free end.
+    pub free_ends: usize,
+    /// Branches of the own fragment for each free end.
+    pub own_branches: usize,
+    /// Where a branch is met.
+    pub meetings: Meetings,
+    /// The largest strain, d/D (1.3 - cos β) max(1, 1.3 - cos β'): d the gap, D the end's width, β the bend at the end, β' that
+    /// at the free end it reaches. Infinity keeps all.
+    pub most_strain: f64,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { branches: 5, free_ends: 4, own_branches: 2, meetings: Meetings::default(), most_strain: 5.0 }
+    }
+}
+
+/// A bridge that may be, from a free end to a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Bridge {
+    /// The free end it leaves, a row of [`Extraction::ends`].
+    pub end: usize,
+    /// The point it reaches.
+    pub point: usize,
+    /// Whether both are in one fragment, so that it closes a loop.
+    pub inside: bool,
+}
+
+/// The bridges of an extraction, by free end, other fragments first.
+///
+/// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,
+/// and to branches of its own fragment that are ahead and much further along the vessels; none that is both far and bent. What
+/// is chosen depends on neither unit, rotation nor the numbers of points; only ties in distance, bend and radius go by number.
+pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
+    let mut reached = extraction.roads.room();
+    let mut bridges = Vec::new();
+    for (row, end) in extraction.ends.iter().enumerate() {
+        let around = Around::new(extraction, end);
+        for inside in [false, true] {
+            let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
+            let near = targets.into_iter().filter(|point| steady(around.strain(*point)) < params.most_strain);
+            bridges.extend(near.map(|point| Bridge { end: row, point, inside }));
+        }
+    }
+    bridges
+}
+
+/// What lies within reach of a free end.
+struct Around<'a> {
+    extraction: &'a Extraction,
+    end: &'a Frame,
+    reach: f64,
+    /// In order.
+    hits: Vec<Hit>,
+}
+
+impl<'a> Around<'a> {
+    fn new(extraction: &'a Extraction, end: &'a Frame) -> Self {
+        let position = extraction.position[end.point];
+        let reach = REACH_SPACINGS * extraction.spacing + REACH_RADII * end.radius;
+        let hit = |(distance, point): (f64, usize)| {
+            let cos = cosine(sub(extraction.position[point], position), end.direction, distance);
+            let [away, radius] = [distance, extraction.smooth.radius[point]].map(|x| steady(x / extraction.spacing));
+            Hit { point, distance, order: [away, steady(BEND - cos), radius], cos }
+        };
+        let mut hits: Vec<Hit> = extraction.index.within(position, reach).into_iter().map(hit).collect();
+        hits.sort_by(|a, b| compare(&a.order, &b.order).then(a.point.cmp(&b.point)));
+        Self { extraction, end, reach, hits }
+    }
+
+    fn width(&self) -> f64 {
+        2.0 * self.end.radius + self.extraction.spacing
+    }
+
+    fn other_fragments(&self, params: &Search) -> Vec<usize> {
+        let other = |h: &&Hit| self.extraction.fragment[h.point] != self.end.fragment;
+        let branches = self.nearest_branches(params.branches, other);
+        let mut picks = params.meetings.of(self.extraction, self.end, &branches);
+        let free = self.hits.iter().filter(other).filter(|h| self.extraction.end_at[h.point].is_some());
+        picks.extend(free.take(params.free_ends).map(|h| (0, h.point)));
+        self.apart(picks)
+    }
+
+    fn own_branches(&self, params: &Search, reached: &mut Reached) -> Vec<usize> {
+        let (roads, own) = (&self.extraction.roads, self.end.fragment);
+        let most = (DETOUR * self.reach).max(DETOUR_WIDTHS * self.width());
+        roads.reach(&[self.end.point], most, reached);
+        let saves = |h: &&Hit| {
+            let least = (DETOUR * h.distance).max(DETOUR_WIDTHS * self.width());
+            self.extraction.fragment[h.point] == own
+                && steady(h.cos) > LOOP_COS
+                && steady(roads.to_point(reached, h.point)) > steady(least)
+        };
+        let branches = self.nearest_branches(params.own_branches, saves);
+        self.apart(params.meetings.of(self.extraction, self.end, &branches))
+    }
+
+    /// The nearest branches, each with its hits, in order.
+    fn nearest_branches(&self, count: usize, wanted: impl Fn(&&Hit) -> bool) -> Vec<Vec<Hit>> {
+        let mut order: Vec<usize> = Vec::new();
+        let mut hits: Vec<Vec<Hit>> = Vec::new();
+        for hit in self.hits.iter().filter(wanted) {
+            let branch = self.extraction.branch[hit.point];
+            match order.iter().position(|b| *b == branch) {
+                Some(at) => hits[at].push(*hit),
+                None if order.len() < count => {
+                    order.push(branch);
+                    hits.push(vec![*hit]);
+                }
+                None => {}
+            }
+        }
+        hits
+    }
+
+    /// The picks by rule, without those close to an earlier one on the same fragment, which a free end replaces.
+    fn apart(&self, mut picks: Vec<(u8, usize)>) -> Vec<usize> {
+        let e = self.extraction;
+        picks.sort_by_key(|(rule, _)| *rule);
+        let mut chosen: Vec<usize> = Vec::new();
+        for (_, point) in picks.into_iter().filter(|(_, point)| *point != self.end.point) {
+            let gap = steady((APART_SPACINGS * e.spacing).max(e.smooth.radius[point]) / e.spacing);
+            let near = |other: &usize| {
+                e.fragment[*other] == e.fragment[point]
+                    && steady(distance(e.position[*other], e.position[point]) / e.spacing) < gap
+            };
+            match chosen.iter().position(near) {
+                None => chosen.push(point),
+                Some(at) if e.end_at[point].is_some() && e.end_at[chosen[at]].is_none() && !chosen.contains(&point) => {
+                    chosen[at] = point;
+                }
+                Some(_) => {}
+            }
+        }
+        chosen
+    }
+
+    /// See [`Search::most_strain`].
+    fn strain(&self, point: usize) -> f64 {
+        let e = self.extraction;
+        let across = sub(e.position[point], e.position[self.end.point]);
+        let gap = distance(e.position[point], e.position[self.end.point]);
+        let bend = |direction: Point| BEND - cosine(across, direction, gap);
+        let there = e.end_at[point].map_or(1.0, |end| bend(e.ends[end].direction.map(|x| -x)));
+        gap / self.width() * bend(self.end.direction) * there.max(1.0)
+    }
+}
+
+/// The cosine between a displacement of a length and a unit vector; zero without a length.
+fn cosine(displacement: Point, direction: Point, length: f64) -> f64 {
+    if length > 0.0 { dot(displacement, direction) / length } else { 0.0 }
+}
