@@ -40,23 +40,36 @@ pub struct Fault {
 impl Fault {
     /// A fault of the whole file.
     pub fn file(found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::File, found: found.into(), accepted: accepted.into() }
+        Self { place: Place::File, found: one_line(found), accepted: one_line(accepted) }
     }
 
     /// A fault on a line, counted from 1.
     pub fn line(line: usize, found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::Line(line), found: found.into(), accepted: accepted.into() }
+        Self { place: Place::Line(line), found: one_line(found), accepted: one_line(accepted) }
     }
 
     /// A fault of a named item.
     pub fn item(item: impl Into<String>, found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::Item(item.into()), found: found.into(), accepted: accepted.into() }
+        Self { place: Place::Item(one_line(item)), found: one_line(found), accepted: one_line(accepted) }
     }
 
     /// The error for the file `path`.
     pub fn in_file(self, path: &Path) -> Error {
         Error::Input { path: path.to_owned(), place: self.place, found: self.found, accepted: self.accepted }
     }
+}
+
+/// More characters than anybody reads of what a file holds in the wrong place.
+const MOST: usize = 400;
+
+/// Text that may come from a file, as part of a message in one line: without control characters, cut where it is long.
+fn one_line(text: impl Into<String>) -> String {
+    let text = text.into();
+    if text.len() <= MOST && !text.chars().any(char::is_control) {
+        return text;
+    }
+    let cut = if text.chars().nth(MOST).is_some() { "\u{2026}" } else { "" };
+    text.chars().take(MOST).map(|c| if c.is_control() { '\u{fffd}' } else { c }).chain(cut.chars()).collect()
 }
 
 /// Everything that can fail.
@@ -123,11 +136,25 @@ pub enum Error {
 impl Error {
     /// A parameter out of its range.
     pub fn parameter(name: impl Into<String>, value: impl fmt::Display, accepted: impl Into<String>) -> Self {
-        Self::Parameter { name: name.into(), value: value.to_string(), accepted: accepted.into() }
+        Self::Parameter { name: name.into(), value: one_line(value.to_string()), accepted: one_line(accepted) }
     }
 
     /// Whether the person who called can mend it by changing the input or an argument.
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Input { .. } | Self::Parameter { .. } | Self::Read { .. } | Self::Exists { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_holds_cannot_break_a_message_into_lines() {
+        let fault = Fault::item("a\nb", format!("x\r\u{1b}[31m{}", "y".repeat(MOST)), "z");
+        let said = fault.in_file(Path::new("f")).to_string();
+        assert!(said.starts_with("f: a\u{fffd}b: x\u{fffd}\u{fffd}[31myy") && said.ends_with("y\u{2026}; z"), "{said}");
+        assert!(!said.chars().any(char::is_control));
+        assert_eq!(Error::parameter("--x", "1\n", "a number").to_string(), "--x 1\u{fffd}: a number");
     }
 }

@@ -173,10 +173,10 @@ fn a_seed_gives_the_same_bits_and_another_seed_others() {
             truth.write_json(&mut out).unwrap();
             out
         };
-        let (lines, truth) = break_up(&network, &Breaks::default());
-        let (again, truth_again) = break_up(&network, &Breaks::default());
+        let (lines, truth) = break_up(&network, &Breaks::default()).unwrap();
+        let (again, truth_again) = break_up(&network, &Breaks::default()).unwrap();
         assert_eq!((&lines, json(&truth)), (&again, json(&truth_again)));
-        assert_ne!(lines, break_up(&network, &Breaks { seed: 1, ..Breaks::default() }).0);
+        assert_ne!(lines, break_up(&network, &Breaks { seed: 1, ..Breaks::default() }).unwrap().0);
     }
 }
 
@@ -188,7 +188,7 @@ fn each_extraction(check: impl Fn(&Network, &Breaks, &Centerlines, &Truth)) {
             let hard =
                 Breaks { junction_gaps: 1.0, double_gaps: 0.5, vessel_gaps: 2.0, lost_ends: 0.5, spacing: 1e-3, ..mild.clone() };
             for params in [mild, hard] {
-                let (lines, truth) = break_up(&network, &params);
+                let (lines, truth) = break_up(&network, &params).unwrap();
                 check(&network, &params, &lines, &truth);
             }
         }
@@ -237,7 +237,7 @@ fn no_link_crosses_a_gap() {
 fn missing_stretches_are_empty() {
     for network in bases() {
         for seed in 0..5 {
-            let (lines, truth) = break_up(&network, &Breaks { seed, jitter: 0.0, ..Breaks::default() });
+            let (lines, truth) = break_up(&network, &Breaks { seed, jitter: 0.0, ..Breaks::default() }).unwrap();
             for gap in &truth.breaks {
                 let path = &network.vessel(gap.vessel).path;
                 let mut arc = 0.0;
@@ -262,7 +262,7 @@ fn spurious_bits_touch_nothing() {
     let mut seen = 0;
     for network in bases() {
         for seed in 0..3 {
-            let (lines, truth) = break_up(&network, &Breaks { seed, spurious: 1.0, ..Breaks::default() });
+            let (lines, truth) = break_up(&network, &Breaks { seed, spurious: 1.0, ..Breaks::default() }).unwrap();
             for point in (0..lines.points.len()).filter(|p| truth.points[*p].is_none()) {
                 assert!(truth.spurious[lines.strand[point] as usize]);
                 seen += 1;
@@ -303,7 +303,7 @@ fn junctions_break_as_often_as_asked() {
         .map(|seed| {
             let params =
                 Breaks { seed, junction_gaps: 0.4, double_gaps: 0.0, lost_ends: 0.0, vessel_gaps: 0.0, ..Breaks::default() };
-            break_up(&network, &params).1.breaks.len()
+            break_up(&network, &params).unwrap().1.breaks.len()
         })
         .sum();
     let (mean, deviation) = (400.0 * 10.0 * 0.4, (400.0 * 10.0 * 0.4 * 0.6_f64).sqrt());
@@ -313,7 +313,7 @@ fn junctions_break_as_often_as_asked() {
 #[test]
 fn the_default_damage_of_the_head_is_worth_mending() {
     let network = cerebral(&circle_of_willis(SPACING));
-    let (lines, truth) = break_up(&network, &Breaks::default());
+    let (lines, truth) = break_up(&network, &Breaks::default()).unwrap();
     let bits = truth.spurious.iter().filter(|s| **s).count();
     println!(
         "{} points, {} fragments, {bits} of them spurious, {} breaks",
@@ -326,7 +326,7 @@ fn the_default_damage_of_the_head_is_worth_mending() {
 
 #[test]
 fn the_answer_is_json_with_the_documented_keys() {
-    let (lines, truth) = break_up(&cerebral(&circle_of_willis(SPACING)), &Breaks::default());
+    let (lines, truth) = break_up(&cerebral(&circle_of_willis(SPACING)), &Breaks::default()).unwrap();
     let mut out = Vec::new();
     truth.write_json(&mut out).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&out).unwrap();

@@ -70,8 +70,7 @@ impl PhantomArgs {
             return Err(Error::parameter("--output", self.output.display(), "expected an ending .swc for a broken extraction"));
         }
         let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
-        params.validate()?;
-        let (lines, truth) = break_up(&network, &params);
+        let (lines, truth) = break_up(&network, &params)?;
         let loops = write_extraction(&self.output, &lines, &truth, force, terminal)?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({

@@ -4,9 +4,12 @@
 //! become those of a mesh, or the widest path between two neighbours may now lead through k. The order (least degree or
 //! least fill, whichever needs fewer joins) and the fill are worked out once.
 
+mod graph;
 mod order;
 
-use order::{Star, least_degree, least_fill};
+pub use order::{Star, least_degree};
+
+use order::least_fill;
 
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;

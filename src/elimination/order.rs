@@ -2,6 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::graph::{Bits, Lists, Remaining};
+
+/// Up to so many nodes the matrix of bits is small, 32 MB.
+const MOST_IN_BITS: usize = 1 << 14;
+
 /// Least fill is tried on graphs of so many nodes and programs of so many joins; finding it takes longer than least degree.
 const FILL_NODES: usize = 4096;
 const FILL_JOINS: usize = 60_000;
@@ -22,50 +27,44 @@ impl Star {
     }
 }
 
-/// The graph while it is eliminated.
-struct Remaining {
-    neighbours: Vec<BTreeSet<usize>>,
-}
-
-impl Remaining {
-    fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
-        let mut neighbours = vec![BTreeSet::new(); nodes];
-        for [a, b] in links.iter().filter(|[a, b]| a != b) {
-            neighbours[*a].insert(*b);
-            neighbours[*b].insert(*a);
-        }
-        Self { neighbours }
-    }
-
-    /// Takes a node out and joins its neighbours pairwise.
-    fn eliminate(&mut self, center: usize) -> Star {
-        let neighbours: Vec<usize> = std::mem::take(&mut self.neighbours[center]).into_iter().collect();
-        for i in &neighbours {
-            self.neighbours[*i].remove(&center);
-            self.neighbours[*i].extend(neighbours.iter().filter(|j| *j != i));
-        }
-        Star { center, neighbours }
-    }
-}
-
 /// Eliminates the node of least degree, ties to the lower number, until none is left.
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    let mut graph = Remaining::new(nodes, links);
-    let mut queue: BTreeSet<(usize, usize)> = graph.neighbours.iter().enumerate().map(|(node, n)| (n.len(), node)).collect();
+    if nodes <= MOST_IN_BITS {
+        by_degree(nodes, Bits::new(nodes, links), limit)
+    } else {
+        by_degree(nodes, Lists::new(nodes, links), limit)
+    }
+}
+
+fn by_degree(nodes: usize, mut graph: impl Remaining, limit: usize) -> Option<Vec<Star>> {
+    let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
+    let mut queue: BTreeSet<(usize, usize)> = degree.iter().copied().zip(0..nodes).collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
-    while let Some((_, center)) = queue.pop_first() {
-        for i in &graph.neighbours[center] {
-            queue.remove(&(graph.neighbours[*i].len(), *i));
+    while let Some((least, center)) = queue.pop_first() {
+        if least == queue.len() {
+            // All that are left are joined to one another.
+            let mut rest: Vec<usize> = queue.iter().map(|(_, node)| *node).chain([center]).collect();
+            rest.sort_unstable();
+            pairs += (0..=least).map(|rays| rays * rays.saturating_sub(1) / 2).sum::<usize>();
+            if pairs > limit {
+                return None;
+            }
+            stars.extend((0..rest.len()).map(|at| Star { center: rest[at], neighbours: rest[at + 1..].to_vec() }));
+            break;
         }
-        let star = graph.eliminate(center);
+        let star = Star { center, neighbours: graph.eliminate(center) };
         pairs += star.pairs();
         if pairs > limit {
             return None;
         }
-        queue.extend(star.neighbours.iter().map(|i| (graph.neighbours[*i].len(), *i)));
+        for node in &star.neighbours {
+            queue.remove(&(degree[*node], *node));
+            degree[*node] = graph.degree(*node);
+            queue.insert((degree[*node], *node));
+        }
         stars.push(star);
     }
     Some(stars)
@@ -78,8 +77,8 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
     if limit > FILL_JOINS || nodes > FILL_NODES {
         return None;
     }
-    let mut graph = Joined::new(nodes, links);
-    let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| graph.figure(node)).collect();
+    let mut graph = Bits::new(nodes, links);
+    let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| figure(&graph, node)).collect();
     let mut queue: BTreeSet<(usize, usize, usize)> = figures.iter().copied().collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
@@ -90,9 +89,9 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
             return None;
         }
         // A join changes the figure of its two ends and of whatever is next to them both.
-        let touched = graph.eliminate(&star, fill > 0);
-        for node in touched {
-            let figure = graph.figure(node);
+        graph.eliminate(center);
+        for node in graph.surroundings(&star.neighbours, fill > 0) {
+            let figure = figure(&graph, node);
             if figure != figures[node] {
                 queue.remove(&figures[node]);
                 queue.insert(figure);
@@ -104,78 +103,12 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
     Some(stars)
 }
 
-/// A graph as a matrix of bits.
-struct Joined {
-    words: usize,
-    bits: Vec<u64>,
-}
-
-impl Joined {
-    fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
-        let words = nodes.div_ceil(64);
-        let mut graph = Self { words, bits: vec![0; nodes * words] };
-        for [a, b] in links.iter().filter(|[a, b]| a != b) {
-            graph.join(*a, *b);
-        }
-        graph
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        self.bits[a * self.words + b / 64] |= 1 << (b % 64);
-        self.bits[b * self.words + a / 64] |= 1 << (a % 64);
-    }
-
-    fn row(&self, node: usize) -> &[u64] {
-        &self.bits[node * self.words..(node + 1) * self.words]
-    }
-
-    fn neighbours(&self, node: usize) -> Vec<usize> {
-        ones(self.row(node))
-    }
-
-    /// The pairs of neighbours not joined yet, the degree, and the node.
-    fn figure(&self, node: usize) -> (usize, usize, usize) {
-        let around = self.neighbours(node);
-        let shared = |other: &usize| {
-            let both = self.row(node).iter().zip(self.row(*other)).map(|(a, b)| (a & b).count_ones() as usize);
-            both.sum::<usize>()
-        };
-        let joined: usize = around.iter().map(shared).sum();
-        let pairs = around.len() * around.len().saturating_sub(1);
-        ((pairs - joined) / 2, around.len(), node)
-    }
-
-    /// Takes out the center of a star and joins its neighbours; returns the nodes whose figure may have changed.
-    fn eliminate(&mut self, star: &Star, joins: bool) -> Vec<usize> {
-        for (i, a) in star.neighbours.iter().enumerate() {
-            self.bits[a * self.words + star.center / 64] &= !(1 << (star.center % 64));
-            for b in &star.neighbours[i + 1..] {
-                self.join(*a, *b);
-            }
-        }
-        let mut touched = vec![0; self.words];
-        for node in &star.neighbours {
-            touched[node / 64] |= 1 << (node % 64);
-            if joins {
-                touched.iter_mut().zip(self.row(*node)).for_each(|(t, row)| *t |= row);
-            }
-        }
-        self.bits[star.center * self.words..(star.center + 1) * self.words].fill(0);
-        ones(&touched)
-    }
-}
-
-/// The numbers of the bits that are set.
-fn ones(words: &[u64]) -> Vec<usize> {
-    let mut out = Vec::new();
-    for (at, word) in words.iter().enumerate() {
-        let mut rest = *word;
-        while rest != 0 {
-            out.push(at * 64 + rest.trailing_zeros() as usize);
-            rest &= rest - 1;
-        }
-    }
-    out
+/// The pairs of neighbours not joined yet, the degree, and the node.
+fn figure(graph: &Bits, node: usize) -> (usize, usize, usize) {
+    let around = graph.neighbours(node);
+    let joined: usize = around.iter().map(|other| graph.shared(node, *other)).sum();
+    let pairs = around.len() * around.len().saturating_sub(1);
+    ((pairs - joined) / 2, around.len(), node)
 }
 
 #[cfg(test)]
@@ -205,6 +138,23 @@ mod tests {
             seen.sort_unstable();
             assert!(seen.into_iter().eq(0..16));
         }
+    }
+
+    /// By hand: a ring of four with a tail. The tail goes first, then the ring is closed by the edge 1-3.
+    #[test]
+    fn the_order_and_the_fill_of_a_ring_with_a_tail() {
+        let stars = least_degree(5, &[[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 2]], 2);
+        let star = |center, neighbours: &[usize]| Star { center, neighbours: neighbours.to_vec() };
+        assert_eq!(stars, Some(vec![star(4, &[2]), star(0, &[1, 3]), star(1, &[2, 3]), star(2, &[3]), star(3, &[])]));
+        assert_eq!(least_degree(5, &[[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 2]], 1), None);
+    }
+
+    #[test]
+    fn bits_and_lists_give_the_same_order() {
+        let links: Vec<[usize; 2]> = (0..300).flat_map(|i| [[i, (i + 1) % 300], [i, (i * i + 7) % 300]]).collect();
+        let stars = by_degree(300, Bits::new(300, &links), usize::MAX).expect("no limit");
+        assert!(stars.len() == 300 && stars[0].neighbours.len() < 10);
+        assert_eq!(Some(stars), by_degree(300, Lists::new(300, &links), usize::MAX));
     }
 
     #[test]

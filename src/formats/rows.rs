@@ -89,7 +89,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The first of the names that the header has, in whatever case; `what` says what they are for.
-    pub(super) fn expect(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
+    pub(super) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
     }

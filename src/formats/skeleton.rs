@@ -5,7 +5,7 @@ use std::io;
 
 use petgraph::unionfind::UnionFind;
 
-use super::polyline::{between, node_points};
+use super::polyline::cells;
 use crate::centerline::Centerlines;
 use crate::geometry::{Point, distance};
 use crate::network::{Network, PathPoint};
@@ -30,22 +30,18 @@ pub(super) fn is_straight(network: &Network) -> bool {
 /// A node without a position; a vessel without points between two nodes that another such vessel joins, or from a node to
 /// itself, which a reader could not tell apart (`InvalidInput`).
 pub(super) fn skeleton(network: &Network) -> io::Result<Skeleton> {
-    let mut out = Skeleton { points: node_points(network)?, links: Vec::new(), vessel: Vec::new() };
+    let (points, lines) = cells(network)?;
+    let mut out = Skeleton { points, links: Vec::new(), vessel: Vec::new() };
     let mut joined = HashSet::new();
-    for (row, ([a, b], vessel)) in network.vessels().enumerate() {
-        let inner = between(&vessel.path, out.points[a].position, out.points[b].position, true);
-        let void = if a == b { inner.len() < 2 } else { inner.is_empty() && !joined.insert([a.min(b), a.max(b)]) };
+    for (row, line) in lines.iter().enumerate() {
+        let [a, b] = network.ends(row);
+        let inner = line.len() - 2;
+        let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
         if void {
             let why = "has no points of its own between nodes that are one, or joined by another such vessel";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{} {why}", network.vessel_name(row))));
         }
-        let mut from = a;
-        for point in inner {
-            out.points.push(point);
-            out.links.push([from, out.points.len() - 1]);
-            from = out.points.len() - 1;
-        }
-        out.links.push([from, b]);
+        out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
         out.vessel.resize(out.links.len(), row);
     }
     Ok(out)

@@ -30,7 +30,7 @@ pub struct VertexTable {
 pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTable, Fault> {
     let mut rows = Rows::open(bytes)?;
     let what = "VesselVio's table of vertices";
-    let place = [rows.expect(&["X", "pos_x"], what)?, rows.expect(&["Y", "pos_y"], what)?, rows.expect(&["Z", "pos_z"], what)?];
+    let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
     let radius = rows.find(&["radius"]);
     let (mut positions, mut radii) = (Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
@@ -60,7 +60,7 @@ pub fn read_vesselvio_edges(
 ) -> Result<(Content, Vec<String>), Fault> {
     let mut rows = Rows::open(bytes)?;
     let what = "VesselVio's table of edges";
-    let ends = [rows.expect(&["Source ID", "source"], what)?, rows.expect(&["Target ID", "target"], what)?];
+    let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);
     if radius.is_none() && vertices.radii.is_none() && !radius_optional {
         let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";

@@ -22,10 +22,10 @@ use crate::units::{Scale, millimetres};
 /// A column that is missing, an id that is empty or comes twice, a position that is not finite.
 pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
     let mut rows = Rows::open(bytes)?;
-    let id = rows.expect(&["id"], "Voreen's table of nodes")?;
+    let id = rows.column(&["id"], "Voreen's table of nodes")?;
     let mut place = [0; 3];
     for (column, name) in place.iter_mut().zip(["pos_x", "pos_y", "pos_z"]) {
-        *column = rows.expect(&[name], "Voreen's table of nodes")?;
+        *column = rows.column(&[name], "Voreen's table of nodes")?;
     }
     let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new() };
     while let Some(row) = rows.next()? {
@@ -58,11 +58,11 @@ pub fn read_voreen_edges(
 ) -> Result<(Network, Vec<String>), Fault> {
     let mut rows = Rows::open(bytes)?;
     let what = "Voreen's table of edges";
-    let ends = [rows.expect(&["node1id"], what)?, rows.expect(&["node2id"], what)?];
-    let length = rows.expect(&["length"], what)?;
+    let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
+    let length = rows.column(&["length"], what)?;
     let (area, radius) = (rows.find(&["avgCrossSection"]), rows.find(&["avgRadiusAvg"]));
     if area.is_none() && radius.is_none() && !radius_optional {
-        rows.expect(&["avgCrossSection", "avgRadiusAvg"], what)?;
+        rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;
     }
     let (id, label) = (rows.find(&["id"]), rows.find(&["label"]));
     let mut network = Network::new();

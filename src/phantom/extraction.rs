@@ -8,6 +8,7 @@ use super::draft::{Draft, Drawn};
 use super::spurious::spurious;
 use super::{Break, Breaks, Truth};
 use crate::centerline::Centerlines;
+use crate::error::{Error, Result};
 use crate::network::{Network, Role};
 
 /// Breaks a network up as an image would: missing stretches, lost ends, displaced points, noisy radii, spurious bits.
@@ -16,12 +17,13 @@ use crate::network::{Network, Role};
 /// every point but a fragment's first is linked to one before it; the links that close a loop come last. The seed alone
 /// decides: two calls give the same bits.
 ///
-/// # Panics
+/// # Errors
 ///
-/// When `params` do not validate, or a node has no position.
-pub fn break_up(network: &Network, params: &Breaks) -> (Centerlines, Truth) {
-    if let Err(error) = params.validate() {
-        panic!("{error}");
+/// `params` that do not validate, a node without position.
+pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Truth)> {
+    params.validate()?;
+    if let Some(node) = network.nodes().find(|node| node.position.is_none()) {
+        return Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     let vessels = damage(network, params, &mut rng);
@@ -62,5 +64,5 @@ pub fn break_up(network: &Network, params: &Breaks) -> (Centerlines, Truth) {
         truth.points[number[point]] = drawn.vessel;
         truth.spurious[lines.strand[number[point]] as usize] = drawn.vessel.is_none();
     }
-    (lines, truth)
+    Ok((lines, truth))
 }

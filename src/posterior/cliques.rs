@@ -5,7 +5,7 @@
 //! at it make two trees, and the one of less work is taken: many small branches on one fragment want one, a dense tangle
 //! the other.
 
-use super::order::Star;
+use crate::elimination::Star;
 
 /// Fragments that are solved together.
 #[derive(Debug, Clone, PartialEq, Eq)]

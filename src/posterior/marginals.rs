@@ -3,10 +3,10 @@
 use super::cliques::{Clique, cliques};
 use super::escape::escapes;
 use super::messages::complete;
-use super::order::least_degree;
 use super::scaled::Scaled;
 use super::walk::Walk;
 use super::{Bridge, Forests};
+use crate::elimination::least_degree;
 
 /// Marginal probabilities of the posterior; those of a fragment's bridges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,9 @@ pub fn marginals(forests: &Forests) -> Marginals {
         .filter(|(_, w)| **w > 0.0)
         .map(|(b, _)| [b.child, b.parent])
         .collect::<Vec<_>>();
-    let cliques = cliques(&least_degree(forests.fragments(), &links));
+    // Without a limit there is always an order.
+    let stars = least_degree(forests.fragments(), &links, usize::MAX).unwrap_or_default();
+    let cliques = cliques(&stars);
     let mut log_total = scaled.log_scale;
     // The clique in which each fragment is eliminated, and its place there.
     let mut home = vec![0; forests.fragments()];

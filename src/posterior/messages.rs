@@ -103,8 +103,8 @@ fn set_places(nodes: &[usize], place: &mut [usize]) {
 mod tests {
     use super::super::cliques::cliques;
     use super::super::escape::escapes;
-    use super::super::order::least_degree;
     use super::*;
+    use crate::elimination::least_degree;
 
     /// `chains` chains of `length` links on node 0, each link both ways with odds of its own.
     fn hub(chains: usize, length: usize) -> (usize, Vec<(usize, usize, f64)>) {
@@ -126,7 +126,8 @@ mod tests {
     #[test]
     fn in_cliques_it_is_the_same_as_in_one_piece() {
         for ((nodes, links), least) in [(hub(60, 5), 40), (grid(20), 2)] {
-            let cliques = cliques(&least_degree(nodes, &links.iter().map(|(a, b, _)| [*a, *b]).collect::<Vec<_>>()));
+            let pairs: Vec<[usize; 2]> = links.iter().map(|(a, b, _)| [*a, *b]).collect();
+            let cliques = cliques(&least_degree(nodes, &pairs, usize::MAX).expect("no limit"));
             let children = |number| cliques.iter().filter(|c| c.parent == Some(number)).count();
             assert!((0..cliques.len()).map(children).max() >= Some(least) && cliques.len() > 6);
             let mut whole = Walk::new(nodes);

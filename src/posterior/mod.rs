@@ -18,7 +18,6 @@ mod heap;
 mod log_likelihood;
 mod marginals;
 mod messages;
-mod order;
 mod scaled;
 mod union_find;
 mod walk;

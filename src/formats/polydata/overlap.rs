@@ -11,7 +11,8 @@
 //!
 //! - a common end: within 0.4 radii. Without one lines are never merged, however near they pass;
 //! - the same vessel: together until one radius from the common end, 0.12 radii apart on the mean, or coincident in their first
-//!   three points; three points of the line at least. Two vessels that leave a junction under more than some 14 degrees are thus two from its first point;
+//!   three points; three points of the line at least. Two vessels that leave a junction under more than some 14 degrees are thus
+//!   two from its first point;
 //! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
 //! - one junction: leaving within a radius of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
 //!

@@ -1,0 +1,124 @@
+//! A graph whose nodes are taken out one after another, each leaving its neighbours joined.
+
+/// Such a graph.
+pub trait Remaining {
+    /// How many neighbours a node has.
+    fn degree(&self, node: usize) -> usize;
+
+    /// Takes a node out and joins its neighbours, which are returned in order of number.
+    fn eliminate(&mut self, center: usize) -> Vec<usize>;
+}
+
+/// As a matrix of bits, several times faster than lists as long as it is small.
+pub struct Bits {
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl Bits {
+    /// Links from a node to itself count for nothing.
+    pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
+        let words = nodes.div_ceil(64);
+        let mut bits = vec![0; nodes * words];
+        for [a, b] in links.iter().filter(|[a, b]| a != b) {
+            bits[a * words + b / 64] |= 1 << (b % 64);
+            bits[b * words + a / 64] |= 1 << (a % 64);
+        }
+        Self { words, bits }
+    }
+
+    fn row(&self, node: usize) -> &[u64] {
+        &self.bits[node * self.words..(node + 1) * self.words]
+    }
+
+    /// The neighbours in order of number.
+    pub fn neighbours(&self, node: usize) -> Vec<usize> {
+        ones(self.row(node))
+    }
+
+    /// How many neighbours two nodes have in common.
+    pub fn shared(&self, a: usize, b: usize) -> usize {
+        self.row(a).iter().zip(self.row(b)).map(|(a, b)| (a & b).count_ones() as usize).sum()
+    }
+
+    /// Some nodes and, where asked for, their neighbours, in order of number.
+    pub fn surroundings(&self, nodes: &[usize], with_neighbours: bool) -> Vec<usize> {
+        let mut found = vec![0; self.words];
+        for node in nodes {
+            found[node / 64] |= 1 << (node % 64);
+            if with_neighbours {
+                found.iter_mut().zip(self.row(*node)).for_each(|(found, row)| *found |= row);
+            }
+        }
+        ones(&found)
+    }
+}
+
+impl Remaining for Bits {
+    fn degree(&self, node: usize) -> usize {
+        self.row(node).iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    fn eliminate(&mut self, center: usize) -> Vec<usize> {
+        let around = self.row(center).to_vec();
+        let neighbours = ones(&around);
+        for node in &neighbours {
+            let row = &mut self.bits[node * self.words..(node + 1) * self.words];
+            row.iter_mut().zip(&around).for_each(|(row, around)| *row |= around);
+            row[node / 64] &= !(1 << (node % 64));
+            row[center / 64] &= !(1 << (center % 64));
+        }
+        neighbours
+    }
+}
+
+/// The numbers of the bits that are set.
+fn ones(words: &[u64]) -> Vec<usize> {
+    let mut out = Vec::new();
+    for (at, word) in words.iter().enumerate() {
+        let mut rest = *word;
+        while rest != 0 {
+            out.push(at * 64 + rest.trailing_zeros() as usize);
+            rest &= rest - 1;
+        }
+    }
+    out
+}
+
+/// As a sorted list per node.
+pub struct Lists(Vec<Vec<usize>>);
+
+impl Lists {
+    /// Links from a node to itself count for nothing.
+    pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
+        let mut lists = vec![Vec::new(); nodes];
+        for [a, b] in links.iter().filter(|[a, b]| a != b) {
+            lists[*a].push(*b);
+            lists[*b].push(*a);
+        }
+        for list in &mut lists {
+            list.sort_unstable();
+            list.dedup();
+        }
+        Self(lists)
+    }
+}
+
+impl Remaining for Lists {
+    fn degree(&self, node: usize) -> usize {
+        self.0[node].len()
+    }
+
+    fn eliminate(&mut self, center: usize) -> Vec<usize> {
+        let around = std::mem::take(&mut self.0[center]);
+        for node in &around {
+            let list = &mut self.0[*node];
+            list.extend_from_slice(&around);
+            #[expect(clippy::stable_sort_primitive, reason = "two sorted runs, which the stable sort only merges")]
+            list.sort();
+            list.dedup();
+            list.retain(|other| *other != center && other != node);
+        }
+        around
+    }
+}
