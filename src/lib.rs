@@ -26,7 +26,7 @@
 //! let boundary = Boundary::resolve(&whole, &willis::hemodynamics::boundary::stated(&whole), FoundOutlets::Ground)?;
 //! let params = Params { uncertain: willis::inference::Uncertain::All, ..Params::default() };
 //! let (likelihood, _) = infer(&whole, &boundary, &params, &mut |_done: u64, _total: u64| true)?;
-//! let answer = decide(Keep::Median, &likelihood);
+//! let answer = decide(Keep::Median, &whole, &likelihood)?;
 //! assert_eq!(answer.kept.len(), whole.vessel_count());
 //! # Ok::<(), willis::error::Error>(())
 //! ```

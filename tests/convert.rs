@@ -148,6 +148,7 @@ fn straight() -> Network {
                 origin: Origin::Observed,
                 prior: 1.0,
                 certain: false,
+                evidence: None,
                 path: Vec::new(),
             },
         );

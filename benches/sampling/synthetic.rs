@@ -101,6 +101,7 @@ fn network(points: &[[f64; 3]], links: &BTreeSet<[usize; 2]>, terminals: &[usize
                 origin: Origin::Candidate,
                 prior: 1.0,
                 certain: false,
+                evidence: None,
                 path: Vec::new(),
             },
         );

@@ -4,15 +4,18 @@ mod attach;
 mod ends;
 pub mod evidence;
 mod knn;
+pub mod prior;
+mod probable;
 mod split;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, distance};
-use crate::network::{Network, Origin, PathPoint, RadiusRule, Vessel};
+use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::as_stored;
 use attach::{Surroundings, Target};
+pub use probable::build_probable;
 use ends::free_ends;
 use split::{Cuts, split};
 
@@ -126,33 +129,42 @@ pub fn build(network: &Network, params: &Params) -> Result<Network> {
         ));
     }
     let around = Surroundings::new(network);
+    let mut found = Vec::new();
+    for end in free_ends(network, around.spacing) {
+        found.extend(around.targets(&end, params).into_iter().map(|target| (target, None)));
+    }
+    Ok(with_candidates(network, found, params).0)
+}
+
+/// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
+/// a vessel is split.
+fn with_candidates(
+    network: &Network,
+    mut found: Vec<(Target, Option<Evidence>)>,
+    params: &Params,
+) -> (Network, BTreeMap<Place, usize>) {
     let mut joined: BTreeSet<[Place; 2]> =
         network.vessels().map(|(ends, _)| pair(Place::Node(ends[0]), Place::Node(ends[1]))).collect();
-    let mut found: Vec<(usize, Target)> = Vec::new();
-    for end in free_ends(network, around.spacing) {
-        for target in around.targets(&end, params) {
-            if joined.insert(pair(Place::Node(end.node), target.site.place)) {
-                found.push((end.node, target));
+    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.site.place)));
+    let mut cuts = Cuts::new();
+    for (target, _) in &found {
+        for site in [&target.from, &target.site] {
+            if let Place::Along { vessel, point } = site.place {
+                cuts.entry(vessel).or_default().insert(point);
             }
         }
     }
-    let mut cuts = Cuts::new();
-    for (_, target) in &found {
-        if let Place::Along { vessel, point } = target.site.place {
-            cuts.entry(vessel).or_default().insert(point);
-        }
-    }
     let (mut graph, node_at) = split(network, &cuts, params.radius_rule);
-    for (end, target) in found {
-        let other = match target.site.place {
+    for (target, evidence) in found {
+        let ends = [&target.from, &target.site].map(|site| match site.place {
             Place::Node(node) => node,
             place @ Place::Along { .. } => node_at[&place],
-        };
-        let vessel = candidate(&target, params);
-        graph.add_vessel([end, other], vessel);
+        });
+        let prior = evidence.map_or(1.0, |e| e.probability);
+        graph.add_vessel(ends, Vessel { prior, evidence, ..candidate(&target, params) });
     }
     store(&mut graph);
-    Ok(graph)
+    (graph, node_at)
 }
 
 fn pair(a: Place, b: Place) -> [Place; 2] {
@@ -174,6 +186,7 @@ fn candidate(target: &Target, params: &Params) -> Vessel {
         origin: Origin::Candidate,
         prior: 1.0,
         certain: false,
+        evidence: None,
         path: [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec(),
     }
 }

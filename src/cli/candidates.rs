@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use willis::candidates::build;
 use willis::error::{Error, Result};
 use willis::formats::{graph_columns, write_graphml};
 use willis::network::Origin;
@@ -12,6 +11,7 @@ use willis::report::{StagedFile, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs};
+use super::prior::PriorArgs;
 use super::shell::print_json;
 use super::tell::say_built;
 use super::terminal::{Terminal, plural};
@@ -29,6 +29,8 @@ pub struct CandidatesArgs {
     output: PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
+    #[command(flatten)]
+    prior: PriorArgs,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
@@ -44,13 +46,14 @@ impl CandidatesArgs {
         StagedFile::check(&self.output, force)?;
         let outlets = |fragments| self.boundary.found_outlets(fragments);
         outlets(true)?;
-        let loaded = self.input.load(terminal)?;
-        let params = self.candidates.params(loaded.radius_rule, false)?;
+        let mut loaded = self.input.load(terminal)?;
+        let prior = self.prior.resolve(&loaded, false)?;
+        let params = self.candidates.params(loaded.radius_rule, false, prior.is_evidence())?;
         let boundary = self.boundary.resolve(&loaded.network, outlets(loaded.fragments)?, terminal)?;
-        let graph = if loaded.fragments { build(&loaded.network, &params)? } else { loaded.network };
+        let graph = prior.graph(&mut loaded, &boundary, &params)?;
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {
-            say_built(terminal, &graph, &params);
+            say_built(terminal, &graph, &params, prior.is_evidence());
         } else {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }
@@ -68,6 +71,7 @@ impl CandidatesArgs {
                 "command": source.command,
                 "input": { "path": source.input, "format": source.format, "sha256": source.sha256, "units": source.units },
                 "notes": source.notes,
+                "prior": prior.record()?,
                 "output": self.output.display().to_string(),
                 "counts": { "nodes": graph.node_count(), "vessels": graph.vessel_count(), "candidates": candidates },
                 "inlets_found": boundary.found_inlets.len(),

@@ -4,30 +4,25 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use serde_json::json;
-use willis::candidates::build;
+use serde_json::{Value, json};
 use willis::error::{Error, Result};
 use willis::formats::write_csv;
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Answer, Keep, Params, Solver, Topology, Uncertain, Weight, decide, infer, infer_until_stable};
+use willis::inference::{
+    Answer, Keep, Params, ROOT_FACTOR, Solver, Topology, Uncertain, Weight, decide, expected_errors, infer, infer_until_stable,
+    knows_fragments,
+};
 use willis::network::Network;
 use willis::report::summary::Built;
 use willis::report::{Outcome, Provenance, StagedFolder, Summary, agreement, staged::write_file, write_outcome};
-use willis::suggestion::did_you_mean;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::input::{CandidateArgs, InputArgs, viscosity};
+use super::keep::parse_rule;
+use super::prior::{Prior, PriorArgs};
 use super::shell::print_json;
 use super::tell::{say_built, say_outcome};
 use super::terminal::{Terminal, count, is_stopped, plural};
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Prior {
-    /// The priors that the file states, 1 elsewhere
-    None,
-    /// A = 1 everywhere
-    Uniform,
-}
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum OnTrial {
@@ -101,9 +96,6 @@ pub struct InferArgs {
     /// Which vessels may be occluded and pruned [default: candidates]
     #[arg(long, value_enum, help_heading = "Sampling")]
     uncertain: Option<OnTrial>,
-    /// The anatomical prior of each vessel [default: none]
-    #[arg(long, value_enum, help_heading = "Sampling")]
-    prior: Option<Prior>,
     /// What a vessel adds to its likelihood when it is in a sample's forest
     #[arg(long, value_enum, default_value = "resilience", help_heading = "Sampling")]
     weight: Contribution,
@@ -113,9 +105,11 @@ pub struct InferArgs {
     /// The flow solver
     #[arg(long, value_enum, default_value = "auto", help_heading = "Sampling")]
     solver: SolverName,
-    /// Which vessels on trial stay: median, quantile=Q, value=X (W/m3), otsu, frequency=F
-    #[arg(long, value_name = "RULE", default_value = "median", help_heading = "Answer")]
-    keep: String,
+    /// Which vessels on trial stay: probable[=ROOT_FACTOR] (the most probable forest; a smaller factor leaves fewer fragments
+    /// alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
+    /// [default: probable where candidates come with evidence, else median]
+    #[arg(long, value_name = "RULE", help_heading = "Answer")]
+    keep: Option<String>,
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
     dpi: u32,
@@ -124,6 +118,8 @@ pub struct InferArgs {
     json: bool,
     #[command(flatten)]
     candidates: CandidateArgs,
+    #[command(flatten)]
+    prior: PriorArgs,
     #[command(flatten)]
     boundary: BoundaryArgs,
 }
@@ -134,6 +130,7 @@ struct Job<'a> {
     boundary: &'a Boundary,
     outlets: FoundOutlets,
     provenance: &'a Provenance,
+    prior: Value,
     built: Built<'a>,
     rule: Keep,
     until_stable: bool,
@@ -144,8 +141,8 @@ struct Job<'a> {
 impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let rule = parse_rule(&self.keep)?;
-        let runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
+        let rule = self.keep.as_deref().map(parse_rule).transpose()?;
+        let mut runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
         if let Some(epsilon) = (1..runs.len()).map(|i| self.epsilon[i]).enumerate().find(|(i, e)| self.epsilon[..=*i].contains(e))
         {
             return Err(Error::parameter("--epsilon", epsilon.1, "given twice; expected each probability once"));
@@ -154,14 +151,18 @@ impl InferArgs {
         check_dpi(self.dpi)?;
         StagedFolder::check(&self.output, force)?;
 
-        let loaded = self.input.load(terminal)?;
-        let candidate_params = self.candidates.params(loaded.radius_rule, self.paper())?;
+        let mut loaded = self.input.load(terminal)?;
+        let prior = self.prior.resolve(&loaded, self.paper())?;
+        runs.iter_mut().for_each(|params| params.uniform_prior = matches!(prior, Prior::Uniform));
+        let candidate_params = self.candidates.params(loaded.radius_rule, self.paper(), prior.is_evidence())?;
         let outlets = self.boundary.found_outlets(loaded.fragments && !self.paper())?;
         let boundary = self.boundary.resolve(&loaded.network, outlets, terminal)?;
-        let graph = if loaded.fragments { build(&loaded.network, &candidate_params)? } else { loaded.network };
+        let graph = prior.graph(&mut loaded, &boundary, &candidate_params)?;
+        let rule =
+            rule.unwrap_or(if knows_fragments(&graph) && !self.paper() { Keep::Probable(ROOT_FACTOR) } else { Keep::Median });
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {
-            say_built(terminal, &graph, &candidate_params);
+            say_built(terminal, &graph, &candidate_params, prior.is_evidence());
         }
         say_boundary(terminal, &graph, &boundary);
 
@@ -171,6 +172,7 @@ impl InferArgs {
             boundary: &boundary,
             outlets,
             provenance: &loaded.provenance,
+            prior: prior.record()?,
             built: if loaded.fragments { Built::Candidates(&candidate_params) } else { Built::Given },
             rule,
             until_stable: self.until.is_some(),
@@ -222,7 +224,7 @@ impl InferArgs {
                 Contribution::Count => Weight::Count,
                 Contribution::Global => Weight::Global,
             },
-            uniform_prior: matches!(self.prior.unwrap_or(if paper { Prior::Uniform } else { Prior::None }), Prior::Uniform),
+            uniform_prior: false,
             viscosity: viscosity(&self.viscosity)?,
             solver: match self.solver {
                 SolverName::Auto => Solver::Auto,
@@ -261,7 +263,7 @@ impl Job<'_> {
         progress.finish();
         let (result, method) = sampled?;
         let sampling = start.elapsed().as_secs_f64();
-        let answer = decide(self.rule, &result);
+        let answer = decide(self.rule, self.graph, &result)?;
         let topology = |kept: &[bool]| Topology::of(self.graph, &result.uncertain, kept, self.boundary);
         let outcome = Outcome {
             network: self.graph,
@@ -271,6 +273,7 @@ impl Job<'_> {
             answer: &answer,
             kept: topology(&answer.kept),
             above_median: topology(&answer.above_median),
+            expected: expected_errors(self.graph, &answer.kept),
             uniform_prior: params.uniform_prior,
             method,
             weight: params.weight,
@@ -278,6 +281,7 @@ impl Job<'_> {
             viscosity: params.viscosity,
         };
         let mut summary = Summary::new(&outcome, self.provenance, params, self.built, self.outlets);
+        summary.state_prior(self.prior.clone());
         if self.paper {
             summary.follow_the_paper();
         }
@@ -288,26 +292,6 @@ impl Job<'_> {
         }
         Ok((answer, summary))
     }
-}
-
-fn parse_rule(text: &str) -> Result<Keep> {
-    let refused = || {
-        let word = text.split('=').next().unwrap_or_default();
-        let meant = did_you_mean(word, ["median", "quantile", "value", "otsu", "frequency"]);
-        let accepted = format!("{meant}expected median, quantile=Q, value=X, otsu or frequency=F");
-        Error::parameter("--keep", format!("\"{text}\""), accepted)
-    };
-    let number = |text: &str| text.parse::<f64>().map_err(|_| refused());
-    let rule = match text.split_once('=') {
-        None if text == "median" => Keep::Median,
-        None if text == "otsu" => Keep::Otsu,
-        Some(("quantile", q)) => Keep::Quantile(number(q)?),
-        Some(("value", x)) => Keep::Value(number(x)?),
-        Some(("frequency", f)) => Keep::Frequency(number(f)?),
-        _ => return Err(refused()),
-    };
-    rule.validate()?;
-    Ok(rule)
 }
 
 /// Refuses a resolution that no picture can have.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use willis::candidates::evidence::Search;
 use willis::candidates::{self, Attach, CandidateRadius};
 use willis::error::{Error, Result};
 use willis::formats::{Content, ReadOptions, read};
@@ -81,9 +82,10 @@ pub enum RadiusOfCandidate {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Candidates")]
 pub struct CandidateArgs {
-    /// Nearest branches and free ends that every free end is joined to
-    #[arg(short, value_name = "K", default_value_t = 6)]
-    pub k: usize,
+    /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
+    /// [default: 5 by evidence, else 6]
+    #[arg(short, value_name = "K")]
+    pub k: Option<usize>,
     /// The longest gap to bridge; never beyond 20 point spacings + 5 end diameters
     #[arg(long, value_name = "LENGTH")]
     pub max_gap: Option<String>,
@@ -290,12 +292,12 @@ impl InputArgs {
 }
 
 impl CandidateArgs {
-    /// The parameters of the library; `paper` changes what is used where no option is given.
-    pub fn params(&self, radius_rule: RadiusRule, paper: bool) -> Result<candidates::Params> {
+    /// The parameters of the library; `paper` and `evidence` change what is used where no option is given.
+    pub fn params(&self, radius_rule: RadiusRule, paper: bool, evidence: bool) -> Result<candidates::Params> {
         let (attach, radius) =
             if paper { (AttachTo::Ends, RadiusOfCandidate::Mean) } else { (AttachTo::Centerline, RadiusOfCandidate::Min) };
         let params = candidates::Params {
-            k: self.k,
+            k: self.k.unwrap_or(if evidence { Search::default().branches } else { candidates::Params::default().k }),
             max_gap: length("--max-gap", self.max_gap.as_ref())?,
             attach: match self.attach.unwrap_or(attach) {
                 AttachTo::Centerline => Attach::Centerline,

@@ -8,7 +8,7 @@ use willis::report::Outcome;
 use super::terminal::{Terminal, brief, count, plural};
 
 /// What the candidates make of the fragments.
-pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params) {
+pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params, evidence: bool) {
     let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
     let size = format!(
         "{} in a graph of {}, {}",
@@ -16,7 +16,8 @@ pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Param
         plural(graph.node_count(), "node"),
         plural(graph.vessel_count(), "vessel")
     );
-    terminal.say("built", format!("{size} (k = {})", params.k));
+    let how = if evidence { "by evidence".to_owned() } else { format!("k = {}", params.k) };
+    terminal.say("built", format!("{size} ({how})"));
     if candidates == 0 {
         terminal.say(
             "note",
@@ -40,19 +41,26 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
+        (Keep::Probability(p), _) => format!("probability >= {p}"),
+        (Keep::Probable(_), _) => "the most probable forest".into(),
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no vessel on trial has L > 0".into(),
     };
     terminal.say(
         "kept",
         format!(
-            "{} of {} on trial ({cut}), {} pruned, {} undecided within two standard errors",
+            "{} of {} on trial ({cut}), {} pruned, {} undecided{}",
             count(kept.kept as u64),
             plural(kept.kept + kept.pruned, "vessel"),
             count(kept.pruned as u64),
-            count(answer.undecided.len() as u64)
+            count(answer.undecided.len() as u64),
+            if outcome.rule.asks_evidence() { "" } else { " within two standard errors" }
         ),
     );
+    if let Some(expected) = outcome.expected {
+        let [wrong, missed] = [expected.wrong, expected.missed].map(brief);
+        terminal.say("expected", format!("{wrong} wrong and {missed} missed connections, by the probabilities"));
+    }
     let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
     terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
     let same = answer.kept == answer.above_median;

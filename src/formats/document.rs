@@ -73,7 +73,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         notes.push(format!("{added} links are those of {}", loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
-    Ok(Document { format, content, notes, sha256: hexadecimal(&all) })
+    Ok(Document { format, content, notes, sha256: checksum(&all) })
 }
 
 /// The format of a file with what lies beside it, what it holds, and what a person should know about it.
@@ -128,7 +128,8 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+/// The SHA-256 of some bytes in hexadecimal digits.
+pub fn checksum(bytes: &[u8]) -> String {
     let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
     Sha256::digest(bytes).iter().flat_map(digits).collect()
 }

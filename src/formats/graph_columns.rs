@@ -2,7 +2,7 @@
 
 use super::column::{Column, Values, real};
 use crate::geometry::Point;
-use crate::network::{Condition, Network, PathPoint, Role, fragments};
+use crate::network::{Condition, Evidence, Network, PathPoint, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
 /// One coordinate of a position, mm; NaN without one.
@@ -83,6 +83,16 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     }
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
+    }
+    if network.nodes().any(|n| n.alone.is_some()) {
+        nodes.push(Column::real("alone", network.nodes().map(|n| n.alone.unwrap_or(f64::NAN))));
+    }
+    if network.vessels().any(|(_, v)| v.evidence.is_some()) {
+        let figure =
+            |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, of));
+        vessels.push(Column::real("probability", figure(|e| e.probability)));
+        vessels.push(Column::real("hangs_a", figure(|e| e.hangs[0])));
+        vessels.push(Column::real("hangs_b", figure(|e| e.hangs[1])));
     }
     (nodes, vessels)
 }

@@ -1,13 +1,17 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
 use super::likelihood::Likelihood;
+use super::probable::{has_evidence, probabilities, probable};
 use super::threshold::{Keep, threshold};
+use crate::error::{Error, Result};
 use crate::hemodynamics::Boundary;
 use crate::hemodynamics::floating::parts_that_carry;
 use crate::network::{Network, Origin, cycles, fragments};
 
 /// A vessel whose L lies within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
+/// A vessel whose probability lies so near to the cut is undecided; [`Keep::Probable`] counts as a cut of one half.
+pub const UNDECIDED_BAND: f64 = 0.2;
 
 /// The decision on every vessel.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +24,7 @@ pub struct Answer {
     pub kept: Vec<bool>,
     /// Vessels above the median; those not on trial always are.
     pub above_median: Vec<bool>,
-    /// Rows of the uncertain vessels within two standard errors of the threshold.
+    /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
 }
 
@@ -41,10 +45,42 @@ pub struct Topology {
     pub unperfused: usize,
 }
 
-/// Applies a rule to the likelihoods.
-pub fn decide(rule: Keep, result: &Likelihood) -> Answer {
+/// Applies a rule to the likelihoods, or to the evidence of the network that was sampled.
+///
+/// # Errors
+///
+/// A rule that asks for evidence where the network has none.
+pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answer> {
     let cut = threshold(rule, result);
     let median = threshold(Keep::Median, result);
+    let rows = 0..result.likelihood.len();
+    let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
+    let (mut kept, close) = if rule.asks_evidence() { by_evidence(rule, network)? } else { by_samples(rule, cut, result) };
+    for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
+        *kept |= !uncertain;
+    }
+    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
+    Ok(Answer { threshold: cut, median, kept, above_median, undecided })
+}
+
+/// Per vessel whether it passes, and whether its probability is near the cut.
+fn by_evidence(rule: Keep, network: &Network) -> Result<(Vec<bool>, Vec<bool>)> {
+    if !has_evidence(network) {
+        let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
+        return Err(Error::parameter("--keep", if matches!(rule, Keep::Probable(_)) { "probable" } else { "probability" }, accepted));
+    }
+    let probability = probabilities(network);
+    let (kept, cut) = match rule {
+        Keep::Probability(cut) => (probability.iter().map(|p| p.is_some_and(|p| p >= cut)).collect(), cut),
+        Keep::Probable(root_factor) => (probable(network, root_factor)?, 0.5),
+        _ => (vec![false; probability.len()], 0.5),
+    };
+    let close = probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect();
+    Ok((kept, close))
+}
+
+/// Per vessel whether it passes, and whether its figure is within chance of the threshold.
+fn by_samples(rule: Keep, cut: Option<f64>, result: &Likelihood) -> (Vec<bool>, Vec<bool>) {
     let figure = if matches!(rule, Keep::Frequency(_)) { &result.frequency } else { &result.likelihood };
     let passes = |row: usize| match (rule, cut) {
         (Keep::Frequency(_), Some(cut)) => figure[row] >= cut,
@@ -52,23 +88,13 @@ pub fn decide(rule: Keep, result: &Likelihood) -> Answer {
         (_, None) => false,
     };
     let flip = cut.and_then(|cut| flipping_point(rule, cut, result));
-    let rows = 0..result.likelihood.len();
     let error = |row: usize| match rule {
         Keep::Frequency(_) => (figure[row] * (1.0 - figure[row]) / result.samples.max(1) as f64).sqrt(),
         _ => result.std_error[row],
     };
-    Answer {
-        threshold: cut,
-        median,
-        kept: rows.clone().map(|row| !result.uncertain[row] || passes(row)).collect(),
-        above_median: rows
-            .clone()
-            .map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m))
-            .collect(),
-        undecided: rows
-            .filter(|row| result.uncertain[*row] && flip.is_some_and(|flip| !decided(figure[*row] - flip, error(*row))))
-            .collect(),
-    }
+    let close = |row: usize| flip.is_some_and(|flip| !decided(figure[row] - flip, error(row)));
+    let rows = 0..figure.len();
+    (rows.clone().map(passes).collect(), rows.map(close).collect())
 }
 
 /// Whether a distance from the threshold is more than chance; never when the error is unknown.

@@ -60,7 +60,8 @@ pub fn infer(
     Ok((likelihood, method))
 }
 
-/// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`.
+/// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`; under the median where the
+/// evidence decides, which no samples change.
 ///
 /// The result is that of [`infer`] with the number of samples reached.
 ///
@@ -75,9 +76,10 @@ pub fn infer_until_stable(
     progress: &mut impl Progress,
 ) -> Result<(Likelihood, Method)> {
     let mut params = Params { samples: FIRST_STABLE, ..params.clone() };
+    let rule = if rule.asks_evidence() { Keep::Median } else { rule };
     loop {
         let (result, method) = infer(network, boundary, &params, progress)?;
-        if params.samples >= LAST_STABLE || decide(rule, &result).undecided.is_empty() {
+        if params.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
             return Ok((result, method));
         }
         params.samples *= 2;

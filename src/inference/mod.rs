@@ -9,15 +9,17 @@ mod forest;
 mod group;
 mod likelihood;
 mod params;
+mod probable;
 mod sampler;
 mod tally;
 mod threshold;
 
-pub use answer::{Answer, Topology, UNDECIDED_Z, decide};
+pub use answer::{Answer, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
 pub use bottleneck::{Bottleneck, Offer, Taken};
 pub use driver::{Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 pub use params::{Params, Solver, Uncertain, Weight};
+pub use probable::{ExpectedErrors, LEAST_CLOSURE, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable};
 pub use sampler::{Method, Sampler, Workspace};
 pub use threshold::{Keep, threshold};

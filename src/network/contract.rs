@@ -60,6 +60,7 @@ impl Vessel {
             origin: Origin::Observed,
             prior: 1.0,
             certain: false,
+            evidence: None,
             path,
         }
     }

@@ -1,11 +1,13 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
 mod contract;
+mod evidence;
 mod fragments;
 mod locate;
 mod naming;
 
 pub use contract::{Contraction, RadiusRule, contract};
+pub use evidence::Evidence;
 pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Located, locate, nearest, parse_position};
 pub use naming::vessels_called;
@@ -30,6 +32,8 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
+    /// The posterior probability that the fragment of this node hangs on no other, where the evidence says so.
+    pub alone: Option<f64>,
 }
 
 /// What a node is to the flow.
@@ -136,6 +140,8 @@ pub struct Vessel {
     pub prior: f64,
     /// Never occluded, whatever is on trial.
     pub certain: bool,
+    /// What the evidence says of a candidate.
+    pub evidence: Option<Evidence>,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,
 }

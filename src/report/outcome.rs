@@ -10,7 +10,7 @@ use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
 use crate::formats::{Column, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp};
 use crate::hemodynamics::{Boundary, Circuit, steady};
-use crate::inference::{Answer, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
+use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
 use crate::network::{Network, fragments};
 
 /// The largest matrix written densely, in nodes.
@@ -33,6 +33,8 @@ pub struct Outcome<'a> {
     pub kept: Topology,
     /// The graph above the median.
     pub above_median: Topology,
+    /// The errors that the evidence expects of the kept graph, where there is evidence.
+    pub expected: Option<ExpectedErrors>,
     /// Whether A = 1 was used instead of the vessels' own priors.
     pub uniform_prior: bool,
     /// What a vessel of the forest contributed.
@@ -131,7 +133,7 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
 fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot) -> f64 {
     match outcome.rule {
-        Keep::Frequency(_) => return f64::NAN,
+        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) => return f64::NAN,
         Keep::Value(x) => return x / outcome.result.samples as f64,
         _ => {}
     }

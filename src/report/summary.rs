@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use crate::candidates::{self, Attach, CandidateRadius};
 use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
-use crate::inference::{Keep, Params, Topology, Uncertain, Weight};
+use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z, Uncertain, Weight};
 use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
@@ -40,6 +40,7 @@ pub struct Summary {
     counts: Value,
     threshold: Value,
     convergence: Value,
+    expected_errors: Value,
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,
     solver: Value,
@@ -64,6 +65,8 @@ fn word_of_keep(keep: Keep) -> String {
         Keep::Value(x) => format!("value={x}"),
         Keep::Otsu => "otsu".into(),
         Keep::Frequency(f) => format!("frequency={f}"),
+        Keep::Probability(p) => format!("probability={p}"),
+        Keep::Probable(f) => format!("probable={f}"),
     }
 }
 
@@ -120,6 +123,11 @@ fn topology(t: &Topology) -> Value {
 }
 
 impl Summary {
+    /// States where the priors come from.
+    pub fn state_prior(&mut self, prior: Value) {
+        self.parameters["prior"] = prior;
+    }
+
     /// Marks the preset of the paper, and what was chosen where the paper is silent.
     pub fn follow_the_paper(&mut self) {
         self.parameters["preset"] = json!("paper");
@@ -130,6 +138,7 @@ impl Summary {
     pub fn new(outcome: &Outcome<'_>, provenance: &Provenance, params: &Params, built: Built<'_>, outlets: FoundOutlets) -> Self {
         let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);
         let count = |origin: Origin| network.vessels().filter(|(_, v)| v.origin == origin).count();
+        let by_evidence = outcome.rule.asks_evidence();
         let both = answer.kept.iter().zip(&answer.above_median).zip(&result.uncertain).filter(|(_, u)| **u);
         Self {
             willis: env!("CARGO_PKG_VERSION"),
@@ -140,7 +149,6 @@ impl Summary {
                 "epsilon": params.epsilon,
                 "samples": result.samples,
                 "exact": params.exact,
-                "prior": if params.uniform_prior { "uniform" } else { "none" },
                 "uncertain": match params.uncertain { Uncertain::Candidates => "candidates", Uncertain::All => "all" },
                 "weight": match params.weight { Weight::Resilience => "resilience", Weight::Count => "count", Weight::Global => "global" },
                 "keep": word_of_keep(outcome.rule),
@@ -165,8 +173,10 @@ impl Summary {
             convergence: json!({
                 "undecided": answer.undecided.len(),
                 "undecided_edges": answer.undecided,
-                "within_standard_errors": crate::inference::UNDECIDED_Z,
+                "within_standard_errors": (!by_evidence).then_some(UNDECIDED_Z),
+                "within_probability": by_evidence.then_some(UNDECIDED_BAND),
             }),
+            expected_errors: outcome.expected.map_or(Value::Null, |e| json!({ "wrong": e.wrong, "missed": e.missed })),
             network_resilience: result.network_resilience,
             solver: json!({
                 "flow": outcome.method.solver,

@@ -27,8 +27,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         Column::real("likelihood", result.likelihood.iter().copied()),
         Column::real("std_error", result.std_error.iter().copied()),
         Column::real("frequency", result.frequency.iter().copied()),
-        // Empty until an evidence model fills it.
-        Column::real("probability", network.vessels().map(|_| f64::NAN)),
+        Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
         flag("above_median", &answer.above_median),
         flag("kept", &answer.kept),
     ]);

@@ -69,7 +69,8 @@ class Page:
         self.driver.execute_script("const s = document.getElementById('slider'); s.value = arguments[0]; s.dispatchEvent(new Event('input'));", stop)
 
     def threshold(self):
-        return float(self.one("#number").get_property("value"))
+        value = self.one("#number").get_property("value")
+        return float(value) if value else None
 
     def click(self, selector):
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.one(selector))
@@ -84,24 +85,25 @@ class Page:
 def recount(page, threshold):
     """Kept, pruned, undecided, components and cycles at a threshold, by the words of the README and run.json."""
     rule = page.record["threshold"]["rule"]
-    by_frequency, value = rule.startswith("frequency"), rule.startswith("value")
+    by_frequency, by_evidence, value = rule.startswith("frequency"), rule.startswith("prob"), rule.startswith("value")
     trial = [e for e in page.edges if page.on_trial(e)]
-    figure = "frequency" if by_frequency else "likelihood"
-    passes = lambda e: float(e[figure]) >= threshold if by_frequency else float(e[figure]) > threshold
+    figure = "frequency" if by_frequency else "probability" if by_evidence else "likelihood"
+    passes = lambda e: float(e[figure]) >= threshold if by_frequency or by_evidence else float(e[figure]) > threshold
     kept = [e for e in trial if passes(e)]
     graph = nx.MultiGraph()
     graph.add_nodes_from(range(len(page.nodes)))
     graph.add_edges_from((int(e["node_a"]), int(e["node_b"])) for e in kept + [e for e in page.edges if not page.on_trial(e)])
     components = nx.number_connected_components(graph)
     positive = [float(e["likelihood"]) for e in trial if float(e["likelihood"]) > 0]
-    if by_frequency or value:
+    if by_frequency or by_evidence or value:
         flip = threshold
     else:
         below, above = [x for x in positive if x <= threshold], [x for x in positive if x > threshold]
         flip = (max(below) + min(above)) / 2 if below and above else None
     n = page.record["parameters"]["samples"]
     error = lambda e: math.sqrt(float(e[figure]) * (1 - float(e[figure])) / n) if by_frequency else float(e["std_error"])
-    undecided = [e for e in trial if flip is not None and not abs(float(e[figure]) - flip) >= 2 * error(e)]
+    near = lambda e: page.record["convergence"]["within_probability"] if by_evidence else 2 * error(e)
+    undecided = [e for e in trial if flip is not None and not abs(float(e[figure]) - flip) >= near(e)]
     return {
         "kept": len(kept),
         "pruned": len(trial) - len(kept),
@@ -119,9 +121,15 @@ def check_threshold(page):
         **{name: topology[name] for name in ("kept", "pruned", "components", "cycles")},
         "undecided": page.record["convergence"]["undecided"],
     }, (start, topology)
-    assert page.threshold() == page.record["threshold"]["value"]
+    cut = page.record["threshold"]["value"]
+    assert page.threshold() == cut
     assert start["kept"] == sum(page.on_trial(e) and e["kept"] == "1" for e in page.edges)
-    assert start == recount(page, page.threshold())
+    if cut is None:
+        # The most probable forest has no threshold.
+        near = [e for e in page.edges if page.on_trial(e) and abs(float(e["probability"]) - 0.5) < 0.2]
+        assert start["undecided"] == len(near), start
+    else:
+        assert start == recount(page, cut)
     last, seen = int(page.one("#slider").get_property("max")), set()
     for share in (0, 0.2, 0.45, 0.8, 1):
         page.slide(round(share * last))
@@ -130,7 +138,7 @@ def check_threshold(page):
         seen.add(found["kept"])
     assert len(seen) == 5, seen
     box = page.one("#number")
-    typed = page.record["threshold"]["value"] * 0.7
+    typed = (cut or 0.5) * 0.7
     box.send_keys(Keys.CONTROL + "a")
     box.send_keys(repr(typed), Keys.TAB)
     assert page.threshold() == typed and page.counts() == recount(page, typed)

@@ -57,6 +57,7 @@ pub fn tube(length_mm: f64, radius_mm: f64) -> Vessel {
         origin: Origin::Observed,
         prior: 1.0,
         certain: false,
+        evidence: None,
         path: Vec::new(),
     }
 }

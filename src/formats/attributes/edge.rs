@@ -6,7 +6,7 @@ use super::{Item, Record};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::distance;
-use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 
 /// Adds the edges, in their order, to the network that has the nodes; returns what a person should know.
@@ -64,6 +64,7 @@ pub(in super::super) fn vessels(
             origin: origin.unwrap_or(Origin::Candidate),
             prior: prior(&item)?,
             certain: item.boolean("certain")?.unwrap_or(false),
+            evidence: evidence(&item)?,
             path,
         };
         network.add_vessel(*ends, vessel);
@@ -119,11 +120,17 @@ fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
 }
 
 fn prior(item: &Item) -> Result<f64, Fault> {
-    match item.real("prior")? {
-        None => Ok(1.0),
-        Some(prior) if (0.0..=1.0).contains(&prior) => Ok(prior),
-        Some(prior) => Err(item.fault(format!("prior {prior}"), "expected a number from 0 to 1")),
-    }
+    Ok(item.share("prior")?.unwrap_or(1.0))
+}
+
+/// The probability that the edge states, and which of its ends hangs on the other.
+fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
+    let [probability, a, b] = ["probability", "hangs_a", "hangs_b"].map(|key| item.share(key));
+    let even = probability?.map(Evidence::undirected);
+    Ok(match (even, a?, b?) {
+        (Some(even), Some(a), Some(b)) => Some(Evidence { hangs: [a, b], ..even }),
+        (even, ..) => even,
+    })
 }
 
 /// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs

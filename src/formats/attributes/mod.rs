@@ -59,6 +59,14 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// A number from 0 to 1; NaN is a missing one.
+    fn share(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.finite(key)? {
+            Some(x) if !(0.0..=1.0).contains(&x) => Err(self.fault(format!("{key} {x}"), "expected a number from 0 to 1")),
+            share => Ok(share),
+        }
+    }
+
     /// The first of a length in millimetres (`name_mm`) or in the unit of the file (`name`): its key and value in m.
     fn length(&self, name: &str, scale: &Scale) -> Result<Option<(String, f64)>, Fault> {
         let key = format!("{name}_mm");

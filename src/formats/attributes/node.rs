@@ -32,6 +32,7 @@ pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Re
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
+            alone: item.share("alone")?,
         });
     }
     Ok(nodes)

@@ -77,6 +77,7 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
         (Conditions, nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
         (Statements, vessels(&|_, v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
         (Statements, vessels(&|_, v| v.prior != 1.0), "the priors of {} vessels"),
+        (Statements, vessels(&|_, v| v.evidence.is_some()), "the probabilities of {} vessels"),
         (Statements, vessels(&|_, v| v.certain), "that {} vessels are certain"),
         (Statements, vessels(&|_, v| v.resistance.is_some()), "the resistances that {} vessels state"),
     ];

@@ -102,6 +102,11 @@ impl Array {
         Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
     }
 
+    /// Whether the first axis runs fastest.
+    pub(super) fn is_fortran(&self) -> bool {
+        self.fortran
+    }
+
     /// Whether the values are whole numbers.
     pub(super) fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Signed | Kind::Unsigned)

@@ -34,7 +34,7 @@ fn trial(t: &Trial) -> Value {
     json!({
         "figure": t.figure, "name": t.name, "unit": t.unit, "error": t.error, "samples": t.samples, "at_least": t.at_least,
         "midway": t.midway, "within": t.within, "threshold": t.threshold, "median": t.median, "on_trial": t.on_trial,
-        "nodes": t.nodes,
+        "nodes": t.nodes, "kept": t.kept, "middle": t.middle, "band": t.band,
     })
 }
 

@@ -5,13 +5,13 @@ use serde_json::Value;
 use super::list::conditions;
 use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
 use crate::formats::{Column, Values};
-use crate::inference::{Keep, UNDECIDED_Z, Weight};
+use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, Weight, has_evidence};
 use crate::report::outcome::Outcome;
 use crate::report::summary::Summary;
 
 /// Columns of edges.csv that the page leaves out: it draws them.
 const DRAWN: [&str; 6] = ["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm"];
-const EXACT: [&str; 3] = ["likelihood", "std_error", "frequency"];
+const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
@@ -22,12 +22,13 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     columns.push(Column { name: "on_trial", values: Values::Integer(on_trial) });
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit(outcome.weight);
+    let evidence = has_evidence(outcome.network);
     Page {
         title: title("infer", &record),
-        facts: facts(&record, unit, matches!(outcome.rule, Keep::Frequency(_))),
+        facts: facts(&record, if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit }, evidence),
         record,
         scene: scene(outcome.network, outcome.boundary),
-        colourings: colourings(unit),
+        colourings: colourings(unit, evidence),
         trial: Some(trial(outcome, unit)),
         figures,
         tables: [Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)), conditions]
@@ -45,9 +46,9 @@ fn unit(weight: Weight) -> &'static str {
     }
 }
 
-fn facts(record: &Value, unit: &'static str, by_frequency: bool) -> Vec<Fact> {
+fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
     let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
-    vec![
+    let mut facts = vec![
         fact("nodes", "/counts/nodes", ""),
         fact("observed vessels", "/counts/observed", ""),
         fact("candidates", "/counts/candidates", ""),
@@ -55,15 +56,20 @@ fn facts(record: &Value, unit: &'static str, by_frequency: bool) -> Vec<Fact> {
         fact("kept of these", "/counts/topology/kept", ""),
         fact("undecided", "/convergence/undecided", ""),
         fact("rule", "/threshold/rule", ""),
-        fact("threshold", "/threshold/value", if by_frequency { "" } else { unit }),
+        fact("threshold", "/threshold/value", unit),
         fact("samples", "/parameters/samples", ""),
         fact("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
         fact("seed", "/seed", ""),
         fact("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
-    ]
+    ];
+    if evidence {
+        facts.push(fact("wrong connections expected", "/expected_errors/wrong", ""));
+        facts.push(fact("missed connections expected", "/expected_errors/missed", ""));
+    }
+    facts
 }
 
-fn colourings(unit: &'static str) -> Vec<Colouring> {
+fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     let colouring = |name, unit, scale, trial_only, column| Colouring {
         name,
         unit,
@@ -71,27 +77,40 @@ fn colourings(unit: &'static str) -> Vec<Colouring> {
         trial_only,
         variants: vec![(String::new(), 0, column)],
     };
-    vec![
+    let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
         colouring("frequency in the forest", "", Scale::Linear, true, "frequency"),
         colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
-    ]
+    ];
+    if evidence {
+        all.insert(0, colouring("probability P", "", Scale::Linear, true, "probability"));
+    }
+    all
 }
 
 fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
-    let by_frequency = matches!(outcome.rule, Keep::Frequency(_));
-    let (figure, name) = if by_frequency { ("frequency", "frequency") } else { ("likelihood", "likelihood L") };
+    let rule = outcome.rule;
+    let (figure, name) = match rule {
+        Keep::Probability(_) | Keep::Probable(_) => ("probability", "probability P"),
+        Keep::Frequency(_) => ("frequency", "frequency"),
+        _ => ("likelihood", "likelihood L"),
+    };
+    let of_likelihood = figure == "likelihood";
+    let no_threshold = matches!(rule, Keep::Probable(_));
     Trial {
         figure,
         name,
-        unit: if by_frequency { "" } else { unit },
-        error: (!by_frequency).then_some("std_error"),
+        unit: if of_likelihood { unit } else { "" },
+        error: of_likelihood.then_some("std_error"),
         samples: outcome.result.samples,
-        at_least: by_frequency,
-        midway: !matches!(outcome.rule, Keep::Frequency(_) | Keep::Value(_)),
-        within: UNDECIDED_Z,
+        at_least: !of_likelihood,
+        midway: of_likelihood && !matches!(rule, Keep::Value(_)),
+        within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
         threshold: outcome.answer.threshold,
-        median: outcome.answer.median.filter(|_| !by_frequency),
+        median: outcome.answer.median.filter(|_| of_likelihood),
+        kept: no_threshold.then_some("kept"),
+        middle: no_threshold.then_some(0.5),
+        band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         on_trial: "on_trial",
         nodes: outcome.network.node_count(),
     }

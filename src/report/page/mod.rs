@@ -124,6 +124,12 @@ pub struct Trial {
     pub threshold: Option<f64>,
     /// The median of the positive figures on trial, where it is one of this figure.
     pub median: Option<f64>,
+    /// The column that is 1 where the run kept a vessel, where its rule is no threshold on the figure ...
+    pub kept: Option<&'static str>,
+    /// ... and the figure about which its decisions are open.
+    pub middle: Option<f64>,
+    /// How near to the cut a figure without standard error is undecided; without it that error is one of a share.
+    pub band: Option<f64>,
     /// The column that is 1 where a vessel is on trial.
     pub on_trial: &'static str,
     /// How many nodes there are.

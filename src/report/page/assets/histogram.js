@@ -17,11 +17,13 @@ class Histogram {
 
   // Kept and pruned in each bin; figures below the range are in the first.
   heights() {
-    const [low, high] = this.range, { at_least, now } = this.trial;
+    const [low, high] = this.range, { known, values, kept } = this.trial;
     const heights = Array.from({ length: this.bins }, () => [0, 0]);
-    for (const x of this.counted) {
+    for (const row of known) {
+      const x = values[row];
+      if (this.log && !(x > 0)) continue;
       const bin = Math.min(Math.max(Math.floor((this.of(x) - low) / (high - low) * this.bins), 0), this.bins - 1);
-      heights[bin][now !== null && (at_least ? x >= now : x > now) ? 0 : 1] += 1;
+      heights[bin][kept[row] ? 0 : 1] += 1;
     }
     return heights;
   }
@@ -29,7 +31,7 @@ class Histogram {
   show(place) {
     const { trial, range: [low, high] } = this;
     if (!this.counted.length) {
-      place.replaceChildren(make("p", { class: "quiet", text: "No vessel on trial has a likelihood above zero." }));
+      place.replaceChildren(make("p", { class: "quiet", text: `No vessel on trial has a ${trial.name} above zero.` }));
       return;
     }
     const [left, right, top, base] = [30, 312, 34, 150], heights = this.heights();

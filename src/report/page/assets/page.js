@@ -159,7 +159,7 @@ function showTrial() {
   slider.disabled = trial.stops.length < 2;
   let waiting = 0;
   const show = () => {
-    const { counts } = trial, value = trial.now === null ? "none" : withUnit(shown(trial.now), trial.unit);
+    const { counts } = trial, value = trial.asRun ? "as the run decided" : trial.now === null ? "none" : withUnit(shown(trial.now), trial.unit);
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = trial.stop();
     slider.setAttribute("aria-valuetext", value);
@@ -177,7 +177,7 @@ function showTrial() {
   const set = threshold => { trial.set(threshold); show(); };
   slider.addEventListener("input", () => set(trial.stops[slider.value]));
   number.addEventListener("change", () => { if (number.value !== "" && Number.isFinite(Number(number.value))) set(Number(number.value)); else show(); });
-  byId("to-run").addEventListener("click", () => set(data.trial.threshold));
+  byId("to-run").addEventListener("click", () => { trial.toRun(); show(); });
   byId("to-median").hidden = trial.median === null;
   byId("to-median").addEventListener("click", () => set(trial.median));
   for (const box of Object.values(shownState)) box.addEventListener("change", dress);

@@ -8,10 +8,12 @@ class Trial {
     this.tried = values(source.on_trial);
     this.ends = [values("node_a"), values("node_b")];
     const errors = source.error && vessels.find(source.error);
+    this.asKept = source.kept && values(source.kept);
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
-    this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : share;
-    const trial = [...Array(this.rows).keys()].filter(row => this.tried[row]);
-    this.trial = Float64Array.from(trial, row => this.values[row]).sort();
+    const near = source.band === null ? share : () => source.band;
+    this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
+    this.known = [...Array(this.rows).keys()].filter(row => this.tried[row] && !Number.isNaN(this.values[row]));
+    this.trial = Float64Array.from(this.known, row => this.values[row]).sort();
     this.positive = this.trial.filter(x => x > 0);
     // Every threshold that keeps other vessels than its neighbours, rising.
     this.stops = [...new Set(this.trial)];
@@ -19,32 +21,40 @@ class Trial {
     else if (this.stops[0] > 0) this.stops.unshift(0);
     this.kept = new Uint8Array(this.rows);
     this.open = new Uint8Array(this.rows);
-    this.set(source.threshold);
+    this.toRun();
+  }
+
+  // As the run decided: at its threshold, or vessel by vessel where its rule has none.
+  toRun() {
+    this.set(this.threshold, this.asKept !== null);
   }
 
   // The stop that keeps the same vessels as the threshold.
   stop() {
-    if (this.now === null) return this.stops.length - 1;
-    const after = this.stops.findIndex(x => this.at_least ? x >= this.now : x > this.now);
+    const now = this.asRun ? this.middle : this.now;
+    if (now === null) return this.stops.length - 1;
+    const after = this.stops.findIndex(x => this.at_least ? x >= now : x > now);
     const last = this.stops.length - 1;
     return this.at_least ? (after < 0 ? last : after) : Math.max((after < 0 ? last + 1 : after) - 1, 0);
   }
 
   // Where a decision would flip: the threshold, or midway between the positive figures on its two sides.
   flip() {
+    if (this.asRun) return this.middle;
     if (!this.midway || this.now === null) return this.now;
     const above = this.positive.findIndex(x => x > this.now);
     return above <= 0 ? null : 0.5 * (this.positive[above - 1] + this.positive[above]);
   }
 
-  // Without a threshold no vessel on trial is kept.
-  set(threshold) {
+  // Without a threshold no vessel on trial is kept, unless vessel by vessel as in the run.
+  set(threshold, asRun = false) {
     this.now = threshold;
+    this.asRun = asRun;
     const flip = this.flip();
     this.counts = { kept: 0, pruned: 0, undecided: 0, vessels: 0 };
     for (let row = 0; row < this.rows; row++) {
       const x = this.values[row];
-      const passes = threshold !== null && (this.at_least ? x >= threshold : x > threshold);
+      const passes = asRun ? this.asKept[row] : threshold !== null && (this.at_least ? x >= threshold : x > threshold);
       this.kept[row] = !this.tried[row] || passes ? 1 : 0;
       this.open[row] = this.tried[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
       this.counts.vessels += this.kept[row];

@@ -1,0 +1,117 @@
+//! `--prior`: how probable each candidate is before any flow, and the graph that follows from it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+use willis::candidates::prior::Weights;
+use willis::candidates::{self, build, build_probable};
+use willis::error::{Error, Result};
+use willis::formats::{checksum, read_prior_csv, read_prior_npy};
+use willis::hemodynamics::Boundary;
+use willis::network::{Network, Role};
+use willis::suggestion::did_you_mean;
+
+use super::input::Loaded;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Candidates")]
+pub struct PriorArgs {
+    /// How probable a candidate is before any flow: evidence (the shipped model of real arteries), WEIGHTS.toml (one of your own,
+    /// from willis train), none (what the file states), uniform (1 everywhere), or A.npy or A.csv, numbers from 0 to 1 for pairs
+    /// of nodes or for vessels of the graph [default: evidence on centerlines, none on a ready graph]
+    #[arg(long, value_name = "evidence|none|uniform|FILE")]
+    prior: Option<String>,
+}
+
+/// Where the priors come from.
+#[derive(Debug)]
+pub enum Prior {
+    /// A model of the evidence, and its file where it is not the shipped one.
+    Evidence { weights: Box<Weights>, file: Option<PathBuf> },
+    /// What the file states.
+    None,
+    /// One everywhere.
+    Uniform,
+    /// A matrix or table.
+    File(PathBuf),
+}
+
+impl PriorArgs {
+    /// The prior for an input; `paper` changes what is used where no option is given.
+    ///
+    /// # Errors
+    ///
+    /// A word that is none, a file that cannot be read, evidence for a ready graph.
+    pub fn resolve(&self, loaded: &Loaded, paper: bool) -> Result<Prior> {
+        let default = match (paper, loaded.fragments) {
+            (true, _) => "uniform",
+            (false, true) => "evidence",
+            (false, false) => "none",
+        };
+        let text = self.prior.as_deref().unwrap_or(default);
+        let path = Path::new(text);
+        let ending = path.extension().map(|e| e.to_ascii_lowercase());
+        let (weights, file) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
+            ("none", _) => return Ok(Prior::None),
+            ("uniform", _) => return Ok(Prior::Uniform),
+            ("evidence", _) => (Weights::shipped(), None),
+            (_, Some("toml")) => {
+                let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+                (Weights::read(&text).map_err(|fault| fault.in_file(path))?, Some(path.to_owned()))
+            }
+            (_, Some("npy" | "csv")) => return Ok(Prior::File(path.to_owned())),
+            _ => {
+                let meant = did_you_mean(text, ["evidence", "none", "uniform"]);
+                let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
+                return Err(Error::parameter("--prior", format!("\"{text}\""), accepted));
+            }
+        };
+        if !loaded.fragments {
+            let accepted =
+                "needs centerlines; this is a ready graph, whose candidates state their own probability (see --observed)";
+            return Err(Error::parameter("--prior", text, accepted));
+        }
+        Ok(Prior::Evidence { weights: Box::new(weights), file })
+    }
+}
+
+impl Prior {
+    /// Whether candidates come with evidence.
+    pub fn is_evidence(&self) -> bool {
+        matches!(self, Self::Evidence { .. })
+    }
+
+    /// The record in run.json: the word, or the file with its checksum.
+    pub fn record(&self) -> Result<Value> {
+        let file = match self {
+            Self::Evidence { file: None, .. } => return Ok(json!("evidence")),
+            Self::None => return Ok(json!("none")),
+            Self::Uniform => return Ok(json!("uniform")),
+            Self::Evidence { file: Some(path), .. } | Self::File(path) => path,
+        };
+        let bytes = std::fs::read(file).map_err(|source| Error::Read { path: file.clone(), source })?;
+        Ok(json!({ "path": file.display().to_string(), "sha256": checksum(&bytes) }))
+    }
+
+    /// The graph to sample: candidates built where the input asks for them, with their priors.
+    pub fn graph(&self, loaded: &mut Loaded, boundary: &Boundary, params: &candidates::Params) -> Result<Network> {
+        let network = std::mem::take(&mut loaded.network);
+        let mut graph = match self {
+            _ if !loaded.fragments => network,
+            Self::Evidence { weights, .. } => {
+                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !boundary.found_inlets.contains(node);
+                let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
+                build_probable(&network, &inlets, params, weights)?
+            }
+            _ => build(&network, params)?,
+        };
+        if let Self::File(path) = self {
+            let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.clone(), source })?;
+            let is_table = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+            let read = if is_table { read_prior_csv } else { read_prior_npy };
+            read(&bytes, &mut graph).map_err(|fault| fault.in_file(path))?;
+        }
+        Ok(graph)
+    }
+}

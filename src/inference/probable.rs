@@ -1,0 +1,100 @@
+//! The decision that keeps the most probability: the maximum arborescence over the fragments.
+
+use std::collections::BTreeSet;
+
+use crate::error::Result;
+use crate::network::{Network, Origin, Vessel, fragments};
+use crate::posterior::{Bridge, Forests, arborescence};
+
+/// A loop within one fragment is closed from this probability on: there is nothing that it must beat.
+pub const LEAST_CLOSURE: f64 = 0.2;
+
+/// The usual root factor.
+pub const ROOT_FACTOR: f64 = 0.65;
+
+/// Whether the network knows how probably its fragments stay alone, as one built by evidence does.
+pub fn knows_fragments(network: &Network) -> bool {
+    network.nodes().any(|n| n.alone.is_some())
+}
+
+/// Whether the evidence says of any candidate how probable it is.
+pub fn has_evidence(network: &Network) -> bool {
+    network.vessels().any(|(_, v)| v.evidence.is_some())
+}
+
+/// The calibrated probability of each vessel: that of its evidence; one where it is observed or certain; `None` where nothing is known.
+pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
+    let probability = |v: &Vessel| v.evidence.map(|e| e.probability);
+    network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
+}
+
+/// Per vessel whether it is observed, or in the forest of fragments with the largest sum of the probabilities by which
+/// fragments hang on one another and, times `root_factor`, stay alone; or closes a probable loop.
+///
+/// A candidate marked certain joins its fragments to one beforehand. A node's own word on how probably its fragment stays alone comes
+/// before what its bridges leave of one.
+///
+/// # Errors
+///
+/// More fragments or candidates than can be numbered.
+pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
+    let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
+    let parts = fragments(network, |_, v| given(v));
+    let mut alone = vec![f64::NAN; parts.count];
+    for (node, part) in network.nodes().zip(&parts.of_node) {
+        alone[*part] = node.alone.map_or(alone[*part], |p| p.min(alone[*part]));
+    }
+    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
+    let (mut bridges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
+    let mut left = vec![1.0; parts.count];
+    for (row, ([a, b], v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
+        let Some(evidence) = v.evidence else { continue };
+        let [a, b] = [a, b].map(|node| parts.of_node[node]);
+        if a == b {
+            kept[row] = evidence.probability >= LEAST_CLOSURE;
+            continue;
+        }
+        for (child, parent, score) in [(a, b, evidence.hangs[0]), (b, a, evidence.hangs[1])] {
+            if score > 0.0 {
+                left[child] -= score;
+                bridges.push(Bridge { child, parent, log_weight: 0.0 });
+                scores.push(score);
+                vessel.push(row);
+            }
+        }
+    }
+    let roots: Vec<f64> = alone.iter().zip(&left).map(|(alone, left)| if alone.is_nan() { left.max(0.0) } else { *alone }).collect();
+    let forests = Forests::new(vec![0.0; parts.count], bridges)?;
+    let scaled: Vec<f64> = roots.iter().map(|p| root_factor * p).collect();
+    for bridge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
+        kept[vessel[bridge]] = true;
+    }
+    Ok(kept)
+}
+
+/// How many errors a decision is expected to make among the candidates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedErrors {
+    /// Candidates kept that are no true connection.
+    pub wrong: f64,
+    /// True connections among the candidates that are not kept. Candidates between two fragments that a kept one joins are
+    /// other places of the same connection and do not count.
+    pub missed: f64,
+}
+
+/// The errors that the probabilities expect of what is kept; `None` without evidence.
+pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedErrors> {
+    if !has_evidence(network) {
+        return None;
+    }
+    let parts = fragments(network, |_, v| v.origin == Origin::Observed || v.certain);
+    let between = |[a, b]: [usize; 2]| {
+        let [a, b] = [parts.of_node[a], parts.of_node[b]];
+        [a.min(b), a.max(b)]
+    };
+    let rows = || network.vessels().zip(kept).filter_map(|((ends, v), kept)| v.evidence.map(|e| (between(ends), e.probability, *kept)));
+    let joined: BTreeSet<[usize; 2]> = rows().filter(|(_, _, kept)| *kept).map(|(between, ..)| between).collect();
+    let wrong = rows().filter(|(_, _, kept)| *kept).map(|(_, p, _)| 1.0 - p).sum();
+    let missed = rows().filter(|(between, _, kept)| !kept && !joined.contains(between)).map(|(_, p, _)| p).sum();
+    Some(ExpectedErrors { wrong, missed })
+}
