@@ -4,6 +4,7 @@ mod attach;
 mod ends;
 pub mod evidence;
 mod knn;
+pub mod prior;
 mod split;
 
 use std::collections::BTreeSet;
