@@ -66,4 +66,6 @@ pub mod modulation;
 
 pub mod phantom;
 
+pub mod training;
+
 pub mod report;

@@ -19,6 +19,7 @@ const LAYERS: &[&[&str]] = &[
     &["inference", "simulation"],
     &["modulation"],
     &["phenotype", "phantom"],
+    &["training"],
     &["experiments"],
     &["report"],
 ];
@@ -30,7 +31,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("clap_mangen", &["cli/"]),
     ("ctrlc", &["main.rs", "cli/"]),
     ("indicatif", &["main.rs", "cli/"]),
-    ("rayon", &["inference/driver.rs", "modulation/driver.rs", "cli/mod.rs", "cli/infer.rs"]),
+    ("rayon", &["inference/driver.rs", "modulation/driver.rs", "candidates/prior/parallel.rs", "cli/mod.rs", "cli/infer.rs"]),
     ("kiddo", &["candidates/knn.rs"]),
     ("plotters", &["report/plots.rs", "report/plots/"]),
     ("ab_glyph", &["report/plots/font.rs"]),
@@ -38,6 +39,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
     ("hdf5_reader", &["formats/vtrails.rs"]),
+    ("argmin", &["candidates/prior/minimise.rs"]),
     ("statrs", &["stats/gamma.rs"]),
 ];
 

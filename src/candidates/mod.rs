@@ -15,8 +15,8 @@ use crate::geometry::{Point, distance};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::as_stored;
 use attach::{Surroundings, Target};
-pub use probable::build_probable;
 use ends::free_ends;
+pub use probable::build_probable;
 use split::{Cuts, split};
 
 /// Where a candidate may end.

@@ -16,6 +16,7 @@ mod simulate;
 mod tell;
 mod tell_flow;
 mod terminal;
+mod train;
 
 use clap::{Args, Parser, Subcommand};
 use willis::error::{Error, Result};
@@ -42,6 +43,7 @@ enum Command {
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
     Convert(Box<convert::ConvertArgs>),
+    Train(train::TrainArgs),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
@@ -105,6 +107,7 @@ impl Cli {
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
+            Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(terminal, force),

@@ -55,7 +55,7 @@ impl PriorArgs {
         let (weights, file) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
             ("none", _) => return Ok(Prior::None),
             ("uniform", _) => return Ok(Prior::Uniform),
-            ("evidence", _) => (Weights::shipped(), None),
+            ("evidence", _) => (Weights::shipped()?, None),
             (_, Some("toml")) => {
                 let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
                 (Weights::read(&text).map_err(|fault| fault.in_file(path))?, Some(path.to_owned()))

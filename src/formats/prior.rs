@@ -60,7 +60,9 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
             (None, [Some(a), Some(b)]) => {
                 let [a, b] = [below(&row, a, network.node_count())?, below(&row, b, network.node_count())?];
                 let vessels = between.get(&[a.min(b), a.max(b)]);
-                vessels.cloned().ok_or_else(|| Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins"))?
+                vessels
+                    .cloned()
+                    .ok_or_else(|| Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins"))?
             }
             _ => Vec::new(),
         };
@@ -74,7 +76,8 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
 /// A whole number below a count.
 fn below(row: &Row<'_>, column: usize, count: usize) -> Result<usize, Fault> {
     let text = row.text(column);
-    text.parse::<usize>().ok().filter(|n| *n < count).ok_or_else(|| {
-        Fault::line(row.line, format!("{} \"{text}\"", row.name(column)), format!("expected a row below {count}"))
-    })
+    text.parse::<usize>()
+        .ok()
+        .filter(|n| *n < count)
+        .ok_or_else(|| Fault::line(row.line, format!("{} \"{text}\"", row.name(column)), format!("expected a row below {count}")))
 }

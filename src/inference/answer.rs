@@ -67,7 +67,11 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answ
 fn by_evidence(rule: Keep, network: &Network) -> Result<(Vec<bool>, Vec<bool>)> {
     if !has_evidence(network) {
         let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
-        return Err(Error::parameter("--keep", if matches!(rule, Keep::Probable(_)) { "probable" } else { "probability" }, accepted));
+        return Err(Error::parameter(
+            "--keep",
+            if matches!(rule, Keep::Probable(_)) { "probable" } else { "probability" },
+            accepted,
+        ));
     }
     let probability = probabilities(network);
     let (kept, cut) = match rule {

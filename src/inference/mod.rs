@@ -20,6 +20,8 @@ pub use driver::{Progress, infer, infer_until_stable};
 pub use forest::{Forest, key};
 pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
 pub use params::{Params, Solver, Uncertain, Weight};
-pub use probable::{ExpectedErrors, LEAST_CLOSURE, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable};
+pub use probable::{
+    ExpectedErrors, LEAST_CLOSURE, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+};
 pub use sampler::{Method, Sampler, Workspace};
 pub use threshold::{Keep, threshold};

@@ -63,7 +63,8 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
             }
         }
     }
-    let roots: Vec<f64> = alone.iter().zip(&left).map(|(alone, left)| if alone.is_nan() { left.max(0.0) } else { *alone }).collect();
+    let roots: Vec<f64> =
+        alone.iter().zip(&left).map(|(alone, left)| if alone.is_nan() { left.max(0.0) } else { *alone }).collect();
     let forests = Forests::new(vec![0.0; parts.count], bridges)?;
     let scaled: Vec<f64> = roots.iter().map(|p| root_factor * p).collect();
     for bridge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
@@ -92,7 +93,8 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
         let [a, b] = [parts.of_node[a], parts.of_node[b]];
         [a.min(b), a.max(b)]
     };
-    let rows = || network.vessels().zip(kept).filter_map(|((ends, v), kept)| v.evidence.map(|e| (between(ends), e.probability, *kept)));
+    let rows =
+        || network.vessels().zip(kept).filter_map(|((ends, v), kept)| v.evidence.map(|e| (between(ends), e.probability, *kept)));
     let joined: BTreeSet<[usize; 2]> = rows().filter(|(_, _, kept)| *kept).map(|(between, ..)| between).collect();
     let wrong = rows().filter(|(_, _, kept)| *kept).map(|(_, p, _)| 1.0 - p).sum();
     let missed = rows().filter(|(between, _, kept)| !kept && !joined.contains(between)).map(|(_, p, _)| p).sum();

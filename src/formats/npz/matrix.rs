@@ -14,7 +14,10 @@ pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
     let array = Array::read("A", bytes, bytes.len() as u64)?;
     if array.shape != [n, n] {
         let shape = array.shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        return Err(Fault::file(format!("shape ({shape})"), format!("expected ({n}, {n}): a row and a column for every node of the graph")));
+        return Err(Fault::file(
+            format!("shape ({shape})"),
+            format!("expected ({n}, {n}): a row and a column for every node of the graph"),
+        ));
     }
     let values = array.reals()?;
     let at = |row: usize, column: usize| if array.is_fortran() { column * n + row } else { row * n + column };

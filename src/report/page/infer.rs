@@ -25,7 +25,11 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let evidence = has_evidence(outcome.network);
     Page {
         title: title("infer", &record),
-        facts: facts(&record, if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit }, evidence),
+        facts: facts(
+            &record,
+            if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit },
+            evidence,
+        ),
         record,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(unit, evidence),

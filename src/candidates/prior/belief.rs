@@ -1,0 +1,57 @@
+//! What the weights make of an extraction: the posterior over its forests and the probability of every link.
+
+use super::calibration::Calibration;
+use super::feedback::Feedback;
+use super::rows::Rows;
+use super::weights::Weights;
+use crate::candidates::evidence::{Bridge, Extraction};
+use crate::error::{Error, Result};
+use crate::posterior::{Forests, Marginals, marginals};
+
+/// The posterior over how the fragments of an extraction hang together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// The bridges between fragments, in the order of [`Belief::forests`].
+    pub bridges: Vec<Bridge>,
+    /// The weights of the last pass.
+    pub forests: Forests,
+    /// The marginals of the last pass, not calibrated.
+    pub marginals: Marginals,
+    /// Per bridge the number of its link: the two directions between a pair of free ends share one.
+    pub link: Vec<usize>,
+    /// Per bridge the calibrated probability of its link.
+    pub probability: Vec<f64>,
+}
+
+/// The posterior that `weights` give the bridges of an extraction, which should be all of a search.
+///
+/// # Errors
+///
+/// Weights without a pass, or of other features than this program measures.
+pub fn believe(extraction: &Extraction, bridges: &[Bridge], weights: &Weights) -> Result<Belief> {
+    weights.validate()?;
+    let rows = Rows::new(extraction, bridges);
+    let (forests, marginals) = last_pass(extraction, &rows, weights)?;
+    let calibration = Calibration(weights.calibration);
+    let of_link: Vec<f64> = rows.summed(&marginals.bridges).into_iter().map(|p| calibration.apply(p)).collect();
+    let probability = rows.link.iter().map(|link| of_link[*link]).collect();
+    Ok(Belief { bridges: rows.bridges, forests, marginals, link: rows.link, probability })
+}
+
+/// Weights and marginals of the last of all passes, each fed by the one before.
+pub(super) fn last_pass(extraction: &Extraction, rows: &Rows, weights: &Weights) -> Result<(Forests, Marginals)> {
+    let mut last: Option<(Forests, Marginals)> = None;
+    let mut feedback = None;
+    for pass in &weights.passes {
+        let forests = match &last {
+            None => rows.forests(pass, &rows.bridge)?,
+            Some((forests, marginals)) => {
+                let feedback = feedback.get_or_insert_with(|| Feedback::new(extraction, &rows.bridges));
+                rows.forests(pass, &rows.beside(&feedback.features(forests, marginals)))?
+            }
+        };
+        let marginals = marginals(&forests);
+        last = Some((forests, marginals));
+    }
+    last.ok_or_else(|| Error::parameter("weights", "of no pass", "expected one pass at least"))
+}

@@ -1,0 +1,191 @@
+//! `willis train`: fit the evidence model to extractions whose right links are known.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::{Value, json};
+use willis::candidates::prior::{
+    Case, CrossValidation, Example, Figures, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets, in_order,
+};
+use willis::error::{Error, Result};
+use willis::report::{StagedFile, staged::write_file};
+use willis::training::read_cases;
+
+use super::provenance::command_line;
+use super::shell::print_json;
+use super::terminal::{Terminal, count, plural};
+
+/// Fit the evidence model to extractions whose right links are known
+///
+/// Each argument is a data set, searched for case folders. A case folder holds fragments.swc (or one other file of centerlines
+/// called fragments) and the answer: truth.json as `willis phantom --break` writes it, or links.csv with the columns
+/// ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm, which may be an edges.csv of `willis infer` with `kept` corrected by hand; beside them
+/// inlets.csv (x_mm,y_mm,z_mm) and loops.csv where there are any. Nothing is drawn at random: the same cases give the same bytes.
+#[derive(Debug, Args)]
+pub struct TrainArgs {
+    /// Folders of cases
+    #[arg(value_name = "CASES", required = true, value_hint = clap::ValueHint::DirPath)]
+    cases: Vec<PathBuf>,
+    /// The weights to write, for willis infer --prior
+    #[arg(short, long, value_name = "FILE.toml", value_hint = clap::ValueHint::FilePath)]
+    output: PathBuf,
+    /// Folds of the cross-validation by subject that says how well such weights do; 0 for none
+    #[arg(long, value_name = "K", default_value_t = 3)]
+    folds: usize,
+    /// Write the weights of each fold too, as FILE.fold-1.toml and so on, with the subjects that they never saw
+    #[arg(long)]
+    save_folds: bool,
+    /// Penalty of large weights
+    #[arg(long, value_name = "L2", default_value_t = TrainParams::default().l2)]
+    l2: f64,
+    /// Passes over the bridges: each sees what the one before makes of a bridge's surroundings
+    #[arg(long, value_name = "N", default_value_t = TrainParams::default().iterations.len())]
+    passes: usize,
+    /// Print a summary on standard output, as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl TrainArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        let params = self.params()?;
+        let outputs = self.outputs()?;
+        outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
+        let began = Instant::now();
+        let read = read_cases(&self.cases)?;
+        for (note, cases) in &read.notes {
+            terminal.say("note", format!("{note} ({})", plural(*cases, "case")));
+        }
+        if self.folds > 0 {
+            check_folds(&read.cases.iter().collect::<Vec<_>>(), self.folds)?;
+        }
+        let judged = measured(&read.cases, |_| true)?;
+        let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
+        let without: Vec<Case> = read.cases.iter().filter(|case| bare(case)).cloned().collect();
+        let unfed = measured(&without, |_| false)?;
+        let mut rest = unfed.iter();
+        let training: Vec<&Example> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
+        say_cases(terminal, &judged);
+        terminal.say(
+            "measured",
+            format!("in {:.0} s; {} used without their inlets", began.elapsed().as_secs_f64(), plural(unfed.len(), "case")),
+        );
+        let mut weights = fit(&training, &params, &mut |step| say_step(terminal, "fitted", step))?;
+        let mut validated = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
+        if self.folds > 0 {
+            let judged: Vec<&Example> = judged.iter().collect();
+            validated = cross_validate(&training, &judged, self.folds, &params, &mut |fold, step| {
+                say_step(terminal, &format!("fold {fold}"), step);
+            })?;
+            validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
+        }
+        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line());
+        weights.provenance.figures.clone_from(&validated.figures);
+        weights.provenance.folds.clone_from(&validated.folds);
+        let folds = if self.save_folds { validated.weights } else { Vec::new() };
+        let mut staged = Vec::new();
+        for (path, mut weights) in outputs.iter().zip([weights].into_iter().chain(folds)) {
+            weights.provenance.made_by.clone_from(&made_by);
+            let file = StagedFile::new(path, force)?;
+            write_file(&file.path(), |out| weights.write(out))?;
+            staged.push(file);
+        }
+        staged.into_iter().try_for_each(StagedFile::commit)?;
+        let names: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
+        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
+        if self.json {
+            print_json(&summary(&read.cases, &names, &validated.figures))?;
+        }
+        Ok(())
+    }
+
+    fn params(&self) -> Result<TrainParams> {
+        let all = TrainParams::default().iterations;
+        if !(1..=all.len()).contains(&self.passes) {
+            return Err(Error::parameter("--passes", self.passes, format!("expected a number from 1 to {}", all.len())));
+        }
+        let params = TrainParams { l2: self.l2, iterations: all[..self.passes].to_vec(), ..TrainParams::default() };
+        params.validate()?;
+        Ok(params)
+    }
+
+    /// The files to write: the weights, then those of the folds.
+    fn outputs(&self) -> Result<Vec<PathBuf>> {
+        if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
+            return Err(Error::parameter("--output", self.output.display(), "expected an ending .toml"));
+        }
+        if self.save_folds && self.folds == 0 {
+            return Err(Error::parameter("--save-folds", "", "goes with --folds of 2 or more"));
+        }
+        let folds = if self.save_folds { self.folds } else { 0 };
+        let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
+        Ok([self.output.clone()].into_iter().chain((1..=folds).map(of_fold)).collect())
+    }
+}
+
+/// The cases with their bridges measured.
+fn measured(cases: &[Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Example<'_>>> {
+    in_order(cases, |_, case| Example::new(case, with_inlets(case))).into_iter().collect()
+}
+
+/// What was read, by data set.
+fn say_cases(terminal: Terminal, examples: &[Example]) {
+    for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
+        let subjects: BTreeSet<&str> = of_set.iter().map(|e| e.case.subject.as_str()).collect();
+        let sum = |of: &dyn Fn(&Example) -> usize| of_set.iter().map(of).sum::<usize>();
+        let (needed, reached) = (sum(&|e| e.case.answer.needed()), sum(&|e| e.reached()));
+        terminal.say(
+            "read",
+            format!(
+                "{}: {} of {}, {}, {}, {} of them within reach of {}",
+                of_set[0].case.data_set,
+                plural(of_set.len(), "case"),
+                plural(subjects.len(), "subject"),
+                plural(sum(&|e| e.extraction.fragments.len()), "fragment"),
+                plural(needed, "right link"),
+                count(reached as u64),
+                plural(sum(&|e| e.rows.links), "bridge")
+            ),
+        );
+    }
+}
+
+fn say_step(terminal: Terminal, heading: &str, step: &Step) {
+    let [before, after] = step.objective;
+    let Step { pass, evaluations, .. } = step;
+    terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
+}
+
+fn say_figures(terminal: Terminal, figures: &Figures) {
+    let or_none = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.3}"));
+    terminal.say(
+        "held out",
+        format!(
+            "{}: average precision {}, calibration error {}, log-likelihood {:.3} ({} of {})",
+            figures.of,
+            or_none(figures.average_precision),
+            or_none(figures.calibration_error),
+            figures.log_likelihood,
+            plural(figures.cases, "case"),
+            plural(figures.subjects, "subject")
+        ),
+    );
+}
+
+fn summary(cases: &[Case], outputs: &[String], figures: &[Figures]) -> Value {
+    let figures = figures.iter().map(|f| {
+        json!({
+            "of": f.of, "cases": f.cases, "subjects": f.subjects, "average_precision": f.average_precision,
+            "calibration_error": f.calibration_error, "log_likelihood": f.log_likelihood,
+        })
+    });
+    json!({
+        "willis": env!("CARGO_PKG_VERSION"),
+        "command": command_line(),
+        "output": outputs,
+        "cases": cases.len(),
+        "figures": figures.collect::<Vec<Value>>(),
+    })
+}

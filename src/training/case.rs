@@ -1,0 +1,107 @@
+//! Reads one case.
+
+use std::fs;
+use std::path::Path;
+
+use super::folder::CaseFolder;
+use super::truth;
+use crate::candidates::evidence::Extraction;
+use crate::candidates::prior::{Answer, Case};
+use crate::error::{Error, Fault, Result};
+use crate::formats::conditions::read_csv;
+use crate::formats::{Content, ReadOptions, read as read_file, read_links};
+use crate::geometry::distance;
+use crate::network::{Network, RadiusRule, Role, contract, locate};
+use crate::units::millimetres;
+
+/// Coincident points are one node within this share of the bounding box.
+const WELD_TOLERANCE: f64 = 1e-6;
+/// An end of a listed bridge is a point no more than so many spacings away.
+const MOST_SPACINGS: f64 = 3.0;
+
+/// The case in a folder, and what a person should know about how it was read.
+pub fn read(data_set: &str, folder: &CaseFolder) -> Result<(Case, Vec<String>)> {
+    let (network, mut notes) = network(folder)?;
+    let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
+    let extraction = Extraction::new(&network, &inlets)?;
+    let bytes = bytes_of(&folder.answer)?;
+    let here = |fault: Fault| fault.in_file(&folder.answer);
+    let (answer, subject) = if folder.answer.extension().is_some_and(|ending| ending == "json") {
+        truth::read(&bytes, &network, &extraction).map_err(here)?
+    } else {
+        (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
+    };
+    if answer.links() == 0 {
+        notes.push("an answer of no link: every fragment stands alone".into());
+    }
+    let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
+    let case = Case {
+        data_set: data_set.to_owned(),
+        group: groups.join("/"),
+        subject: subject.unwrap_or(own),
+        name: folder.names.join("/"),
+        network,
+        inlets,
+        answer,
+    };
+    Ok((case, notes))
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+/// The observed vessels.
+fn network(folder: &CaseFolder) -> Result<(Network, Vec<String>)> {
+    let path = &folder.fragments;
+    let document = read_file(path, &ReadOptions { loops: folder.loops.clone(), ..ReadOptions::default() })?;
+    let network = match document.content {
+        Content::Centerlines(mut lines) => {
+            lines.weld(WELD_TOLERANCE);
+            contract(&lines, RadiusRule::Mean, None).map_err(|fault| fault.in_file(path))?.network
+        }
+        Content::Vessels(network) => network,
+        Content::Graph(_) => return Err(Fault::file("a candidate graph", "expected centerlines").in_file(path)),
+    };
+    if network.vessel_count() == 0 {
+        return Err(Fault::file("no vessel", "expected centerlines with at least two linked points").in_file(path));
+    }
+    let own = format!(" {}", folder.loops.as_ref().map_or(String::new(), |loops| loops.display().to_string()));
+    Ok((network, document.notes.into_iter().filter(|note| folder.loops.is_none() || !note.ends_with(&own)).collect()))
+}
+
+/// The nodes that a table of conditions names as inlets.
+fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
+    let bytes = bytes_of(path)?;
+    let wrong = |fault: Fault| fault.in_file(path);
+    let text = std::str::from_utf8(&bytes).map_err(|_| wrong(Fault::file("not UTF-8", "expected x_mm,y_mm,z_mm")))?;
+    let mut out = Vec::new();
+    for statement in read_csv(text).map_err(wrong)?.into_iter().filter(|s| s.role == Role::Inlet) {
+        let found = locate(network, &statement.spec);
+        out.push(found.map_err(|why| wrong(Fault::item(&statement.place, &statement.spec, why)))?.node);
+    }
+    Ok(out)
+}
+
+/// The answer that a table of right bridges gives.
+fn listed(bytes: &[u8], extraction: &Extraction, inlets: &[usize]) -> Result<Answer, Fault> {
+    let mut bridges = Vec::new();
+    for bridge in read_links(bytes)? {
+        let mut ends = [0; 2];
+        for (end, position) in ends.iter_mut().zip(bridge.ends) {
+            let away = extraction.position.iter().enumerate().map(|(point, p)| (distance(*p, position), point));
+            let nearest = away.min_by(|a, b| a.0.total_cmp(&b.0));
+            match nearest.filter(|(away, _)| *away <= MOST_SPACINGS * extraction.spacing) {
+                Some((_, point)) => *end = point,
+                None => {
+                    let [x, y, z] = position.map(millimetres);
+                    let away = nearest.map_or(f64::INFINITY, |(away, _)| millimetres(away));
+                    let found = format!("an end at {x},{y},{z}, {away:.3} mm from the nearest point of the fragments");
+                    return Err(Fault::line(bridge.line, found, "expected the positions of two points"));
+                }
+            }
+        }
+        bridges.push(ends);
+    }
+    Ok(Answer::bridging(extraction, &bridges, inlets))
+}
