@@ -1,6 +1,6 @@
 //! `willis train`: fit the evidence model to extractions whose right links are known.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -16,6 +16,9 @@ use willis::training::read_cases;
 use super::provenance::command_line;
 use super::shell::print_json;
 use super::terminal::{Terminal, count, plural};
+
+/// So many notes of single cases are told unasked.
+const MOST_NOTES: usize = 3;
 
 /// Fit the evidence model to extractions whose right links are known
 ///
@@ -55,9 +58,7 @@ impl TrainArgs {
         outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
         let began = Instant::now();
         let read = read_cases(&self.cases)?;
-        for (note, cases) in &read.notes {
-            terminal.say("note", format!("{note} ({})", plural(*cases, "case")));
-        }
+        say_notes(terminal, &read.notes);
         if self.folds > 0 {
             check_folds(&read.cases.iter().collect::<Vec<_>>(), self.folds)?;
         }
@@ -122,6 +123,23 @@ impl TrainArgs {
         let folds = if self.save_folds { self.folds } else { 0 };
         let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
         Ok([self.output.clone()].into_iter().chain((1..=folds).map(of_fold)).collect())
+    }
+}
+
+/// What a person should know about how the cases were read: what is true of several, and the rest when asked for.
+fn say_notes(terminal: Terminal, notes: &BTreeMap<String, usize>) {
+    let mut untold = 0;
+    for (note, cases) in notes {
+        let line = format!("{note} ({})", plural(*cases, "case"));
+        if *cases > 1 || notes.len() <= MOST_NOTES {
+            terminal.say("note", line);
+        } else {
+            untold += 1;
+            terminal.detail("note", line);
+        }
+    }
+    if untold > 0 {
+        terminal.say("note", format!("{} of one case each; -v says them", plural(untold, "further note")));
     }
 }
 

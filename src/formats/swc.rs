@@ -168,7 +168,7 @@ pub fn add_loops(input: impl BufRead, lines: &mut Centerlines) -> Result<usize, 
             continue;
         }
         let first = !std::mem::replace(&mut begun, true);
-        if first && words == ["id_a", "id_b"] {
+        if first && [["id_a", "id_b"], ["a", "b"]].iter().any(|header| words == header) {
             continue;
         }
         let [a, b] = words[..] else {

@@ -91,15 +91,13 @@ fn listed(bytes: &[u8], extraction: &Extraction, inlets: &[usize]) -> Result<Ans
         for (end, position) in ends.iter_mut().zip(bridge.ends) {
             let away = extraction.position.iter().enumerate().map(|(point, p)| (distance(*p, position), point));
             let nearest = away.min_by(|a, b| a.0.total_cmp(&b.0));
-            match nearest.filter(|(away, _)| *away <= MOST_SPACINGS * extraction.spacing) {
-                Some((_, point)) => *end = point,
-                None => {
-                    let [x, y, z] = position.map(millimetres);
-                    let away = nearest.map_or(f64::INFINITY, |(away, _)| millimetres(away));
-                    let found = format!("an end at {x},{y},{z}, {away:.3} mm from the nearest point of the fragments");
-                    return Err(Fault::line(bridge.line, found, "expected the positions of two points"));
-                }
-            }
+            let Some((_, point)) = nearest.filter(|(away, _)| *away <= MOST_SPACINGS * extraction.spacing) else {
+                let [x, y, z] = position.map(millimetres);
+                let away = nearest.map_or(f64::INFINITY, |(away, _)| millimetres(away));
+                let found = format!("an end at {x},{y},{z}, {away:.3} mm from the nearest point of the fragments");
+                return Err(Fault::line(bridge.line, found, "expected the positions of two points"));
+            };
+            *end = point;
         }
         bridges.push(ends);
     }

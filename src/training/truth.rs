@@ -20,7 +20,8 @@ struct File {
     links: Option<Vec<Vec<Member>>>,
     breaks: Option<Vec<Gap>>,
     #[serde(default)]
-    inlets: Vec<Inlet>,
+    /// Ids from `willis phantom`; others write more than that, which is in a file of its own too.
+    inlets: Vec<serde_json::Value>,
 }
 
 #[derive(Deserialize)]
@@ -39,14 +40,6 @@ enum Role {
 #[derive(Deserialize)]
 struct Gap {
     ids: [u64; 2],
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Inlet {
-    Id(u64),
-    #[allow(dead_code, reason = "positions of inlets are in a file of their own")]
-    Node(serde::de::IgnoredAny),
 }
 
 /// The answer to an extraction, and the subject where it is named.
@@ -107,7 +100,7 @@ fn of_links(links: &[Vec<Member>], nodes: &[Vec<f64>], voxel_mm: Option<f64>, ex
 }
 
 /// Missing stretches between two points by their ids.
-fn of_breaks(gaps: &[Gap], inlets: &[Inlet], network: &Network, extraction: &Extraction) -> Result<Answer, Fault> {
+fn of_breaks(gaps: &[Gap], inlets: &[serde_json::Value], network: &Network, extraction: &Extraction) -> Result<Answer, Fault> {
     let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
     for (point, place) in extraction.place.iter().enumerate() {
         let id = match place {
@@ -126,11 +119,9 @@ fn of_breaks(gaps: &[Gap], inlets: &[Inlet], network: &Network, extraction: &Ext
         bridges.push([a?, b?]);
     }
     let mut nodes = Vec::new();
-    for inlet in inlets {
-        if let Inlet::Id(id) = inlet {
-            let point = find("inlets".into(), *id)?;
-            nodes.extend(Some(point).filter(|point| *point < network.node_count()));
-        }
+    for id in inlets.iter().filter_map(serde_json::Value::as_u64) {
+        let point = find("inlets".into(), id)?;
+        nodes.extend(Some(point).filter(|point| *point < network.node_count()));
     }
     Ok(Answer::bridging(extraction, &bridges, &nodes))
 }

@@ -52,7 +52,9 @@ impl Answer {
         let mut named = vec![Vec::new(); points.len()];
         for (link, pieces) in links.iter().enumerate() {
             for (piece, (_, rows)) in pieces.iter().enumerate() {
-                rows.iter().for_each(|row| named[*row].push((link, piece)));
+                for row in rows {
+                    named[*row].push((link, piece));
+                }
             }
         }
         let index = PointIndex::new(points.to_vec());
@@ -160,7 +162,9 @@ fn outwards(extraction: &Extraction, bridges: &[[usize; 2]], inlets: &[usize]) -
     let ends: Vec<[usize; 2]> = bridges.iter().map(|ends| ends.map(|point| extraction.fragment[point])).collect();
     let mut at = vec![Vec::new(); extraction.fragments.len()];
     for (bridge, fragments) in ends.iter().enumerate() {
-        fragments.iter().for_each(|f| at[*f].push(bridge));
+        for fragment in fragments {
+            at[*fragment].push(bridge);
+        }
     }
     let fed: Vec<usize> = inlets.iter().map(|node| extraction.fragment[*node]).collect();
     let rank = |f: usize| {

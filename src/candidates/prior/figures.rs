@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::posterior::log_likelihood;
 
 /// Probabilities that leave doubt.
-const DOUBT: std::ops::Range<f64> = 0.05..0.95;
+const DOUBT: [f64; 2] = [0.05, 0.95];
 const BINS: usize = 10;
 
 /// What weights make of one case.
@@ -91,7 +91,7 @@ pub fn average_precision(mut ranked: Vec<(f64, Option<Right>)>, needed: usize) -
 /// Expected calibration error of the links that leave doubt: |mean P - share right| over ten bins, by their numbers.
 pub fn calibration_error(links: impl Iterator<Item = (f64, bool)>) -> Option<f64> {
     let mut bins = [[0.0; 3]; BINS];
-    for (p, right) in links.filter(|(p, _)| DOUBT.contains(p) && *p > DOUBT.start) {
+    for (p, right) in links.filter(|(p, _)| DOUBT[0] < *p && *p < DOUBT[1]) {
         let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
         for (sum, x) in bin.iter_mut().zip([p, f64::from(u8::from(right)), 1.0]) {
             *sum += x;

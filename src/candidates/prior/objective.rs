@@ -12,8 +12,9 @@ use super::weights::Pass;
 use crate::error::Result;
 use crate::posterior::{log_likelihood, marginals};
 
-/// Added to the spread of a bridge's feature; the least spread of a root's.
+/// Added to the spread of a bridge's feature. One that hardly varies at all is taken as it stands.
 const LEAST_SPREAD: f64 = 1e-6;
+/// The least spread of a root's feature.
 const LEAST_ROOT_SPREAD: f64 = 0.3;
 
 /// λ Σ y² - Σ ω ln P(answer) / Σ ω over cases, y = weight times standard deviation of its feature over all rows, ω the share of
@@ -32,9 +33,13 @@ pub struct Objective<'a> {
 impl<'a> Objective<'a> {
     /// The objective of cases with the features of their bridges, shape (bridges, features) each.
     pub fn new(examples: &'a [&'a Example<'a>], designs: &'a [Cow<'a, Array2<f64>>], l2: f64) -> Self {
-        let mut scale: Vec<f64> = spread(designs.iter().map(AsRef::as_ref)).into_iter().map(|s| s + LEAST_SPREAD).collect();
+        let standing = |s: f64| if s > LEAST_SPREAD { s + LEAST_SPREAD } else { 1.0 };
+        let mut scale: Vec<f64> =
+            spread(&designs.iter().map(AsRef::as_ref).collect::<Vec<_>>()).into_iter().map(standing).collect();
         let bridge_features = scale.len();
-        scale.extend(spread(examples.iter().map(|e| &e.rows.root)).into_iter().map(|s| s.max(LEAST_ROOT_SPREAD)));
+        scale.extend(
+            spread(&examples.iter().map(|e| &e.rows.root).collect::<Vec<_>>()).into_iter().map(|s| s.max(LEAST_ROOT_SPREAD)),
+        );
         Self { examples, designs, case_weights: case_weights(examples), scale, bridge_features, l2 }
     }
 
@@ -76,16 +81,16 @@ fn gradient(example: &Example, design: &Array2<f64>, pass: &Pass) -> Result<(f64
     let (of_bridge, of_root) = out.split_at_mut(pass.bridge.len());
     let bridges = forests.bridges().iter().map(|b| b.log_weight).zip(gradient.bridges);
     for (row, (log_weight, g)) in design.rows().into_iter().zip(bridges) {
-        add(of_bridge, if is_cut(log_weight) { 0.0 } else { g }, row);
+        add(of_bridge, if is_cut(log_weight) { 0.0 } else { g }, &row);
     }
     let roots = forests.log_roots().iter().zip(gradient.roots);
     for (row, (log_weight, g)) in example.rows.root.rows().into_iter().zip(roots) {
-        add(of_root, if is_cut(*log_weight) { 0.0 } else { g }, row);
+        add(of_root, if is_cut(*log_weight) { 0.0 } else { g }, &row);
     }
     Ok((value, out))
 }
 
-fn add(sum: &mut [f64], factor: f64, row: ArrayView1<f64>) {
+fn add(sum: &mut [f64], factor: f64, row: &ArrayView1<f64>) {
     if factor != 0.0 {
         sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += factor * x);
     }
@@ -103,12 +108,12 @@ pub fn case_weights(examples: &[&Example]) -> Vec<f64> {
 }
 
 /// The standard deviation of each column over the rows of all tables; 0 without a row.
-fn spread<'t>(tables: impl Iterator<Item = &'t Array2<f64>> + Clone) -> Vec<f64> {
-    let columns = tables.clone().map(Array2::ncols).max().unwrap_or(0);
-    let count = tables.clone().map(Array2::nrows).sum::<usize>().max(1) as f64;
+fn spread(tables: &[&Array2<f64>]) -> Vec<f64> {
+    let columns = tables.first().map_or(0, |t| t.ncols());
+    let count = tables.iter().map(|t| t.nrows()).sum::<usize>().max(1) as f64;
     let mean_of = |f: &dyn Fn(usize, f64) -> f64| {
         let mut sum = vec![0.0; columns];
-        for row in tables.clone().flat_map(|t| t.rows()) {
+        for row in tables.iter().flat_map(|t| t.rows()) {
             sum.iter_mut().zip(row).enumerate().for_each(|(column, (sum, x))| *sum += f(column, *x));
         }
         sum.into_iter().map(|s| s / count).collect::<Vec<f64>>()

@@ -130,7 +130,7 @@ impl Weights {
             check(number, "bridge", &pass.bridge, Pass::bridge_features(number).collect())?;
             check(number, "root", &pass.root, Pass::root_features().collect())?;
         }
-        if let Some(x) = self.calibration.iter().find(|x| !(x.abs() <= MOST_WEIGHT)) {
+        if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
             return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
         }
         if !(0.0..=MOST_ROOT_FACTOR).contains(&self.root_factor) {
@@ -141,12 +141,17 @@ impl Weights {
     }
 }
 
+/// No number, or one too large.
+fn is_wild(weight: f64) -> bool {
+    weight.is_nan() || weight.abs() > MOST_WEIGHT
+}
+
 fn check(number: usize, of: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
     let pass = format!("pass {} {of}", number + 1);
     if weights.len() != names.len() {
         return Err(Error::parameter(pass, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
     }
-    match weights.iter().zip(names).find(|(w, _)| !(w.abs() <= MOST_WEIGHT)) {
+    match weights.iter().zip(names).find(|(w, _)| is_wild(**w)) {
         Some((w, name)) => {
             Err(Error::parameter(format!("{pass} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
         }

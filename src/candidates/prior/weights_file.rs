@@ -110,7 +110,7 @@ fn by_name(place: &str, mut given: BTreeMap<String, f64>, names: Vec<&str>) -> R
     }
     match given.into_keys().next() {
         Some(other) => {
-            let meant = did_you_mean(&other, names.into_iter());
+            let meant = did_you_mean(&other, names);
             Err(Fault::item(place, format!("weight \"{other}\""), format!("{meant}expected the name of a feature")))
         }
         None => Ok(out),
