@@ -22,7 +22,7 @@ use listed::{Listed, random};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::posterior::{Bridge, Forests, Wilson, arborescence, decide, expected, log_likelihood, marginals};
+use willis::posterior::{Bridge, Forests, Wilson, arborescence, decide, expected, log_likelihood, marginals, rooted_in};
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;
@@ -85,6 +85,45 @@ fn marginals_are_sums_over_all_explanations() {
         }
         assert!((got.log_total - listed.total().ln()).abs() < 1e-12);
     }
+}
+
+#[test]
+fn where_a_tree_is_rooted_is_a_sum_over_all_explanations() {
+    let mut draw = Draw::new(9);
+    for _ in 0..400 {
+        let forests = random(&mut draw, 5, 4.0);
+        let marked: Vec<bool> = (0..forests.fragments()).map(|_| draw.below(2) == 0).collect();
+        for (got, sum) in rooted_in(&forests, &marked).iter().zip(Listed::new(&forests).rooted_in(&forests, &marked)) {
+            assert!(near(*got, sum, 1e-12), "{forests:?} {marked:?}: {got} for {sum}");
+        }
+    }
+}
+
+/// A tree that a fragment is in is rooted in it when it is the root; every tree is rooted somewhere.
+#[test]
+fn where_trees_are_rooted_agrees_with_the_marginals() {
+    let mut draw = Draw::new(10);
+    for fragments in [2, 3, 30, 150] {
+        let forests = ring(&mut draw, fragments);
+        let all = marginals(&forests);
+        let mut sums = vec![0.0; forests.fragments()];
+        for root in 0..forests.fragments() {
+            let marked: Vec<bool> = (0..forests.fragments()).map(|fragment| fragment == root).collect();
+            let rooted = rooted_in(&forests, &marked);
+            assert!(near(rooted[root], all.roots[root], 1e-12), "{} for {}", rooted[root], all.roots[root]);
+            sums.iter_mut().zip(&rooted).for_each(|(sum, p)| *sum += p);
+        }
+        assert!(sums.iter().all(|sum| near(*sum, 1.0, 1e-12)), "{sums:?}");
+        assert!(rooted_in(&forests, &vec![false; forests.fragments()]).iter().all(|p| *p == 0.0));
+    }
+}
+
+/// e^-200 in its own digits, by hand: fragment 0 almost surely stays alone, else hangs on the marked one.
+#[test]
+fn an_improbable_root_keeps_its_digits() {
+    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: -100.0 }];
+    let forests = Forests::new(vec![100.0, 0.0], bridges).unwrap();
+    assert!(near(rooted_in(&forests, &[false, true])[0], (-200.0_f64).exp(), 1e-13));
 }
 
 #[test]

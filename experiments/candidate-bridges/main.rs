@@ -15,26 +15,17 @@ const WELD_TOLERANCE: f64 = 1e-6;
 
 /// From the reference model's rules to ours, a change at a time.
 fn rule(name: &str) -> Option<Search> {
-    let reference = Search {
-        branches: 4,
-        free_ends: 4,
-        own_branches: 2,
-        meetings: Meetings { ahead: 2, behind: 0, kinks: 0 },
-        most_strain: f64::INFINITY,
-    };
-    let strained = Search { most_strain: 5.0, ..reference.clone() };
-    let behind = Search { meetings: Meetings { behind: 2, ..reference.meetings.clone() }, ..strained.clone() };
-    let kinks = Search { meetings: Meetings::default(), ..strained.clone() };
-    let limited = |most_strain: f64| Some(Search { most_strain, ..Search::default() });
+    let reference = Search { branches: 4, free_ends: 4, own_branches: 2, meetings: Meetings { ahead: 2, behind: 0, kinks: 0 } };
+    let behind = Search { meetings: Meetings { behind: 2, ..reference.meetings.clone() }, ..reference.clone() };
+    let kinks = Search { meetings: Meetings { kinks: 2, ..behind.meetings.clone() }, ..reference.clone() };
+    let three = Search { meetings: Meetings::default(), ..reference.clone() };
     match name {
         "reference" => Some(reference),
-        "strain" => Some(strained),
-        "strain+behind" => Some(behind),
-        "strain+behind+kinks" => Some(kinks),
+        "behind" => Some(behind),
+        "behind+kinks" => Some(kinks),
+        "behind+kinks+three" => Some(three),
         "default" => Some(Search::default()),
-        "default-strain-4" => limited(4.0),
-        "default-strain-6" => limited(6.0),
-        "default-any-strain" => limited(f64::INFINITY),
+        "default+branch" => Some(Search { branches: 6, ..Search::default() }),
         _ => None,
     }
 }

@@ -22,7 +22,7 @@ mkdir -p "$work"
 
 {
     echo "data,level,cases,rule,links,found,ceiling,candidates"
-    for rule in reference strain strain+behind strain+behind+kinks default default-strain-4 default-strain-6 default-any-strain; do
+    for rule in reference behind behind+kinks behind+kinks+three default default+branch; do
         for case in "$work"/cases/*/*/*; do
             out=$work/$rule/${case#"$work/cases/"}
             mkdir -p "$out"

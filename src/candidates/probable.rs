@@ -40,8 +40,7 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
         let may_end = params.attach == Attach::Centerline || extraction.end_at[b.point].is_some();
         params.max_gap.is_none_or(|most| gap <= most) && may_end
     });
-    let between: Vec<Bridge> = bridges.iter().filter(|b| !b.inside).copied().collect();
-    let belief = believe(&extraction, &between, weights)?;
+    let belief = believe(&extraction, &bridges, weights)?;
     let (mut graph, node_at) = with_candidates(network, links(&extraction, &belief), params);
     for (point, place) in extraction.place.iter().enumerate() {
         let node = match place {

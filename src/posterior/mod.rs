@@ -18,6 +18,7 @@ mod heap;
 mod log_likelihood;
 mod marginals;
 mod messages;
+mod rooted;
 mod scaled;
 mod union_find;
 mod walk;
@@ -27,6 +28,7 @@ pub use arborescence::{arborescence, decide};
 pub use counts::{Expected, expected};
 pub use log_likelihood::{Gradient, log_likelihood};
 pub use marginals::{Marginals, marginals};
+pub use rooted::rooted_in;
 pub use wilson::Wilson;
 
 use crate::error::{Error, Result};

@@ -1,18 +1,23 @@
 """Candidates and features of the reference model on made-up extractions: python reference.py SHARED OUT SUBJECT...
 
+The benchmark's model.py and the formulas beside this file. A subject that ends in ~ is told no inlet.
+
 Writes what both programs read (OUT/SUBJECT.swc, .loops.csv, .inlets.csv by id) and what the reference makes of it
-(OUT/SUBJECT.bridges.csv: both ends, inside, features; OUT/SUBJECT.roots.csv; OUT/SUBJECT.names).
+(OUT/SUBJECT.bridges.csv: both ends, inside, features, feedback; OUT/SUBJECT.roots.csv; OUT/SUBJECT.names).
 
 Points are moved off the voxel grid by a hair, so that no two distances are equal: ties are where the programs differ by design.
 Lengths are written in a unit so small that the reference's absolute 1e-6 vanishes. PATCHES are the other differences by design:
 what depends on the numbers of the points there depends on the anatomy here.
 """
 import pathlib
+import shutil
 import subprocess
 import sys
 import types
 
 import numpy as np
+
+import formulas
 
 SCALE = 1e7
 PATCHES = [
@@ -47,22 +52,29 @@ PATCHES = [
     # Of two free ends near a meeting point the nearer one is met, not the first.
     ("        for f in at_end.get(int(g.branch[q]), ()):\n",
      "        for f in sorted(at_end.get(int(g.branch[q]), ()), key=lambda f: np.linalg.norm(g.xyz[f] - g.xyz[q])):\n"),
-    # Blood comes from the inlet with the shortest path, not with the fewest points.
-    ("        for x in order:                                      # breadth first from the inlets\n", """        if order:
-            dist, up, _ = dijkstra(self.net, directed=False, indices=order, min_only=True, return_predecessors=True)
-            up = np.where(up < 0, -1, up)
-        for x in []:
-"""),
-    # Both ends of a short fragment are measured over the same points: both are its widest.
-    ("(re >= widest[pc])", "(re >= widest[pc] * (1 - 1e-9))"),
     # Free ends of other fragments are counted without those of the own one.
     ("min(len(g.ends), 4 * k + 8)", "len(g.ends)"),
+]
+# What is searched more than by model.py.
+SEARCH = [
+    ("K_BRANCH = 4 ", "K_BRANCH = 5 "),
+    ("AHEAD = 2 ", "AHEAD = 3 "),
+    ("!= mine][:k]", "!= mine][:4]"),
+    ("                        picks.append((snap(idx[ring[np.argmax(cos[ring])]]), 2))\n", """                        one = ring[np.argmax(cos[ring])]
+                        picks.append((snap(idx[one]), 2))
+                        other = ring[np.linalg.norm(g.xyz[idx[ring]] - g.xyz[idx[one]], axis=1) > 4 * g.h]
+                        if len(other):
+                            picks.append((snap(idx[other[np.argmax(cos[other])]]), 3))
+                    kink = np.einsum("ij,ij->i", g.kink[idx[same]], v[same]) / dist[same] * (off < 8 * g.h)
+                    if kink.max() > .15:
+                        picks.append((snap(idx[same[np.argmax(kink)]]), 1))
+"""),
 ]
 
 
 def patched(path):
     source = path.read_text()
-    for old, new in PATCHES:
+    for old, new in PATCHES + SEARCH:
         assert source.count(old) == 1, old
         source = source.replace(old, new)
     module = types.ModuleType("model")
@@ -89,20 +101,31 @@ def main():
     model = patched(shared / "gapbench" / "model.py")
     for data, flags in (("brava/vtp", []), ("insist-cow", ["--phenotype", "--ring"])):
         subprocess.run([sys.executable, shared / "gapbench" / "make_cases.py", shared / "data" / data, out / "cases", "--levels",
-                        "medium", "--seed", "5", "--subjects", ",".join(subjects), *flags], check=True, stdout=subprocess.DEVNULL)
+                        "medium", "--seed", "5", "--subjects", ",".join(s.strip("~") for s in subjects), *flags], check=True, stdout=subprocess.DEVNULL)
     write = lambda name, rows: (out / name).write_text("".join(",".join(repr(float(x)) for x in row) + "\n" for row in rows))
     for subject in subjects:
-        folder = out / "cases" / "medium" / subject
+        folder = out / "cases" / subject
+        shutil.copytree(out / "cases" / "medium" / subject.strip("~"), folder)
         off_the_grid(folder, out, subject)
+        if subject.endswith("~"):
+            (folder / "inlets.csv").unlink()
         g = model.Pieces(folder)
         rows = model.candidates(g)
         ends = [(*g.xyz[g.ends[i]], *g.xyz[q], loop) for i, q, loop in rows]
         write(subject + ".inlets.csv", [[i + 1] for i in g.inlet_nodes])
         loops = folder / "loops.csv"
         (out / (subject + ".loops.csv")).write_text(loops.read_text().split("\n", 1)[1] if loops.exists() else "")
-        write(subject + ".bridges.csv", np.column_stack([ends, model.features(g, rows)]))
-        write(subject + ".roots.csv", model.root_features(g))
-        (out / (subject + ".names")).write_text("\n".join(model.NAMES + model.ROOT))
+        x = formulas.bridge_features(g, rows, dict(zip(model.NAMES, model.features(g, rows).T)))
+        z = formulas.root_features(g, dict(zip(model.ROOT, model.root_features(g).T)))
+        between = np.array(rows)[:, 2] == 0
+        # Any weights do.
+        log_w = (x["kink"] - x["gap"] - x["b1sq"])[between]
+        y = formulas.feedback(g, rows, np.exp(log_w), np.exp(z["slim"] - 4))
+        spread = np.zeros((len(rows), len(formulas.FEEDBACK)))
+        spread[between] = np.column_stack([y[name] for name in formulas.FEEDBACK])
+        write(subject + ".bridges.csv", np.column_stack([ends, *(x[name] for name in formulas.FEATURES), spread]))
+        write(subject + ".roots.csv", np.column_stack([z[name] for name in formulas.ROOT]))
+        (out / (subject + ".names")).write_text("\n".join(formulas.FEATURES + formulas.FEEDBACK + formulas.ROOT))
 
 
 if __name__ == "__main__":

@@ -43,6 +43,18 @@ impl Listed {
         (0..self.explanations[0].0.len()).map(|fragment| self.probability(|choices| choices[fragment].is_none())).collect()
     }
 
+    /// Per fragment, that the root of its tree is marked.
+    pub fn rooted_in(&self, forests: &Forests, marked: &[bool]) -> Vec<f64> {
+        let root = |choices: &[Option<usize>], from: usize| {
+            let mut at = from;
+            while let Some(row) = choices[at] {
+                at = forests.bridges()[row].parent;
+            }
+            at
+        };
+        (0..marked.len()).map(|from| self.probability(|choices| marked[root(choices, from)])).collect()
+    }
+
     /// ln of the share of explanations in which every fragment does what it may.
     pub fn log_likelihood(&self, forests: &Forests, allowed: &[bool]) -> f64 {
         let any = |fragment| forests.bridges().iter().zip(allowed).any(|(b, allowed)| *allowed && b.child == fragment);

@@ -1,5 +1,7 @@
 //! An extraction as a graph of points: what the image showed, before any bridge.
 
+use std::collections::BTreeSet;
+
 use super::frame::{Frame, frames};
 use super::roads::Roads;
 use super::smooth::{SmoothPoints, smooth};
@@ -32,7 +34,7 @@ pub struct Extraction {
     pub fragment: Vec<usize>,
     /// Links of each point.
     pub degree: Vec<usize>,
-    /// Tangent, kink and side of the flow at each point.
+    /// Tangent, kinks and narrowing at each point.
     pub course: Vec<Course>,
     /// Path length to the nearest free end of the fragment, m; infinite without one.
     pub to_free_end: Vec<f64>,
@@ -44,6 +46,8 @@ pub struct Extraction {
     pub ends: Vec<Frame>,
     /// Per point its free end; `None` elsewhere.
     pub end_at: Vec<Option<usize>>,
+    /// The nodes where blood is known to enter, in rising order.
+    pub inlets: Vec<usize>,
     /// The fragments.
     pub fragments: Vec<Fragment>,
     /// The median distance between consecutive points, m, positive.
@@ -53,7 +57,7 @@ pub struct Extraction {
 }
 
 /// A connected part of what the image showed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fragment {
     /// The length of its vessels, m.
     pub length: f64,
@@ -61,6 +65,12 @@ pub struct Fragment {
     pub radius: f64,
     /// The radius of its widest free end, m.
     pub widest_end: Option<f64>,
+    /// The standard deviation of ln of its points' radii, averaged along the branches.
+    pub radius_spread: f64,
+    /// How many free ends it has.
+    pub free_ends: usize,
+    /// How many junctions it has.
+    pub junctions: usize,
     /// Whether it holds an inlet.
     pub fed: bool,
 }
@@ -126,11 +136,13 @@ impl Extraction {
         }
         let to_free_end = roads.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>());
         let junctions: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] > 2).collect();
-        let course = courses(&lines, &branch, &degree, &smooth, &roads, inlets, spacing);
+        let course = courses(&lines, &smooth, &radius, spacing);
+        let inlets: Vec<usize> = inlets.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let mut this = Self {
             to_free_end: roads.of_points(&to_free_end),
             to_junction: roads.of_points(&roads.to_nearest(&junctions)),
             fragments: Vec::new(),
+            inlets,
             index: PointIndex::new(position.clone()),
             place,
             position,
@@ -146,12 +158,15 @@ impl Extraction {
             spacing,
             roads,
         };
-        this.fragments = this.measured(parts.count, inlets);
+        this.fragments = this.measured(parts.count);
+        for (end, orientation) in this.orientations().into_iter().enumerate() {
+            this.ends[end].orientation = orientation;
+        }
         Ok(this)
     }
 
-    fn measured(&self, count: usize, inlets: &[usize]) -> Vec<Fragment> {
-        let mut out = vec![Fragment { length: 0.0, radius: 0.0, widest_end: None, fed: false }; count];
+    fn measured(&self, count: usize) -> Vec<Fragment> {
+        let mut out = vec![Fragment::default(); count];
         for (line, length) in self.lines.iter().zip(&self.roads.length) {
             out[self.fragment[line[0]]].length += length;
         }
@@ -160,17 +175,37 @@ impl Extraction {
             out[*part].radius += radius.ln();
             points[*part] += 1.0;
         }
-        for (part, points) in out.iter_mut().zip(points) {
-            part.radius = f64::exp(part.radius / f64::max(points, 1.0));
+        for (part, points) in out.iter_mut().zip(&points) {
+            part.radius = f64::exp(part.radius / f64::max(*points, 1.0));
+        }
+        for (part, spread) in out.iter_mut().zip(self.radius_spreads(&points)) {
+            part.radius_spread = spread;
+        }
+        for (node, degree) in self.degree.iter().enumerate() {
+            out[self.fragment[node]].junctions += usize::from(*degree > 2);
         }
         for end in &self.ends {
             let widest = &mut out[end.fragment].widest_end;
             *widest = Some(widest.map_or(end.radius, |r: f64| r.max(end.radius)));
+            out[end.fragment].free_ends += 1;
         }
-        for inlet in inlets {
+        for inlet in &self.inlets {
             out[self.fragment[*inlet]].fed = true;
         }
         out
+    }
+
+    /// Per fragment the standard deviation of ln of the smooth radii of its so many points.
+    fn radius_spreads(&self, points: &[f64]) -> Vec<f64> {
+        let mean = |of: &dyn Fn(usize, f64) -> f64| {
+            let mut sum = vec![0.0; points.len()];
+            for (part, radius) in self.fragment.iter().zip(&self.smooth.radius) {
+                sum[*part] += of(*part, radius.ln());
+            }
+            sum.iter().zip(points).map(|(sum, points)| sum / f64::max(*points, 1.0)).collect::<Vec<f64>>()
+        };
+        let middle = mean(&|_, log| log);
+        mean(&|part, log| (log - middle[part]).powi(2)).into_iter().map(f64::sqrt).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The free ends of an extraction: where each is, how wide, which way it points and how surely.
 
 use super::steady::steady;
-use crate::geometry::{Point, dot, norm_squared, sub, unit};
+use crate::geometry::{Point, sub, unit};
 
 /// The direction is fitted over so many spacings at least ...
 const FIT_SPACINGS: f64 = 6.0;
@@ -9,10 +9,6 @@ const FIT_SPACINGS: f64 = 6.0;
 const FIT_RADII: f64 = 3.0;
 /// ... and over so many points at most.
 const FIT_POINTS: f64 = 40.0;
-/// Scatter of a point about its centerline, in spacings, when the fit shows less.
-pub const NOISE: f64 = 0.3;
-/// A taper needs so many points beyond those of the end.
-const TAPER_POINTS: usize = 3;
 
 /// A free end.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,17 +21,16 @@ pub struct Frame {
     pub fragment: usize,
     /// Unit vector out of the vessel, fitted over the larger of 6 spacings and 3 radii; zero where the vessel gives none.
     pub direction: Point,
-    /// The standard error of the direction, rad, at most 1.
-    pub direction_error: f64,
     /// The same over twice that length.
     pub far_direction: Point,
     /// Geometric mean of the radii over the fit, m.
     pub radius: f64,
-    /// ln of the mean radius behind the fit over that in it, in [-1, 1]; 0 on a short vessel.
-    pub taper: f64,
+    /// How much better blood divides at the fragment's junctions if it comes from this end, in [-1.5, 1.5]: positive where the
+    /// fragment hangs on it. 0 without a junction.
+    pub orientation: f64,
 }
 
-/// The free ends in node order.
+/// The free ends in node order, without their orientation.
 pub fn frames(
     lines: &[Vec<usize>],
     fragment: &[usize],
@@ -68,21 +63,16 @@ fn fitted(path: &[(Point, f64)], spacing: f64) -> Frame {
     let upto = |n: usize| &path[..n.min(path.len())];
     let first = mean(upto(FIT_SPACINGS as usize)).exp();
     let n = steady(FIT_RADII * first / spacing).round_ties_even().clamp(FIT_SPACINGS, FIT_POINTS) as usize;
-    let log_radius = mean(upto(n));
-    let behind = &path[n.min(path.len())..(2 * n).min(path.len())];
-    let taper = if behind.len() < TAPER_POINTS { 0.0 } else { (mean(behind) - log_radius).clamp(-1.0, 1.0) };
     let near: Vec<Point> = upto(n).iter().map(|(p, _)| *p).collect();
     let far: Vec<Point> = upto(2 * n).iter().map(|(p, _)| *p).collect();
-    let direction = outwards(&near);
     Frame {
         point: 0,
         branch: 0,
         fragment: 0,
-        direction,
-        direction_error: error(&near, direction, spacing),
+        direction: outwards(&near),
         far_direction: outwards(&far),
-        radius: log_radius.exp(),
-        taper,
+        radius: mean(upto(n)).exp(),
+        orientation: 0.0,
     }
 }
 
@@ -97,18 +87,4 @@ fn outwards(points: &[Point]) -> Point {
         }
     }
     unit(v)
-}
-
-/// The standard error (rad) of a line's direction, √12·ρ / (h·n^1.5): ρ the scatter across the line per axis, m, h the spacing,
-/// n the number of points.
-fn error(points: &[Point], direction: Point, spacing: f64) -> f64 {
-    let n = points.len() as f64;
-    let centre = [0, 1, 2].map(|axis| points.iter().map(|p| p[axis]).sum::<f64>() / n);
-    let across = |p: &Point| {
-        let p = sub(*p, centre);
-        let along = dot(p, direction);
-        norm_squared(sub(p, direction.map(|x| along * x)))
-    };
-    let scatter = (0.5 * points.iter().map(across).sum::<f64>() / n).sqrt().max(NOISE * spacing);
-    (12_f64.sqrt() * scatter / (spacing * n.powf(1.5))).min(1.0)
 }

@@ -12,9 +12,11 @@ const SNAP_SPACINGS: f64 = 3.0;
 /// A vessel that runs beside its parent joins it further on: so many spacings from the nearest point, give or take.
 const BESIDE_SPACINGS: f64 = 3.5;
 const BESIDE_SLACK: f64 = 0.8;
-/// A kink is looked for so far away: in distances to the nearest point, and so many spacings more.
-const KINK_REACH: f64 = 1.5;
-const KINK_SPACINGS: f64 = 2.0;
+/// What is on the other side of the nearest point is further from the point ahead than so many spacings.
+const OPPOSITE_SPACINGS: f64 = 4.0;
+/// A kink is looked for up to so many spacings from the nearest point, and is no straighter than this.
+const KINK_SPACINGS: f64 = 8.0;
+const LEAST_KINK: f64 = 0.15;
 
 /// A point within reach of a free end, with what the search compares.
 #[derive(Debug, Clone, Copy)]
@@ -34,7 +36,7 @@ pub struct Hit {
 pub struct Meetings {
     /// Also 3.5 spacings from the nearest point, on the side ahead.
     pub ahead: usize,
-    /// Also 3.5 spacings from the nearest point, on the side behind.
+    /// Also 3.5 spacings from the nearest point, on the side opposite to that.
     pub behind: usize,
     /// Also where they turn away from the end most: a vessel turns away from a branch it gives off.
     pub kinks: usize,
@@ -42,7 +44,7 @@ pub struct Meetings {
 
 impl Default for Meetings {
     fn default() -> Self {
-        Self { ahead: 2, behind: 2, kinks: 2 }
+        Self { ahead: 3, behind: 3, kinks: 3 }
     }
 }
 
@@ -59,10 +61,11 @@ impl Meetings {
             // By bend, then by radius and distance.
             let ahead = beside.iter().min_by(|a, b| compare(&a.order[1..], &b.order[1..]));
             picks.extend(ahead.filter(|_| rank < self.ahead).map(|h| (2, h.point)));
-            let behind = beside.iter().max_by(|a, b| compare(&a.order[1..], &b.order[1..]));
+            let opposite = beside.iter().filter(|h| ahead.is_some_and(|ahead| opposite(extraction, ahead, h)));
+            let behind = opposite.min_by(|a, b| compare(&a.order[1..], &b.order[1..]));
             picks.extend(behind.filter(|_| rank < self.behind).map(|h| (3, h.point)));
             if rank < self.kinks {
-                picks.extend(kinked(extraction, end, hits).map(|h| (2, h.point)));
+                picks.extend(kinked(extraction, end, hits).map(|h| (1, h.point)));
             }
         }
         for (_, point) in &mut picks {
@@ -82,13 +85,21 @@ fn beside<'a>(extraction: &Extraction, hits: &'a [Hit]) -> Vec<&'a Hit> {
     hits.iter().filter(off).collect()
 }
 
+/// Whether a hit is on the other side of the nearest point than the one ahead.
+fn opposite(extraction: &Extraction, ahead: &Hit, hit: &Hit) -> bool {
+    let apart = distance(extraction.position[ahead.point], extraction.position[hit.point]);
+    steady(apart / extraction.spacing) > OPPOSITE_SPACINGS
+}
+
 /// The hit near to the first one where the branch turns away from the end most, if it does.
 fn kinked<'a>(extraction: &Extraction, end: &Frame, hits: &'a [Hit]) -> Option<&'a Hit> {
-    let reach = steady((KINK_REACH * hits[0].distance + KINK_SPACINGS * extraction.spacing) / extraction.spacing);
-    let from = extraction.position[end.point];
+    let (from, nearest) = (extraction.position[end.point], extraction.position[hits[0].point]);
+    let off = |h: &Hit| steady(distance(extraction.position[h.point], nearest) / extraction.spacing);
     let kink = |h: &Hit| dot(extraction.course[h.point].kink, unit(sub(extraction.position[h.point], from)));
-    let near = hits.iter().filter(|h| h.order[0] < reach).map(|h| (steady(kink(h)), h)).filter(|(kink, _)| *kink > 1e-9);
-    near.max_by(|(a, g), (b, h)| a.total_cmp(b).then(compare(&h.order, &g.order))).map(|(_, h)| h)
+    let near = hits.iter().filter(|h| off(h) < KINK_SPACINGS).map(|h| (steady(kink(h)), h));
+    near.filter(|(kink, _)| *kink > LEAST_KINK)
+        .max_by(|(a, g), (b, h)| a.total_cmp(b).then(compare(&h.order, &g.order)))
+        .map(|(_, h)| h)
 }
 
 /// The nearest free end of a point's branch where that is near, else the point.

@@ -6,9 +6,11 @@
 
 pub mod direction;
 mod extraction;
+mod feedback;
 mod frame;
 pub mod gap;
 mod meeting;
+mod orientation;
 pub mod parent;
 pub mod radius;
 mod roads;
@@ -19,10 +21,12 @@ mod span;
 mod steady;
 pub mod surroundings;
 mod tangent;
+mod ways;
 
 use ndarray::Array2;
 
 pub use extraction::{Extraction, Fragment};
+pub use feedback::{FEEDBACK_FEATURES, Feedback};
 pub use frame::Frame;
 pub use meeting::Meetings;
 pub use root::{ROOT_FEATURES, RootFeature, root_features};
@@ -36,40 +40,45 @@ pub type Feature = fn(&Span) -> f64;
 
 /// The features of a bridge, by the names that weights have in a file.
 pub const FEATURES: &[(&str, Feature)] = &[
-    ("ln_gap", gap::log_gap),
-    ("gap", gap::gap),
-    ("ln_voxels", gap::log_gap_in_spacings),
-    ("wall", gap::log_gap_to_wall),
-    ("bend_child", direction::bend_child),
-    ("bend_child_z", direction::bend_child_in_errors),
-    ("bend_far", direction::bend_far),
-    ("bend_parent", direction::bend_parent),
-    ("bend_parent_z", direction::bend_parent_in_errors),
-    ("parallel", direction::turn),
     ("is_end", parent::at_free_end),
-    ("t_sin", direction::sine_at_parent),
-    ("abs_log_r", radius::radius_step),
-    ("too_wide", radius::too_wide),
+    ("gap", gap::gap),
+    ("b1sq", direction::bend_child_squared),
+    ("bend_child", direction::bend_child),
+    ("gapE", gap::gap_at_free_end),
+    ("b2sq", direction::bend_parent_squared),
+    ("wl_T", gap::wall_on_the_way),
+    ("gapT", gap::gap_on_the_way),
     ("kink", direction::kink_towards),
-    ("near_tip", surroundings::near_free_end),
-    ("near_junction", surroundings::near_junction),
-    ("rank", surroundings::rank),
+    ("ratioT", radius::branch_ratio),
+    ("bend_far", direction::bend_far),
+    ("beta", radius::radius_step_squared),
+    ("wall", gap::log_gap_to_wall),
+    ("lnresT", gap::log_width_on_the_way),
+    ("ratioTsq", radius::branch_ratio_squared),
+    ("turn", direction::worst_bend),
+    ("b1gap", direction::bend_child_over_gap),
     ("margin", surroundings::margin),
-    ("mutual", surroundings::mutual),
     ("blocked", surroundings::blocked),
-    ("slim_parent", parent::parent_slenderness),
+    ("bend_parent", direction::bend_parent),
+    ("abs_log_r", radius::radius_step),
+    ("rank", surroundings::rank),
     ("share_parent", parent::parent_share),
+    ("orient", direction::orientation),
     ("fed_parent", parent::parent_fed),
-    ("thick_end", radius::widest_end),
-    ("inner_taper", radius::taper),
-    ("confluence", direction::with_the_flow),
-    ("size", radius::relative_size),
-    ("loop_ratio", gap::log_detour),
+    ("near_tip", surroundings::near_free_end),
+    ("touchT", gap::touches_wall),
+    ("mutual", surroundings::mutual),
+    ("wl_3", gap::wall_far_beyond_reach),
+    ("wl_1.5", gap::wall_beyond_reach),
+    ("kink2", direction::far_kink_from),
+    ("kink_ex", direction::kink_excess),
+    ("near_junction", surroundings::near_junction),
 ];
 
 /// The features of bridges: a row a bridge, a column a feature of [`FEATURES`].
 ///
-/// Rank, margin and mutual choice are among the bridges given, so these should be all of a search.
+/// Rank, margin and mutual choice are among the bridges given, so these should be all of a search. What the posterior of these
+/// features says of the other bridges is in [`Feedback`].
 pub fn features(extraction: &Extraction, bridges: &[Bridge]) -> Array2<f64> {
     let spans = spans(extraction, bridges);
     Array2::from_shape_fn((spans.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&spans[row]))

@@ -11,11 +11,6 @@ pub fn at_free_end(s: &Span) -> f64 {
     1.0 - s.on_the_way()
 }
 
-/// ln(1 + L/W) of the parent's fragment: L its length, W its width. Short fat fragments are noise.
-pub fn parent_slenderness(s: &Span) -> f64 {
-    slenderness(s.extraction, parent(s))
-}
-
 /// ln(L/L_max + 0.01) of the parent's fragment: L_max the length of the longest fragment. Fragments hang on large ones.
 pub fn parent_share(s: &Span) -> f64 {
     share(s.extraction, parent(s))
@@ -30,7 +25,7 @@ fn parent<'a>(s: &Span<'a>) -> &'a Fragment {
     &s.extraction.fragments[s.extraction.fragment[s.point]]
 }
 
-/// ln(1 + L/(2 r + h)) of a fragment: L its length, r its mean radius, h the spacing.
+/// ln(1 + L/(2 r + h)) of a fragment: L its length, r its mean radius, h the spacing. Short fat fragments are noise.
 pub fn slenderness(extraction: &Extraction, fragment: &Fragment) -> f64 {
     (fragment.length / (2.0 * fragment.radius + extraction.spacing)).ln_1p()
 }

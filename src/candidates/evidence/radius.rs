@@ -1,27 +1,32 @@
 //! Features of the radii: whether the two vessels could be one, or the one a branch of the other.
+//!
+//! r_c is the child's radius, r_p the parent's.
 
 use super::span::Span;
-use super::steady::steady;
+
+/// Bound of the step between two free ends before it is squared, in ln.
+const MOST_STEP: f64 = 1.5;
+/// Bounds of ln r_c/r_p where the parent is met on its way.
+const RATIOS: [f64; 2] = [-2.0, 1.0];
 
 /// |ln r_c/r_p| where two free ends meet, else 0: one vessel keeps its radius across a gap.
 pub fn radius_step(s: &Span) -> f64 {
     (1.0 - s.on_the_way()) * log_ratio(s).abs()
 }
 
-/// max(ln r_c/r_p, 0) where the parent is met on its way, else 0: a branch is no wider than its parent (Murray's law).
-pub fn too_wide(s: &Span) -> f64 {
-    s.on_the_way() * log_ratio(s).max(0.0)
+/// [`radius_step`] squared, the step at most 1.5: small steps are noise.
+pub fn radius_step_squared(s: &Span) -> f64 {
+    radius_step(s).min(MOST_STEP).powi(2)
 }
 
-/// ln of the radius behind the child's end over that of the end: a vessel tapers towards its true end.
-pub fn taper(s: &Span) -> f64 {
-    s.child.taper
+/// ln r_c/r_p in [-2, 1] where the parent is met on its way, else 0: a branch is no wider than its parent (Murray's law).
+pub fn branch_ratio(s: &Span) -> f64 {
+    s.on_the_way() * log_ratio(s).clamp(RATIOS[0], RATIOS[1])
 }
 
-/// Whether the child is the widest free end of its fragment, 1 or 0: a fragment hangs on its thick end.
-pub fn widest_end(s: &Span) -> f64 {
-    let widest = s.extraction.fragments[s.child.fragment].widest_end;
-    if widest.is_some_and(|w| steady(s.child.radius / w) >= 1.0) { 1.0 } else { 0.0 }
+/// [`branch_ratio`] squared: nor is it ever so thin.
+pub fn branch_ratio_squared(s: &Span) -> f64 {
+    branch_ratio(s).powi(2)
 }
 
 /// ln of the thinner of the two radii over that of the widest free end of all: bridges of a circle are thick vessels.
@@ -30,7 +35,7 @@ pub fn relative_size(s: &Span) -> f64 {
     (s.child.radius.min(s.parent_radius) / widest).ln()
 }
 
-/// r_c the child's radius over r_p the parent's.
+/// ln r_c/r_p.
 fn log_ratio(s: &Span) -> f64 {
     (s.child.radius / s.parent_radius).ln()
 }

@@ -10,7 +10,7 @@ pub struct Roads {
     /// The length of each branch, m.
     pub length: Vec<f64>,
     /// The two nodes of each branch.
-    ends: Vec<[usize; 2]>,
+    pub ends: Vec<[usize; 2]>,
     /// Per node its branches, with the node at the other end.
     around: Vec<Vec<(usize, usize)>>,
     /// Per inner point its branch and the length from the branch's first node to it.
@@ -67,6 +67,11 @@ impl Roads {
         roads
     }
 
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.around.len()
+    }
+
     /// The branches at a node, each with the node at its other end.
     pub fn around(&self, node: usize) -> &[(usize, usize)] {
         &self.around[node]
@@ -77,8 +82,14 @@ impl Roads {
         Reached { length: vec![f64::INFINITY; self.around.len()], touched: Vec::new(), open: BinaryHeap::new() }
     }
 
-    /// Path lengths from the sources to all nodes no further than `limit`, by Dijkstra's algorithm.
+    /// Path lengths from the sources to all nodes no further than `limit`.
     pub fn reach(&self, sources: &[usize], limit: f64, reached: &mut Reached) {
+        self.visit(sources, limit, reached, |_, _| true);
+    }
+
+    /// Goes through the nodes from the nearest to the sources on, as far as `limit`, by Dijkstra's algorithm, while `on` of the
+    /// path lengths and the node says so. Path lengths are final for the nodes gone through.
+    pub fn visit(&self, sources: &[usize], limit: f64, reached: &mut Reached, mut on: impl FnMut(&[f64], usize) -> bool) {
         for node in reached.touched.drain(..) {
             reached.length[node] = f64::INFINITY;
         }
@@ -93,6 +104,9 @@ impl Roads {
         while let Some(Open { length, node }) = reached.open.pop() {
             if length > reached.length[node] {
                 continue;
+            }
+            if !on(&reached.length, node) {
+                return;
             }
             for (branch, next) in &self.around[node] {
                 let there = length + self.length[*branch];

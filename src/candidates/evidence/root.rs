@@ -17,10 +17,15 @@ pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
     ("width", relative_width),
     ("voxels", width_in_spacings),
     ("clutter", clutter),
+    ("r_cv", radius_variation),
+    ("n_ends", log_free_ends),
+    ("junc", log_junctions),
 ];
 
 /// ln of a middling number of fragments.
 const USUAL_CLUTTER: f64 = 3.0;
+/// Bound of the variation of the radius.
+const MOST_VARIATION: f64 = 0.6;
 
 /// The features of every fragment as a root: a row a fragment, a column a feature of [`ROOT_FEATURES`].
 pub fn root_features(extraction: &Extraction) -> Array2<f64> {
@@ -54,6 +59,21 @@ pub fn width_in_spacings(extraction: &Extraction, fragment: &Fragment) -> f64 {
 /// ln of the number of fragments, less 3: the more there are, the more are false.
 pub fn clutter(extraction: &Extraction, _: &Fragment) -> f64 {
     (extraction.fragments.len() as f64).ln() - USUAL_CLUTTER
+}
+
+/// The standard deviation of ln of its radii along it, at most 0.6: vessels taper, noise has any radius.
+pub fn radius_variation(_: &Extraction, fragment: &Fragment) -> f64 {
+    fragment.radius_spread.min(MOST_VARIATION)
+}
+
+/// ln of the number of its free ends, at least 0: what branches is a vessel, and has more ends to hang on.
+pub fn log_free_ends(_: &Extraction, fragment: &Fragment) -> f64 {
+    (fragment.free_ends as f64).max(1.0).ln()
+}
+
+/// ln of one more than the number of its junctions.
+pub fn log_junctions(_: &Extraction, fragment: &Fragment) -> f64 {
+    (fragment.junctions as f64).ln_1p()
 }
 
 /// The radius (m) of its widest free end, half a spacing at least.

@@ -29,14 +29,11 @@ pub struct Search {
     pub own_branches: usize,
     /// Where a branch is met.
     pub meetings: Meetings,
-    /// The largest strain, d/D (1.3 - cos β) max(1, 1.3 - cos β'): d the gap, D the end's width, β the bend at the end, β' that
-    /// at the free end it reaches. Infinity keeps all.
-    pub most_strain: f64,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { branches: 5, free_ends: 4, own_branches: 2, meetings: Meetings::default(), most_strain: 5.0 }
+        Self { branches: 5, free_ends: 4, own_branches: 2, meetings: Meetings::default() }
     }
 }
 
@@ -54,8 +51,8 @@ pub struct Bridge {
 /// The bridges of an extraction, by free end, other fragments first.
 ///
 /// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,
-/// and to branches of its own fragment that are ahead and much further along the vessels; none that is both far and bent. What
-/// is chosen depends on neither unit, rotation nor the numbers of points; only ties in distance, bend and radius go by number.
+/// and to branches of its own fragment that are ahead and much further along the vessels. What is chosen depends on neither unit,
+/// rotation nor the numbers of points; only ties in distance, bend and radius go by number.
 pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
     let mut reached = extraction.roads.room();
     let mut bridges = Vec::new();
@@ -63,8 +60,7 @@ pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
         let around = Around::new(extraction, end);
         for inside in [false, true] {
             let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
-            let near = targets.into_iter().filter(|point| steady(around.strain(*point)) < params.most_strain);
-            bridges.extend(near.map(|point| Bridge { end: row, point, inside }));
+            bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
         }
     }
     bridges
@@ -158,16 +154,6 @@ impl<'a> Around<'a> {
             }
         }
         chosen
-    }
-
-    /// See [`Search::most_strain`].
-    fn strain(&self, point: usize) -> f64 {
-        let e = self.extraction;
-        let across = sub(e.position[point], e.position[self.end.point]);
-        let gap = distance(e.position[point], e.position[self.end.point]);
-        let bend = |direction: Point| BEND - cosine(across, direction, gap);
-        let there = e.end_at[point].map_or(1.0, |end| bend(e.ends[end].direction.map(|x| -x)));
-        gap / self.width() * bend(self.end.direction) * there.max(1.0)
     }
 }
 

@@ -1,66 +1,60 @@
-//! How the branches run at each point: tangent, kink, and the side that blood comes from.
+//! How the branches run at each point on their way: tangent, kinks, and which side is the wider one.
 
-use super::roads::Roads;
 use super::smooth::SmoothPoints;
 use super::steady::steady;
 use crate::geometry::{Point, sub, unit};
 
-/// Tangents are taken over so many radii to either side, within 2 to 12 points.
-const SPAN_RADII: f64 = 1.5;
-const SPAN_POINTS: [f64; 2] = [2.0, 12.0];
+/// Tangents and kinks are taken over so many radii to either side, within so many points ...
+const NEAR: (f64, [f64; 2]) = (1.5, [2.0, 12.0]);
+/// ... and what the two sides are as a whole over so many.
+const SIDE: (f64, [f64; 2]) = (4.0, [5.0, 14.0]);
 
-/// How a branch runs at a point.
+/// How a branch runs at a point; all zero at its nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Course {
-    /// Unit tangent, along the flow where an inlet of the fragment says it, else in either sense.
+    /// Unit tangent towards the last node of the branch.
     pub tangent: Point,
-    /// The unit direction onwards minus the unit direction from behind, in [0, 2]: it points to the inside of the bend.
-    /// Zero at ends and junctions.
+    /// The unit direction onwards minus the unit direction from behind, in [0, 2]: it points to the inside of the bend. Taken
+    /// over 1.5 radii, 2 to 12 points.
     pub kink: Point,
-    /// Whether the tangent is along the flow.
-    pub flow_known: bool,
+    /// The same over 4 radii, 5 to 14 points.
+    pub far_kink: Point,
+    /// ln of the mean radius on the side of the branch's first node over that on the other, in [-1, 1]: over 4 radii, without
+    /// the points next to this one.
+    pub narrowing: f64,
 }
 
-/// The course of each point, blood coming from the inlets by the shortest paths.
-///
-/// A junction has the direction from its neighbour upstream, without known flow the one along its own branch.
-pub fn courses(
-    lines: &[Vec<usize>],
-    branch: &[usize],
-    degree: &[usize],
-    smooth: &SmoothPoints,
-    roads: &Roads,
-    inlets: &[usize],
-    spacing: f64,
-) -> Vec<Course> {
-    let from_inlet = roads.to_nearest(inlets);
-    let mut out = vec![Course::default(); branch.len()];
+/// The course of each point; `radius` as measured, m.
+pub fn courses(lines: &[Vec<usize>], smooth: &SmoothPoints, radius: &[f64], spacing: f64) -> Vec<Course> {
+    let mut out = vec![Course::default(); radius.len()];
     for line in lines {
         for (at, point) in line.iter().enumerate().take(line.len() - 1).skip(1) {
-            let span = steady(SPAN_RADII * smooth.radius[*point] / spacing).round_ties_even();
-            let span = span.clamp(SPAN_POINTS[0], SPAN_POINTS[1]) as usize;
-            let p = smooth.position[*point];
-            let mut from = unit(sub(p, smooth.position[line[at.saturating_sub(span)]]));
-            let mut onwards = unit(sub(smooth.position[line[(at + span).min(line.len() - 1)]], p));
-            let [by_first, by_last] = roads.ways(&from_inlet, *point);
-            if steady(by_last) < steady(by_first) {
-                (from, onwards) = (onwards.map(|x| -x), from.map(|x| -x));
-            }
+            let ends = |(radii, points): (f64, [f64; 2])| {
+                let steps = steps(radii, points, smooth.radius[*point], spacing);
+                [at.saturating_sub(steps), (at + steps).min(line.len() - 1)]
+            };
+            let directions = |[first, last]: [usize; 2]| {
+                let p = smooth.position[*point];
+                [unit(sub(p, smooth.position[line[first]])), unit(sub(smooth.position[line[last]], p))]
+            };
+            let ([from, onwards], side) = (directions(ends(NEAR)), ends(SIDE));
+            let [far_from, far_onwards] = directions(side);
+            let mean = |part: &[usize]| part.iter().map(|p| radius[*p].ln()).sum::<f64>() / part.len() as f64;
+            // A side of one point has but that one.
+            let behind = mean(&line[side[0]..(at - 1).max(side[0] + 1)]);
+            let ahead = mean(&line[(at + 2).min(side[1])..=side[1]]);
             out[*point] = Course {
                 tangent: unit([0, 1, 2].map(|axis| from[axis] + onwards[axis])),
                 kink: sub(onwards, from),
-                flow_known: by_first.min(by_last).is_finite(),
+                far_kink: sub(far_onwards, far_from),
+                narrowing: (behind - ahead).clamp(-1.0, 1.0),
             };
         }
     }
-    for node in (0..from_inlet.len()).filter(|node| degree[*node] > 0) {
-        let fed = from_inlet[node].is_finite() && from_inlet[node] > 0.0;
-        let along = |road: &(usize, usize)| steady(from_inlet[road.1] + roads.length[road.0]);
-        let upstream = roads.around(node).iter().filter(|_| fed).min_by(|a, b| along(a).total_cmp(&along(b)));
-        let line = &lines[upstream.map_or(branch[node], |road| road.0)];
-        let neighbour = if line[0] == node { line[1] } else { line[line.len() - 2] };
-        let tangent = unit(sub(smooth.position[node], smooth.position[neighbour]));
-        out[node] = Course { tangent, kink: [0.0; 3], flow_known: fed };
-    }
     out
+}
+
+/// So many radii in points, within bounds.
+pub fn steps(radii: f64, points: [f64; 2], radius: f64, spacing: f64) -> usize {
+    steady(radii * radius / spacing).round_ties_even().clamp(points[0], points[1]) as usize
 }

@@ -1,9 +1,9 @@
 //! What the weights make of an extraction: the posterior over its forests and the probability of every link.
 
 use super::calibration::Calibration;
-use super::feedback::Feedback;
 use super::rows::Rows;
 use super::weights::Weights;
+use crate::candidates::evidence::Feedback;
 use crate::candidates::evidence::{Bridge, Extraction};
 use crate::error::{Error, Result};
 use crate::posterior::{Forests, Marginals, marginals};

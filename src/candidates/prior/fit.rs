@@ -6,12 +6,12 @@ use ndarray::Array2;
 
 use super::belief::last_pass;
 use super::case::{Case, Example, share_of};
-use super::feedback::Feedback;
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use super::parallel::in_order;
 use super::platt::calibrate;
 use super::weights::{Pass, Provenance, Weights};
+use crate::candidates::evidence::Feedback;
 use crate::error::{Error, Result};
 use crate::posterior::{Forests, Marginals, marginals};
 

@@ -1,7 +1,7 @@
 //! The weights of the prior, and where they come from.
 
-use super::feedback::FEEDBACK_FEATURES;
 use super::weights_file;
+use crate::candidates::evidence::FEEDBACK_FEATURES;
 use crate::candidates::evidence::{FEATURES, ROOT_FEATURES};
 use crate::error::{Error, Fault, Result};
 
