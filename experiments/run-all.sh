@@ -2,7 +2,7 @@
 # All experiments on the paper, one after another, and the table of this folder's README.
 set -euo pipefail
 cd "$(dirname "$0")"
-for experiment in controlled-stenosis resistance-modulation redundant-topologies throughput flow-shares; do
+for experiment in controlled-stenosis resistance-modulation redundant-topologies median-circle throughput flow-shares; do
     echo "== $experiment" >&2
     "$experiment/run.sh"
 done
