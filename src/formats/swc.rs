@@ -149,7 +149,7 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
     }
 }
 
-/// Links the pairs of point ids of a CSV file (`id_a,id_b`, the header may be absent); returns how many.
+/// Links the pairs of point ids of a CSV file (headed `id_a,id_b` or `a,b`, or not at all); returns how many.
 ///
 /// # Errors
 ///
