@@ -19,7 +19,7 @@ pub fn gap(s: &Span) -> f64 {
     (s.gap / s.width()).min(MOST_WIDTHS)
 }
 
-/// [`gap`] where the parent is met at a free end, else 0: breaks are longer than the gaps at which branches are lost.
+/// [`gap`] where the parent is met at a free end, else 0: breaks and lost branches have gaps of their own lengths.
 pub fn gap_at_free_end(s: &Span) -> f64 {
     (1.0 - s.on_the_way()) * gap(s)
 }

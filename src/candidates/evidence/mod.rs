@@ -7,6 +7,7 @@
 pub mod direction;
 mod extraction;
 mod feedback;
+mod fragment;
 mod frame;
 pub mod gap;
 mod meeting;
@@ -25,8 +26,9 @@ mod ways;
 
 use ndarray::Array2;
 
-pub use extraction::{Extraction, Fragment};
+pub use extraction::Extraction;
 pub use feedback::{FEEDBACK_FEATURES, Feedback};
+pub use fragment::Fragment;
 pub use frame::Frame;
 pub use meeting::Meetings;
 pub use root::{ROOT_FEATURES, RootFeature, root_features};

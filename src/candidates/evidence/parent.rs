@@ -1,6 +1,7 @@
 //! Features of the parent: what kind of meeting, and what kind of fragment the child would hang on.
 
-use super::extraction::{Extraction, Fragment};
+use super::extraction::Extraction;
+use super::fragment::Fragment;
 use super::span::Span;
 
 /// Added to a share, so that the shortest fragment has a logarithm.

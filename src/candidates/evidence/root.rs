@@ -2,7 +2,8 @@
 
 use ndarray::Array2;
 
-use super::extraction::{Extraction, Fragment};
+use super::extraction::Extraction;
+use super::fragment::Fragment;
 use super::parent::{share, slenderness};
 
 /// A feature of a fragment.
