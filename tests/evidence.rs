@@ -77,29 +77,29 @@ fn the_features_of_a_branch_above_a_vessel() {
     let expected = [
         ("is_end", 0.0),
         ("gap", 2.5),
-        ("gapE", 0.0),
-        ("gapT", 2.5),
+        ("gap_end", 0.0),
+        ("gap_branch", 2.5),
         ("wall", 1.5_f64.ln()),
-        ("wl_T", 1.5),
-        ("wl_1.5", 0.0),
-        ("wl_3", 0.0),
-        ("touchT", 0.0),
-        ("lnresT", 2_f64.ln()),
+        ("wall_branch", 1.5),
+        ("wall_over_1_5", 0.0),
+        ("wall_over_3", 0.0),
+        ("touch_branch", 0.0),
+        ("resolution_branch", 2_f64.ln()),
         ("bend_child", 0.0),
-        ("b1sq", 0.0),
-        ("b1gap", 0.0),
+        ("bend_child_sq", 0.0),
+        ("bend_gap", 0.0),
         ("bend_far", 0.0),
         ("bend_parent", 0.0),
-        ("b2sq", 0.0),
+        ("bend_parent_sq", 0.0),
         ("turn", 0.0),
-        ("abs_log_r", 0.0),
-        ("beta", 0.0),
-        ("ratioT", thin),
-        ("ratioTsq", thin * thin),
+        ("ratio_end", 0.0),
+        ("ratio_end_sq", 0.0),
+        ("ratio_branch", thin),
+        ("ratio_branch_sq", thin * thin),
         ("kink", 0.0),
-        ("kink2", 0.0),
-        ("kink_ex", 0.0),
-        ("orient", 0.0),
+        ("kink_wide", 0.0),
+        ("kink_excess", 0.0),
+        ("orientation", 0.0),
         ("near_tip", (-2_f64).exp()),
         ("near_junction", 0.0),
         ("rank", 0.0),
@@ -367,7 +367,7 @@ fn the_random_trees_are_worth_it() {
             *(if own { &mut inside } else { &mut between }) += 1;
             at_ends += usize::from(x[column("is_end")] == 1.0);
             // The orientation, and each feature of the feedback.
-            let says = [&x[column("orient")..=column("orient")], &x[FEATURES.len()..]].concat();
+            let says = [&x[column("orientation")..=column("orientation")], &x[FEATURES.len()..]].concat();
             told.iter_mut().zip(says).for_each(|(told, x)| *told += usize::from(x.abs() > 0.01));
         }
     }
@@ -378,7 +378,7 @@ fn the_random_trees_are_worth_it() {
 #[test]
 fn the_unit_of_length_does_not_matter() {
     each("metres", |p| *p = p.map(|x| x / 1e3));
-    each("voxels", |p| *p = p.map(|x| x / 0.62));
+    each("resolution", |p| *p = p.map(|x| x / 0.62));
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn feedback(e: &Extraction, bridges: &[Bridge], x: &Array2<f64>) -> Array2<f64> 
     let weighed = |row: &usize| posterior::Bridge {
         child: e.ends[bridges[*row].end].fragment,
         parent: e.fragment[bridges[*row].point],
-        log_weight: at(*row, "kink") - at(*row, "gap") - at(*row, "b1sq"),
+        log_weight: at(*row, "kink") - at(*row, "gap") - at(*row, "bend_child_sq"),
     };
     let slim = ROOT_FEATURES.iter().position(|(n, _)| *n == "slim").expect("a feature");
     let roots = root_features(e).column(slim).iter().map(|slim| slim - 4.0).collect();

@@ -32,7 +32,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         bridge: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
         root: fill(ROOT_FEATURES.iter().map(|(n, _)| *n).collect(), root),
     };
-    Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], root_factor: 0.5, provenance: Provenance::default() }
+    Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], provenance: Provenance::default() }
 }
 
 /// Two fragments in a line: no hanging, one on the other, or the other way round, so Z = v² + v Σ w. A bridge weighs D/d by a
@@ -95,7 +95,6 @@ fn odd() -> Weights {
     Weights {
         passes: (0..3).map(pass).collect(),
         calibration: [0.1, 1.0 + f64::EPSILON, -1e-300],
-        root_factor: 0.65,
         provenance: Provenance {
             cases: 3,
             subjects: 2,
@@ -149,12 +148,10 @@ fn a_wrong_name_or_number_is_named() {
     says(fails(&gap, "gap = 1e9"), &["pass 1 bridge gap 1000000000"]);
     says(fails(&gap, "gap = \"wide\""), &["w.toml:", "wide"]);
     says(fails(&line("one"), "two = 1.0"), &["pass 1 root", "one"]);
-    says(fails("root_factor = 0.65", "root_factor = -1"), &["root_factor -1", "0 to 1000"]);
-    says(fails("root_factor = 0.65", ""), &["root_factor"]);
     says(fails("calibration = [0.1,", "calibration = [inf,"), &["calibration inf"]);
     says(fails("calibration = [0.1,", "calibration = ["), &["w.toml:"]);
     says(fails("[provenance]", "[origin]"), &["origin"]);
-    says(Weights::read("calibration = [0.0, 1.0, 0.0]\nroot_factor = 1.0\npass = []").expect_err("no pass").found, &["no pass"]);
+    says(Weights::read("calibration = [0.0, 1.0, 0.0]\npass = []").expect_err("no pass").found, &["no pass"]);
     says(Weights::read("\u{1}").expect_err("not TOML").found, &[]);
 }
 

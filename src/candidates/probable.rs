@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::attach::Target;
 use super::evidence::{Bridge, Extraction, Search, search};
-use super::prior::{Belief, Weights, believe};
+use super::prior::{Belief, Weights, alone, believe};
 use super::{Attach, Params, Place, Site, with_candidates};
 use crate::error::Result;
 use crate::geometry::distance;
@@ -41,6 +41,7 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
         params.max_gap.is_none_or(|most| gap <= most) && may_end
     });
     let belief = believe(&extraction, &bridges, weights)?;
+    let alone = alone(&extraction, &belief);
     let (mut graph, node_at) = with_candidates(network, links(&extraction, &belief), params);
     for (point, place) in extraction.place.iter().enumerate() {
         let node = match place {
@@ -48,7 +49,7 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
             Place::Along { .. } => node_at.get(place),
         };
         if let Some(node) = node {
-            graph.node_mut(*node).alone = Some(belief.marginals.roots[extraction.fragment[point]]);
+            graph.node_mut(*node).alone = Some(alone[extraction.fragment[point]]);
         }
     }
     Ok(graph)

@@ -10,7 +10,7 @@ use crate::posterior::{Bridge, Forests, arborescence};
 pub const LEAST_CLOSURE: f64 = 0.2;
 
 /// The usual root factor.
-pub const ROOT_FACTOR: f64 = 0.65;
+pub const ROOT_FACTOR: f64 = 1.0;
 
 /// Whether the network knows how probably its fragments stay alone, as one built by evidence does.
 pub fn knows_fragments(network: &Network) -> bool {

@@ -32,7 +32,8 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
-    /// The posterior probability that the fragment of this node hangs on no other, where the evidence says so.
+    /// What speaks for leaving the fragment of this node alone, where the evidence says so: the posterior probability that it
+    /// hangs on no other, times the price of that (`candidates::prior::alone`).
     pub alone: Option<f64>,
 }
 

@@ -5,10 +5,11 @@ point, without regard to speed.
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-FEATURES = """is_end gap b1sq bend_child gapE b2sq wl_T gapT kink ratioT bend_far beta wall lnresT ratioTsq turn b1gap margin blocked
-bend_parent abs_log_r rank share_parent orient fed_parent near_tip touchT mutual wl_3 wl_1.5 kink2 kink_ex near_junction""".split()
-ROOT = "one inlet slim share width voxels clutter r_cv n_ends junc".split()
-FEEDBACK = "conf2 step2 entq claim_e fed_p2 claim_T".split()
+FEATURES = """is_end gap bend_child_sq bend_child gap_end bend_parent_sq wall_branch gap_branch kink ratio_branch bend_far
+ratio_end_sq wall resolution_branch ratio_branch_sq turn bend_gap margin blocked bend_parent ratio_end rank share_parent
+orientation fed_parent near_tip touch_branch mutual wall_over_3 wall_over_1_5 kink_wide kink_excess near_junction""".split()
+ROOT = "one inlet slim share width resolution clutter radius_variation free_ends junctions inlet_clutter slim_clutter share_clutter width_clutter".split()
+FEEDBACK = "with_flow step_with_flow entered_there claims_on_end fed_otherwise claims_nearby".split()
 
 
 def unit(v):
@@ -60,19 +61,20 @@ def bridge_features(g, rows, old):
             kink2[k] = -directions(g, q[k], 4, 5, 14).sum(0) @ u[k]
         around[k] = np.mean([g.kink[g._far(q[k], y, 4)] @ u[k] for y in g.adj[q[k]]] or [0])
     return old | {
-        "b1sq": old["bend_child"] ** 2, "b2sq": old["bend_parent"] ** 2, "gapE": end * old["gap"], "gapT": way * old["gap"],
-        "wl_T": way * wall, "wl_3": np.maximum(wall - 3, 0), "wl_1.5": np.maximum(wall - 1.5, 0), "touchT": way * (wall < .6),
-        "ratioT": branch, "ratioTsq": branch ** 2, "beta": end * np.minimum(abs(ratio), 1.5) ** 2,
-        "lnresT": way * np.log(width / g.h), "turn": np.maximum(old["bend_child"], old["bend_parent"]),
-        "b1gap": old["bend_child"] * np.minimum(old["gap"], 3), "orient": orientations(g)[i], "kink2": kink2,
-        "kink_ex": way * (old["kink"] - around)}
+        "ratio_end": old["abs_log_r"], "bend_child_sq": old["bend_child"] ** 2, "bend_parent_sq": old["bend_parent"] ** 2, "gap_end": end * old["gap"], "gap_branch": way * old["gap"],
+        "wall_branch": way * wall, "wall_over_3": np.maximum(wall - 3, 0), "wall_over_1_5": np.maximum(wall - 1.5, 0), "touch_branch": way * (wall < .6),
+        "ratio_branch": branch, "ratio_branch_sq": branch ** 2, "ratio_end_sq": end * np.minimum(abs(ratio), 1.5) ** 2,
+        "resolution_branch": way * np.log(width / g.h), "turn": np.maximum(old["bend_child"], old["bend_parent"]),
+        "bend_gap": old["bend_child"] * np.minimum(old["gap"], 3), "orientation": orientations(g)[i], "kink_wide": kink2,
+        "kink_excess": way * (old["kink"] - around)}
 
 
 def root_features(g, old):
     """Columns by name, with the old ones."""
     each = lambda f: np.array([f(np.flatnonzero(g.piece == p)) for p in range(g.n_pieces)])
-    return old | {"r_cv": each(lambda x: min(np.log(g.r_s[x]).std(), .6)), "junc": each(lambda x: np.log(1 + (g.deg[x] > 2).sum())),
-                  "n_ends": each(lambda x: np.log(max((g.deg[x] == 1).sum(), 1)))}
+    crossed = {name + "_clutter": old[name] * old["clutter"] for name in ("inlet", "slim", "share", "width")}
+    return old | crossed | {"resolution": old["voxels"], "radius_variation": each(lambda x: min(np.log(g.r_s[x]).std(), .6)), "junctions": each(lambda x: np.log(1 + (g.deg[x] > 2).sum())),
+                  "free_ends": each(lambda x: np.log(max((g.deg[x] == 1).sum(), 1)))}
 
 
 def entries(g, e, p, root):
@@ -118,16 +120,16 @@ def feedback(g, rows, w, v):
         a, b, more = cut[x] = cut.get(x) or sides(g, x, blood)
         n1, n4 = steps(g, x, 1.5, 2, 12), steps(g, x, 4, 5, 14)
         tangent = unit(unit(g.xyz_s[x] - g.xyz_s[g._far(x, a, n1)]) + unit(g.xyz_s[g._far(x, b, n1)] - g.xyz_s[x]))
-        out["conf2"][k] = -more * tangent @ unit(g.xyz[x] - g.xyz[e[k]])
+        out["with_flow"][k] = -more * tangent @ unit(g.xyz[x] - g.xyz[e[k]])
         side = [list(dict.fromkeys(g._far(x, y, s) for s in range(1, n4 + 1))) for y in (a, b)]
         mean = [np.mean(g.log_r[s[1:] or s]) for s in side]
-        out["step2"][k] = more * np.clip(mean[0] - mean[1], -1, 1)
+        out["step_with_flow"][k] = more * np.clip(mean[0] - mean[1], -1, 1)
     near = lambda k: (g.piece[q] == pq[k]) & (np.linalg.norm(g.xyz[q] - g.xyz[q[k]], axis=1) <= 2 * (g.r_s[q[k]] + g.h))
     fed = g.fed if g.fed.any() else g.length == g.length.max()
     rooted = inv @ (v * fed)
     for k in range(m):
-        out["entq"][k] = p[(e == q[k]) & (pq != pc[k])].sum()
-        out["claim_e"][k] = p[(q == e[k]) & (pc != pq[k])].sum()
-        out["claim_T"][k] = 0 if end[k] else min(p[near(k) & (pc != pc[k])].sum(), 2)
-        out["fed_p2"][k] = rooted[pq[k]] - inv[pq[k], pc[k]] / inv[pc[k], pc[k]] * rooted[pc[k]]
+        out["entered_there"][k] = p[(e == q[k]) & (pq != pc[k])].sum()
+        out["claims_on_end"][k] = p[(q == e[k]) & (pc != pq[k])].sum()
+        out["claims_nearby"][k] = 0 if end[k] else min(p[near(k) & (pc != pc[k])].sum(), 2)
+        out["fed_otherwise"][k] = rooted[pq[k]] - inv[pq[k], pc[k]] / inv[pc[k], pc[k]] * rooted[pc[k]]
     return out

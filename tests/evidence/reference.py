@@ -119,7 +119,7 @@ def main():
         z = formulas.root_features(g, dict(zip(model.ROOT, model.root_features(g).T)))
         between = np.array(rows)[:, 2] == 0
         # Any weights do.
-        log_w = (x["kink"] - x["gap"] - x["b1sq"])[between]
+        log_w = (x["kink"] - x["gap"] - x["bend_child_sq"])[between]
         y = formulas.feedback(g, rows, np.exp(log_w), np.exp(z["slim"] - 4))
         spread = np.zeros((len(rows), len(formulas.FEEDBACK)))
         spread[between] = np.column_stack([y[name] for name in formulas.FEEDBACK])

@@ -9,18 +9,23 @@ use super::parent::{share, slenderness};
 /// A feature of a fragment.
 pub type RootFeature = fn(&Extraction, &Fragment) -> f64;
 
-/// The features of a root, by name.
+/// The features of a root, by name. Their products with the clutter let a whole brain of a hundred fragments and a circle of
+/// ten differ: in a circle an inlet's tree often stands alone, in a brain it is one of several parts of one tree.
 pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
     ("one", one),
     ("inlet", inlet),
     ("slim", slenderness),
     ("share", share),
     ("width", relative_width),
-    ("voxels", width_in_spacings),
+    ("resolution", width_in_spacings),
     ("clutter", clutter),
-    ("r_cv", radius_variation),
-    ("n_ends", log_free_ends),
-    ("junc", log_junctions),
+    ("radius_variation", radius_variation),
+    ("free_ends", log_free_ends),
+    ("junctions", log_junctions),
+    ("inlet_clutter", |e, f| inlet(e, f) * clutter(e, f)),
+    ("slim_clutter", |e, f| slenderness(e, f) * clutter(e, f)),
+    ("share_clutter", |e, f| share(e, f) * clutter(e, f)),
+    ("width_clutter", |e, f| relative_width(e, f) * clutter(e, f)),
 ];
 
 /// ln of a middling number of fragments.

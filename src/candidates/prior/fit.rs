@@ -27,13 +27,11 @@ pub struct TrainParams {
     pub iterations: Vec<usize>,
     /// The share of cases that are used without their inlets, so that the weights serve where none are given; 0 to 1.
     pub without_inlets: f64,
-    /// The root factor to write into the weights; it is not fitted.
-    pub root_factor: f64,
 }
 
 impl Default for TrainParams {
     fn default() -> Self {
-        Self { l2: 0.01, iterations: vec![60, 40, 25], without_inlets: 0.3, root_factor: 0.65 }
+        Self { l2: 0.01, iterations: vec![60, 40, 25], without_inlets: 0.3 }
     }
 }
 
@@ -53,9 +51,6 @@ impl TrainParams {
         }
         if !(0.0..=1.0).contains(&self.without_inlets) {
             return Err(Error::parameter("share without inlets", self.without_inlets, "expected a number from 0 to 1"));
-        }
-        if !(0.0..=1000.0).contains(&self.root_factor) {
-            return Err(Error::parameter("root_factor", self.root_factor, "expected a number from 0 to 1000"));
         }
         Ok(())
     }
@@ -133,7 +128,7 @@ pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&St
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    Ok(Weights { passes, calibration: calibrate(&links).0, root_factor: params.root_factor, provenance })
+    Ok(Weights { passes, calibration: calibrate(&links).0, provenance })
 }
 
 /// Zeros, or the weights of the pass before with zeros for what it did not know.

@@ -5,6 +5,7 @@
 //! posterior of the pass before says of the surroundings of a bridge ([`FEEDBACK_FEATURES`]) and weighs that too. At last the
 //! probability of a link, summed over its two directions, is calibrated: P = σ(a + b l + c min(l, 0)), l = ln p/(1 - p).
 
+mod alone;
 mod answer;
 mod belief;
 mod calibration;
@@ -21,6 +22,7 @@ mod weights;
 mod weights_file;
 
 pub use crate::candidates::evidence::FEEDBACK_FEATURES;
+pub use alone::alone;
 pub use answer::{Answer, Link, Right, Side};
 pub use belief::{Belief, believe};
 pub use calibration::Calibration;

@@ -1,7 +1,6 @@
 //! What a fit minimises: the penalised negative log-likelihood of the answers to all cases, in standardised weights.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use ndarray::{Array2, ArrayView1};
 
@@ -96,13 +95,10 @@ fn add(sum: &mut [f64], factor: f64, row: &ArrayView1<f64>) {
     }
 }
 
-/// Per case the weight (fragments of its data set)^-1/2 over the sum of all.
+/// Per case the weight n^-0.35 over the sum of all, n its fragments: a brain of a hundred fragments teaches more than a circle
+/// of ten, but there are not ten times as many independent things to learn from it.
 pub fn case_weights(examples: &[&Example]) -> Vec<f64> {
-    let mut fragments: BTreeMap<&str, usize> = BTreeMap::new();
-    for example in examples {
-        *fragments.entry(&example.case.data_set).or_default() += example.extraction.fragments.len();
-    }
-    let of: Vec<f64> = examples.iter().map(|e| (fragments[e.case.data_set.as_str()].max(1) as f64).powf(-0.5)).collect();
+    let of: Vec<f64> = examples.iter().map(|e| (e.extraction.fragments.len().max(1) as f64).powf(-0.35)).collect();
     let sum: f64 = of.iter().sum();
     of.into_iter().map(|w| w / sum).collect()
 }

@@ -36,8 +36,6 @@ pub struct Weights {
     pub passes: Vec<Pass>,
     /// [`super::Calibration`] of the last pass.
     pub calibration: [f64; 3],
-    /// How readily a fragment stays alone in a decision: the factor of root marginals, 0 to 1000.
-    pub root_factor: f64,
     /// Where the weights come from.
     pub provenance: Provenance,
 }
@@ -87,7 +85,6 @@ pub struct Figures {
 
 /// The largest weight: beyond it products could overflow.
 const MOST_WEIGHT: f64 = 1e6;
-const MOST_ROOT_FACTOR: f64 = 1000.0;
 
 impl Weights {
     /// Weights that `willis train` made, as TOML.
@@ -132,10 +129,6 @@ impl Weights {
         }
         if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
             return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
-        }
-        if !(0.0..=MOST_ROOT_FACTOR).contains(&self.root_factor) {
-            let accepted = format!("expected a number from 0 to {MOST_ROOT_FACTOR}");
-            return Err(Error::parameter("root_factor", self.root_factor, accepted));
         }
         Ok(())
     }

@@ -19,7 +19,6 @@ const HEADING: &str = "\
 #[serde(deny_unknown_fields)]
 struct File {
     calibration: [f64; 3],
-    root_factor: f64,
     pass: Vec<PassEntry>,
     #[serde(default)]
     provenance: ProvenanceEntry,
@@ -94,7 +93,6 @@ pub fn read(text: &str) -> Result<Weights, Fault> {
     let weights = Weights {
         passes,
         calibration: file.calibration,
-        root_factor: file.root_factor,
         provenance: Provenance { cases, subjects, made_by, held_out, figures: figures(file.figures), folds },
     };
     weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
@@ -128,7 +126,6 @@ pub fn write(weights: &Weights, mut out: impl Write) -> io::Result<()> {
     )?;
     writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]")?;
     writeln!(out, "\n# A fragment stays alone when this times its probability of being a root outweighs its bridges.")?;
-    writeln!(out, "root_factor = {:?}", weights.root_factor)?;
     for (number, pass) in weights.passes.iter().enumerate() {
         writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
         for (name, weight) in Pass::bridge_features(number).zip(&pass.bridge) {

@@ -27,7 +27,8 @@ use entries::Entries;
 /// - `claim_e`: Σ P of the bridges by which other fragments than the parent hang on the child's end.
 /// - `fed_p2`: the probability that the parent is fed, by an inlet, without the child's help. No bridge goes round.
 /// - `claim_T`: Σ P, at most 2, of the bridges of other fragments that meet the parent near the same point on its way.
-pub const FEEDBACK_FEATURES: &[&str] = &["conf2", "step2", "entq", "claim_e", "fed_p2", "claim_T"];
+pub const FEEDBACK_FEATURES: &[&str] =
+    &["with_flow", "step_with_flow", "entered_there", "claims_on_end", "fed_otherwise", "claims_nearby"];
 
 /// Claims on a point beyond so many are all alike.
 const MOST_CLAIMS: f64 = 2.0;

@@ -1,0 +1,26 @@
+//! What speaks for leaving a fragment alone when a forest is decided.
+
+use super::belief::Belief;
+use crate::candidates::evidence::Extraction;
+
+/// A fragment that blood enters is no false one, so leaving it alone can only lose a connection.
+const FED: f64 = 0.3;
+/// With so many fragments half of the probability of being alone counts: in a circle of few fragments one lost connection
+/// changes the whole, in a brain of a hundred one false twig more joins it.
+const HALF: f64 = 10.0;
+/// Where no inlet is given, so many of the widest free ends are taken for inlets.
+const LIKELY_INLETS: usize = 3;
+
+/// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments.
+///
+/// Where no inlet is given, blood is taken to enter at the three widest free ends.
+pub fn alone(extraction: &Extraction, belief: &Belief) -> Vec<f64> {
+    let n = extraction.fragments.len() as f64;
+    let mut fed: Vec<bool> = extraction.fragments.iter().map(|f| f.fed).collect();
+    if !fed.contains(&true) {
+        let mut ends: Vec<_> = extraction.ends.iter().collect();
+        ends.sort_by(|a, b| b.radius.total_cmp(&a.radius).then(a.point.cmp(&b.point)));
+        ends.iter().take(LIKELY_INLETS).for_each(|end| fed[end.fragment] = true);
+    }
+    belief.marginals.roots.iter().zip(fed).map(|(p, fed)| p * if fed { FED } else { n / (n + HALF) }).collect()
+}
