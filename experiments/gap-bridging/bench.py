@@ -1,0 +1,81 @@
+"""The cases of the benchmark: how they are made, where they stand, and who is held out together."""
+import hashlib
+import os
+import subprocess
+import sys
+from collections import namedtuple
+from functools import partial
+from multiprocessing import Pool
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from networks import ROOT, SHARED
+
+GAPBENCH = Path(os.environ.get("WILLIS_GAPBENCH", ROOT / "../shared/gapbench")).resolve()
+sys.path.insert(0, str(GAPBENCH))
+
+FOLDS = 3
+LEVELS = ("easy", "medium", "hard")
+# Name -> folder of tracings, options of make_cases.py. Circles and rings are the same subjects.
+SETS = {
+    "brains": ("brava/vtp", []),
+    "circles": ("insist-cow", ["--phenotype", "--variants", "4"]),
+    "rings": ("insist-cow", ["--phenotype", "--ring"]),
+}
+# What weights are trained on: each is one data set of `willis train`.
+SOURCES = {"brains": ("brains",), "insist": ("circles", "rings")}
+
+
+class Case(namedtuple("Case", "data level name folder")):
+    """One broken tracing: data set, level of damage, name, folder."""
+
+    @property
+    def subject(self):
+        return self.name.rpartition("_")[0] if self.data == "circles" else self.name
+
+    @property
+    def fold(self):
+        """The fold in which the subject is held out, by the md5 of its name."""
+        return int(hashlib.md5(self.subject.encode()).hexdigest(), 16) % FOLDS
+
+    def within(self, root):
+        return Path(root) / self.data / self.level / self.name
+
+
+def missing():
+    """What of the shared data is not there."""
+    wanted = [GAPBENCH / "score.py"] + [SHARED / folder for folder, _ in SETS.values()]
+    return [str(path) for path in dict.fromkeys(wanted) if not path.exists()]
+
+
+def make(work, seed, every=1):
+    """Makes the cases of a seed, unless a kept work folder holds them; the cases of every n-th subject, in order."""
+    made, names = work / "cases" / "seed", str(seed)
+    if not made.exists():
+        jobs = [
+            subprocess.Popen([sys.executable, str(GAPBENCH / "make_cases.py"), str(SHARED / folder), str(work / "cases" / data), "--seed", names, *options], stdout=subprocess.DEVNULL)
+            for data, (folder, options) in SETS.items()
+        ]
+        if any([job.wait() for job in jobs]):
+            raise SystemExit("make_cases.py failed")
+        made.write_text(names + "\n")
+    if made.read_text().strip() != names:
+        raise SystemExit(f"{work} holds the cases of seed {made.read_text().strip()}, not {names}")
+    found = [Case(data, level, folder.name, folder) for data in SETS for level in LEVELS for folder in sorted((work / "cases" / data / level).iterdir())]
+    keep = {data: sorted({case.subject for case in found if case.data == data})[::every] for data in SETS}
+    return [case for case in found if case.subject in keep[case.data]]
+
+
+def guarded(job, item):
+    """An exit would only end the worker, and its task would be waited for for ever."""
+    try:
+        return job(item)
+    except SystemExit as end:
+        raise RuntimeError(end) from None
+
+
+def each(job, items):
+    """`job` of each item in two processes, in order."""
+    with Pool(2) as pool:
+        return pool.map(partial(guarded, job), items, chunksize=1)
