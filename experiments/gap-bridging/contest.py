@@ -37,7 +37,11 @@ def baselines(work, cases):
 
 def own(job):
     """What judge says of willis on one case."""
-    return judge.judge(job[0], command.candidates(command.infer(job)))
+    path = command.infer(job)
+    rows = command.candidates(path)
+    if not all(row["probability"] for row in rows):
+        raise SystemExit(f"{path}: a candidate without a probability, so that score.py would rank by likelihood")
+    return judge.judge(job[0], rows)
 
 
 def willis(work, cases, out="willis", weights=None, inlets=True):

@@ -25,7 +25,7 @@ def write(folder, points, parents, inlets, loops):
     (folder / "fragments.swc").write_text("# id type x_mm y_mm z_mm r_mm parent\n" + "\n".join(lines) + "\n")
     (folder / "inlets.csv").write_text("x_mm,y_mm,z_mm\n" + "".join(number(p).replace(" ", ",") + "\n" for p in inlets))
     if len(loops):
-        (folder / "loops.csv").write_text("a,b\n" + "".join(f"{a + 1},{b + 1}\n" for a, b in loops))
+        (folder / "loops.csv").write_text("id_a,id_b\n" + "".join(f"{a + 1},{b + 1}\n" for a, b in loops))
 
 
 def renumbered(parents, rng):
