@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections import namedtuple
 from functools import partial
+from importlib.util import find_spec
 from multiprocessing import Pool
 from pathlib import Path
 
@@ -44,9 +45,10 @@ class Case(namedtuple("Case", "data level name folder")):
 
 
 def missing():
-    """What of the shared data is not there."""
+    """What of the shared data and of Python is not there."""
     wanted = [GAPBENCH / "score.py"] + [SHARED / folder for folder, _ in SETS.values()]
-    return [str(path) for path in dict.fromkeys(wanted) if not path.exists()]
+    packages = [name for name in ("numpy", "scipy", "networkx", "sklearn") if find_spec(name) is None]
+    return [str(path) for path in dict.fromkeys(wanted) if not path.exists()] + packages
 
 
 def make(work, seed, every=1):

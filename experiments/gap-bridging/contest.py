@@ -12,6 +12,10 @@ FIGURES = {
     "AP": "ap", "ceiling": "ceiling", "bridges a case": "n_candidates", "F1": "f1", "precision": "precision", "recall": "recall", "path": "path_after",
     "false length fed": "fed_spurious", "ECE": "ece_uncertain", "pooled ECE": None, "exact": "phenotype_exact", "present": "present_found", "absent": "absent_kept_absent",
 }
+# Every case of the run: what weights are trained on even where a part looks at some only.
+ALL = []
+# Results of willis by (folder of answers, case).
+KNOWN = {}
 # What the other processes read.
 LEARNT, LIMITS = {}, {}
 
@@ -46,12 +50,10 @@ def own(job):
 
 def willis(work, cases, out="willis", weights=None, inlets=True):
     """Results of willis in the order of the cases, with the weights of each case's fold."""
-    weights = weights or command.by_fold(work, ALL or cases)
-    return bench.each(own, [(case, case.folder, weights[case.fold], work / out, inlets) for case in cases])
-
-
-# Every case of the run: what weights are trained on even where a part looks at some only.
-ALL = []
+    weights, fresh = weights or command.by_fold(work, ALL), [case for case in cases if (out, case) not in KNOWN]
+    results = bench.each(own, [(case, case.folder, weights[case.fold], work / out, inlets) for case in fresh])
+    KNOWN.update({(out, case): result for case, result in zip(fresh, results)})
+    return [KNOWN[out, case] for case in cases]
 
 
 def estimates(cases, results, less=None):
