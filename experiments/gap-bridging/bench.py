@@ -24,6 +24,9 @@ SETS = {
     "circles": ("insist-cow", ["--phenotype", "--variants", "4"]),
     "rings": ("insist-cow", ["--phenotype", "--ring"]),
 }
+# Many draws of the rings, on which closures of loops are counted: one ring case in thirty holds one.
+MANY = "many rings"
+DRAWS = {MANY: ("insist-cow", ["--phenotype", "--ring", "--variants", "8"])}
 # What weights are trained on: each is one data set of `willis train`.
 SOURCES = {"brains": ("brains",), "insist": ("circles", "rings")}
 
@@ -33,7 +36,7 @@ class Case(namedtuple("Case", "data level name folder")):
 
     @property
     def subject(self):
-        return self.name.rpartition("_")[0] if self.data == "circles" else self.name
+        return self.name.rpartition("_")[0] if self.data in ("circles", MANY) else self.name
 
     @property
     def fold(self):
@@ -51,25 +54,44 @@ def missing():
     return [str(path) for path in dict.fromkeys(wanted) if not path.exists()] + packages
 
 
-def make(work, seed, every=1):
-    """Makes the cases of a seed, unless a kept work folder holds them; the cases of every n-th subject, in order."""
-    made, names = work / "cases" / "seed", str(seed)
-    if not made.exists():
-        jobs = [
-            subprocess.Popen([sys.executable, str(GAPBENCH / "make_cases.py"), str(SHARED / folder), str(work / "cases" / data), "--seed", names, *options], stdout=subprocess.DEVNULL)
-            for data, (folder, options) in SETS.items()
-        ]
-        if any([job.wait() for job in jobs]):
-            raise SystemExit("make_cases.py failed")
-        # The benchmark heads this file a,b; willis reads id_a,id_b, and the benchmark passes over the line.
-        for loops in (work / "cases").glob("*/*/*/loops.csv"):
+def broken(work, seed, sets):
+    """Makes the cases of some data sets."""
+    jobs = [
+        subprocess.Popen([sys.executable, str(GAPBENCH / "make_cases.py"), str(SHARED / folder), str(work / "cases" / data), "--seed", seed, *options], stdout=subprocess.DEVNULL)
+        for data, (folder, options) in sets.items()
+    ]
+    if any([job.wait() for job in jobs]):
+        raise SystemExit("make_cases.py failed")
+    # The benchmark heads this file a,b; willis reads id_a,id_b, and the benchmark passes over the line.
+    for data in sets:
+        for loops in (work / "cases" / data).glob("*/*/loops.csv"):
             loops.write_text(loops.read_text().replace("a,b\n", "id_a,id_b\n", 1))
-        made.write_text(names + "\n")
-    if made.read_text().strip() != names:
-        raise SystemExit(f"{work} holds the cases of seed {made.read_text().strip()}, not {names}")
-    found = [Case(data, level, folder.name, folder) for data in SETS for level in LEVELS for folder in sorted((work / "cases" / data / level).iterdir())]
-    keep = {data: sorted({case.subject for case in found if case.data == data})[::every] for data in SETS}
+
+
+def listed(work, sets, every):
+    """The cases of every n-th subject, in order."""
+    found = [Case(data, level, folder.name, folder) for data in sets for level in LEVELS for folder in sorted((work / "cases" / data / level).iterdir())]
+    keep = {data: sorted({case.subject for case in found if case.data == data})[::every] for data in sets}
     return [case for case in found if case.subject in keep[case.data]]
+
+
+def make(work, seed, every=1):
+    """The cases of a seed, made unless a kept work folder holds them."""
+    made = work / "cases" / "seed"
+    if not made.exists():
+        broken(work, str(seed), SETS)
+        made.write_text(f"{seed}\n")
+    if made.read_text().strip() != str(seed):
+        raise SystemExit(f"{work} holds the cases of seed {made.read_text().strip()}, not {seed}")
+    return listed(work, SETS, every)
+
+
+def many_rings(work, cases):
+    """More draws of the rings of the same subjects."""
+    if not (work / "cases" / MANY).exists():
+        broken(work, (work / "cases" / "seed").read_text().strip(), DRAWS)
+    subjects = {case.subject for case in cases}
+    return [case for case in listed(work, DRAWS, 1) if case.subject in subjects]
 
 
 def guarded(job, item):

@@ -27,16 +27,18 @@ def others(case):
 
 
 def baselines(work, cases):
-    """{method: results in the order of the cases}, kept in the work folder."""
+    """{method: results in the order of the cases}, limits, what was learnt; kept in the work folder."""
     kept = work / "baselines.pickle"
     if not kept.exists():
         LEARNT.update(learned.train(cases))
         LIMITS.update(rules.limits(cases))
         results = bench.each(others, cases)
         with open(kept, "wb") as file:
-            pickle.dump(({method: [r[method] for r in results] for method in METHODS[1:]}, dict(LIMITS)), file)
+            pickle.dump(({method: [r[method] for r in results] for method in METHODS[1:]}, dict(LIMITS), dict(LEARNT)), file)
     with open(kept, "rb") as file:
-        return pickle.load(file)
+        results, limits, learnt = pickle.load(file)
+    LEARNT.update(learnt)
+    return results, limits
 
 
 def own(job):
@@ -69,9 +71,14 @@ def estimates(cases, results, less=None):
     return out
 
 
+def forest2(case):
+    """What judge says of forest2 on one case."""
+    return judge.judge(case, learned.reference(case, LEARNT))
+
+
 def groups(cases):
     """(data, level, places of its cases)."""
-    for data in bench.SETS:
+    for data in dict.fromkeys(case.data for case in cases):
         for level in bench.LEVELS:
             at = [k for k, case in enumerate(cases) if (case.data, case.level) == (data, level)]
             if at:

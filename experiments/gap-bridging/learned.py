@@ -72,8 +72,12 @@ def boosted(folder, trees):
     return rules.table(g, [(a, b, x, k) for (a, b), x, k in zip(pairs, p, rules.pick(g, pairs, p, 0.5))], probable=True)
 
 
+def reference(case, learnt):
+    """Rows of forest2."""
+    g, pairs, p, kept = model.predict(case.folder, learnt["forest2"][case.fold])
+    return rules.table(g, [(a, b, x, k) for (a, b), x, k in zip(pairs, p, kept)], probable=True)
+
+
 def answers(case, learnt):
     """{method: rows} of one case."""
-    g, pairs, p, kept = model.predict(case.folder, learnt["forest2"][case.fold])
-    rows = [(a, b, x, k) for (a, b), x, k in zip(pairs, p, kept)]
-    return {"forest2": rules.table(g, rows, probable=True), "boosting": boosted(case.folder, learnt["boosting"][case.fold])}
+    return {"forest2": reference(case, learnt), "boosting": boosted(case.folder, learnt["boosting"][case.fold])}

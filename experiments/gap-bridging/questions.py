@@ -93,18 +93,21 @@ def robust(work, cases):
 
 
 def loops(work, cases):
-    """Bridges within one piece, of willis and of forest2."""
-    results = {"willis": contest.willis(work, cases), "forest2": contest.baselines(work, contest.ALL)[0]["forest2"]}
-    rows = []
-    wanted = list(contest.groups(cases))
-    for data in bench.SETS:
-        wanted.append((data, "all", [k for _, (d, _, at) in enumerate(list(wanted)) if d == data for k in at]))
+    """Bridges within one piece, of willis and of forest2; on many draws of the rings, for true ones are rare."""
+    contest.baselines(work, contest.ALL)
+    cases = [case for case in cases if case.data != "rings"] + bench.many_rings(work, cases)
+    results = {"willis": contest.willis(work, cases), "forest2": bench.each(contest.forest2, cases)}
+    wanted, rows = list(contest.groups(cases)), []
+    for data in dict.fromkeys(data for data, _, _ in wanted):
+        wanted.append((data, "all", [k for d, _, at in wanted if d == data for k in at]))
     for data, level, at in wanted:
         some = [cases[k] for k in at]
         for method, got in results.items():
             inside = [got[k]["inside"] for k in at]
-            total = lambda column: sum(row[column] for row in inside)
-            rows += [("loops", data, level, method, figure, (total(c), total(c), total(c), len(at))) for c, figure in enumerate(("true", "found", "false"))]
-            rows.append(("loops", data, level, method, "found of true", judge.estimate(some, [row[:2] for row in inside], lambda s: s[..., 1] / s[..., 0]) if total(0) else None))
+            for column, figure in enumerate(("true", "found", "false")):
+                total = sum(row[column] for row in inside)
+                rows.append(("loops", data, level, method, figure, (total, total, total, len(at))))
+            share = judge.estimate(some, [row[:2] for row in inside], lambda s: s[..., 1] / s[..., 0]) if sum(row[0] for row in inside) else None
+            rows.append(("loops", data, level, method, "found of true", share))
             rows.append(("loops", data, level, method, "false a case", judge.mean(some, [row[2] for row in inside])))
     return rows
