@@ -7,7 +7,7 @@ use crate::network::{Network, Origin, Vessel, fragments};
 use crate::posterior::{Bridge, Forests, arborescence};
 
 /// A loop within one fragment is closed from this probability on: there is nothing that it must beat.
-pub const LEAST_CLOSURE: f64 = 0.2;
+pub const LEAST_CLOSURE: f64 = 0.25;
 
 /// The usual root factor.
 pub const ROOT_FACTOR: f64 = 1.0;
@@ -17,9 +17,9 @@ pub fn knows_fragments(network: &Network) -> bool {
     network.nodes().any(|n| n.alone.is_some())
 }
 
-/// Whether the evidence says of any candidate how probable it is.
+/// Whether the evidence says how probable candidates are; there may be none that it takes for possible.
 pub fn has_evidence(network: &Network) -> bool {
-    network.vessels().any(|(_, v)| v.evidence.is_some())
+    knows_fragments(network) || network.vessels().any(|(_, v)| v.evidence.is_some())
 }
 
 /// The calibrated probability of each vessel: that of its evidence; one where it is observed or certain; `None` where nothing is known.

@@ -1,7 +1,7 @@
 //! What speaks for leaving a fragment alone when a forest is decided.
 
-use super::belief::Belief;
 use crate::candidates::evidence::Extraction;
+use crate::posterior::Marginals;
 
 /// A fragment that blood enters is no false one, so leaving it alone can only lose a connection.
 const FED: f64 = 0.3;
@@ -12,15 +12,19 @@ const HALF: f64 = 10.0;
 const LIKELY_INLETS: usize = 3;
 
 /// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments.
-///
-/// Where no inlet is given, blood is taken to enter at the three widest free ends.
-pub fn alone(extraction: &Extraction, belief: &Belief) -> Vec<f64> {
+pub fn alone(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     let n = extraction.fragments.len() as f64;
-    let mut fed: Vec<bool> = extraction.fragments.iter().map(|f| f.fed).collect();
-    if !fed.contains(&true) {
-        let mut ends: Vec<_> = extraction.ends.iter().collect();
-        ends.sort_by(|a, b| b.radius.total_cmp(&a.radius).then(a.point.cmp(&b.point)));
-        ends.iter().take(LIKELY_INLETS).for_each(|end| fed[end.fragment] = true);
+    let mut fed = vec![false; extraction.fragments.len()];
+    entries(extraction).into_iter().for_each(|point| fed[extraction.fragment[point]] = true);
+    marginals.roots.iter().zip(fed).map(|(p, fed)| p * if fed { FED } else { n / (n + HALF) }).collect()
+}
+
+/// The points where blood enters: the inlets given, without any the three widest free ends.
+pub fn entries(extraction: &Extraction) -> Vec<usize> {
+    if !extraction.inlets.is_empty() {
+        return extraction.inlets.clone();
     }
-    belief.marginals.roots.iter().zip(fed).map(|(p, fed)| p * if fed { FED } else { n / (n + HALF) }).collect()
+    let mut ends: Vec<_> = extraction.ends.iter().collect();
+    ends.sort_by(|a, b| b.radius.total_cmp(&a.radius).then(a.point.cmp(&b.point)));
+    ends.iter().take(LIKELY_INLETS).map(|end| end.point).collect()
 }

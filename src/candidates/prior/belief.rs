@@ -1,6 +1,9 @@
 //! What the weights make of an extraction: the posterior over its forests and the probability of every link.
 
+use super::alone::alone;
 use super::calibration::Calibration;
+use super::closure::closures;
+use super::hangs::hangs;
 use super::rows::Rows;
 use super::weights::Weights;
 use crate::candidates::evidence::Feedback;
@@ -21,6 +24,12 @@ pub struct Belief {
     pub link: Vec<usize>,
     /// Per bridge the calibrated probability of its link.
     pub probability: Vec<f64>,
+    /// Per bridge what speaks for hanging its child by it when a forest is decided.
+    pub hangs: Vec<f64>,
+    /// Per fragment what speaks for leaving it alone then.
+    pub alone: Vec<f64>,
+    /// The bridges within a fragment with the probability that they close a loop that is there.
+    pub closures: Vec<(Bridge, f64)>,
 }
 
 /// The posterior that `weights` give the bridges of an extraction, which should be all of a search.
@@ -35,7 +44,22 @@ pub fn believe(extraction: &Extraction, bridges: &[Bridge], weights: &Weights) -
     let calibration = Calibration(weights.calibration);
     let of_link: Vec<f64> = rows.summed(&marginals.bridges).into_iter().map(|p| calibration.apply(p)).collect();
     let probability = rows.link.iter().map(|link| of_link[*link]).collect();
-    Ok(Belief { bridges: rows.bridges, forests, marginals, link: rows.link, probability })
+    let closures = if weights.closure.is_empty() {
+        Vec::new()
+    } else {
+        let found = closures(extraction, &rows, &weights.passes[0], (&forests, &marginals));
+        found.iter().map(|c| (c.bridge, c.probability(&weights.closure))).collect()
+    };
+    Ok(Belief {
+        hangs: hangs(extraction, &rows.bridges, &marginals),
+        alone: alone(extraction, &marginals),
+        bridges: rows.bridges,
+        forests,
+        marginals,
+        link: rows.link,
+        probability,
+        closures,
+    })
 }
 
 /// Weights and marginals of the last of all passes, each fed by the one before.

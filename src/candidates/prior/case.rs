@@ -12,7 +12,7 @@ use crate::network::Network;
 /// An extraction with its answer.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// The data set it belongs to: each weighs by the root of its number of fragments.
+    /// The data set it belongs to, for figures.
     pub data_set: String,
     /// The folder within the data set, for figures; empty without one.
     pub group: String,

@@ -6,6 +6,8 @@ use ndarray::Array2;
 
 use super::belief::last_pass;
 use super::case::{Case, Example, share_of};
+use super::closure::{Closure, closures};
+use super::logistic::logistic;
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use super::parallel::in_order;
@@ -17,6 +19,8 @@ use crate::posterior::{Forests, Marginals, marginals};
 
 /// Links no more probable than this are left out of calibration and figures.
 pub(super) const LEAST_LISTED: f64 = 1e-3;
+/// Penalty of the standardised weights of closures.
+const CLOSURE_L2: f64 = 1e-3;
 
 /// How weights are fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,11 +128,27 @@ pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&St
         let listed = p.iter().zip(&example.right).filter(|(p, _)| **p > LEAST_LISTED);
         links.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
     }
+    let closure = fit_closures(examples, &passes[0], &posteriors);
     let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    Ok(Weights { passes, calibration: calibrate(&links).0, provenance })
+    Ok(Weights { passes, calibration: calibrate(&links).0, closure, provenance })
+}
+
+/// The weights of closures by logistic regression; none where no case has a right one within reach.
+fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
+    let of_case = in_order(examples, |at, e| {
+        let (forests, marginals) = &posteriors[at];
+        let found = closures(&e.extraction, &e.rows, first, (forests, marginals));
+        let point = |c: &Closure| e.extraction.ends[c.bridge.end].point;
+        found
+            .iter()
+            .map(|c| (c.features.to_vec(), e.case.answer.right(point(c), c.bridge.point).is_some(), 1.0))
+            .collect::<Vec<_>>()
+    });
+    let rows: Vec<_> = of_case.into_iter().flatten().collect();
+    if rows.iter().any(|(_, right, _)| *right) { logistic(&rows, CLOSURE_L2) } else { Vec::new() }
 }
 
 /// Zeros, or the weights of the pass before with zeros for what it did not know.

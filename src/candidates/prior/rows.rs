@@ -16,6 +16,10 @@ const MOST_LOG_WEIGHT: f64 = 25.0;
 pub struct Rows {
     /// The bridges, in the order of the search.
     pub bridges: Vec<Bridge>,
+    /// The bridges within a fragment.
+    pub inside: Vec<Bridge>,
+    /// Their features, shape (bridges within a fragment, features).
+    pub inside_features: Array2<f64>,
     /// Child and parent fragment of each.
     pub fragments: Vec<[usize; 2]>,
     /// The number of its link: the two directions between a pair of points share one.
@@ -29,10 +33,12 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Measures the bridges of a search; those within a fragment count among the rivals of the others and are left out then.
+    /// Measures the bridges of a search; those within a fragment count among the rivals of the others and stand apart then.
     pub fn new(extraction: &Extraction, found: &[Bridge]) -> Self {
-        let between: Vec<usize> = (0..found.len()).filter(|row| !found[*row].inside).collect();
-        let bridge = features(extraction, found).select(Axis(0), &between);
+        let (inside, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].inside);
+        let all = features(extraction, found);
+        let [bridge, inside_features] = [&between, &inside].map(|rows| all.select(Axis(0), rows));
+        let inside = inside.into_iter().map(|row| found[row]).collect();
         let bridges: Vec<Bridge> = between.into_iter().map(|row| found[row]).collect();
         let mut links = BTreeMap::new();
         let mut link = Vec::with_capacity(bridges.len());
@@ -43,7 +49,7 @@ impl Rows {
             link.push(*links.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
             fragments.push(points.map(|point| extraction.fragment[point]));
         }
-        Self { bridges, fragments, link, links: links.len(), bridge, root: root_features(extraction) }
+        Self { bridges, inside, inside_features, fragments, link, links: links.len(), bridge, root: root_features(extraction) }
     }
 
     /// The features of the bridges with more columns beside them.

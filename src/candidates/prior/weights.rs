@@ -1,5 +1,6 @@
 //! The weights of the prior, and where they come from.
 
+use super::closure::CLOSURE_FEATURES;
 use super::weights_file;
 use crate::candidates::evidence::FEEDBACK_FEATURES;
 use crate::candidates::evidence::{FEATURES, ROOT_FEATURES};
@@ -36,6 +37,8 @@ pub struct Weights {
     pub passes: Vec<Pass>,
     /// [`super::Calibration`] of the last pass.
     pub calibration: [f64; 3],
+    /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case told of any.
+    pub closure: Vec<f64>,
     /// Where the weights come from.
     pub provenance: Provenance,
 }
@@ -127,6 +130,9 @@ impl Weights {
             check(number, "bridge", &pass.bridge, Pass::bridge_features(number).collect())?;
             check(number, "root", &pass.root, Pass::root_features().collect())?;
         }
+        if !self.closure.is_empty() {
+            check_weights("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;
+        }
         if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
             return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
         }
@@ -140,13 +146,16 @@ fn is_wild(weight: f64) -> bool {
 }
 
 fn check(number: usize, of: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
-    let pass = format!("pass {} {of}", number + 1);
+    check_weights(&format!("pass {} {of}", number + 1), weights, names)
+}
+
+fn check_weights(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
     if weights.len() != names.len() {
-        return Err(Error::parameter(pass, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
+        return Err(Error::parameter(place, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
     }
-    match weights.iter().zip(names).find(|(w, _)| is_wild(**w)) {
+    match weights.iter().zip(names).find(|(w, _)| !(w.abs() <= MOST_WEIGHT)) {
         Some((w, name)) => {
-            Err(Error::parameter(format!("{pass} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
+            Err(Error::parameter(format!("{place} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
         }
         None => Ok(()),
     }

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use serde::Deserialize;
 
+use super::closure::CLOSURE_FEATURES;
 use super::weights::{Figures, Fold, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::suggestion::did_you_mean;
@@ -20,6 +21,7 @@ const HEADING: &str = "\
 struct File {
     calibration: [f64; 3],
     pass: Vec<PassEntry>,
+    closure: Option<BTreeMap<String, f64>>,
     #[serde(default)]
     provenance: ProvenanceEntry,
     #[serde(default)]
@@ -88,11 +90,13 @@ pub fn read(text: &str) -> Result<Weights, Fault> {
             root: by_name(&place("root"), entry.root, Pass::root_features().collect())?,
         });
     }
+    let closure = file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
     let ProvenanceEntry { cases, subjects, made_by, held_out } = file.provenance;
     let folds = file.fold.into_iter().map(|f| Fold { held_out: f.held_out, figures: figures(f.figures) }).collect();
     let weights = Weights {
         passes,
         calibration: file.calibration,
+        closure,
         provenance: Provenance { cases, subjects, made_by, held_out, figures: figures(file.figures), folds },
     };
     weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
@@ -125,7 +129,6 @@ pub fn write(weights: &Weights, mut out: impl Write) -> io::Result<()> {
         "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0)))), l = ln p/(1 - p), p the posterior of a link in the last pass."
     )?;
     writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]")?;
-    writeln!(out, "\n# A fragment stays alone when this times its probability of being a root outweighs its bridges.")?;
     for (number, pass) in weights.passes.iter().enumerate() {
         writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
         for (name, weight) in Pass::bridge_features(number).zip(&pass.bridge) {
@@ -133,6 +136,15 @@ pub fn write(weights: &Weights, mut out: impl Write) -> io::Result<()> {
         }
         writeln!(out, "[pass.root]")?;
         for (name, weight) in Pass::root_features().zip(&pass.root) {
+            writeln!(out, "{name} = {weight:?}")?;
+        }
+    }
+    if !weights.closure.is_empty() {
+        writeln!(
+            out,
+            "\n# A bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).\n[closure]"
+        )?;
+        for (name, weight) in CLOSURE_FEATURES.iter().zip(&weights.closure) {
             writeln!(out, "{name} = {weight:?}")?;
         }
     }
