@@ -104,7 +104,7 @@ impl Centerlines {
         self.merge(&same.into_labeling())
     }
 
-    /// Replaces every point by the first one of its class; drops links that became void or double.
+    /// Replaces every point by the first one of its class, with the largest radius in it; drops links that became void or double.
     fn merge(&mut self, class: &[usize]) -> usize {
         let mut first_of = HashMap::new();
         let mut new_index = vec![0_u32; class.len()];
@@ -115,8 +115,10 @@ impl Centerlines {
                 kept.len() as u32 - 1
             });
             let first = kept[new_index[point] as usize];
-            if !is_radius(self.radii[first]) {
-                self.radii[first] = self.radii[point];
+            // The widest, whatever the order of the points.
+            let (standing, other) = (self.radii[first], self.radii[point]);
+            if is_radius(other) && (!is_radius(standing) || other > standing) {
+                self.radii[first] = other;
             }
         }
         let gone = class.len() - kept.len();

@@ -3,7 +3,7 @@
 mod common;
 
 use willis::candidates::evidence::{Extraction, FEATURES, ROOT_FEATURES, Search, search};
-use willis::candidates::prior::{Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
+use willis::candidates::prior::{CLOSURE_FEATURES, Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
 use willis::centerline::Centerlines;
 use willis::network::{Network, RadiusRule, contract};
 
