@@ -1,6 +1,6 @@
 //! The decision that keeps the most probability: the maximum arborescence over the fragments.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use crate::error::Result;
 use crate::network::{Network, Origin, Vessel, fragments};
@@ -78,25 +78,36 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
 pub struct ExpectedErrors {
     /// Candidates kept that are no true connection.
     pub wrong: f64,
-    /// True connections among the candidates that are not kept. Candidates between two fragments that a kept one joins are
-    /// other places of the same connection and do not count.
+    /// True connections that are not kept: pairs of fragments that belong together and that no kept candidate joins, and loops.
     pub missed: f64,
 }
 
 /// The errors that the probabilities expect of what is kept; `None` without evidence.
+///
+/// Two fragments belong together as probably as either hangs on the other by the candidate that stands for them: candidates a
+/// few voxels apart are other places of one connection, so their probabilities do not add up.
 pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedErrors> {
     if !has_evidence(network) {
         return None;
     }
     let parts = fragments(network, |_, v| v.origin == Origin::Observed || v.certain);
-    let between = |[a, b]: [usize; 2]| {
-        let [a, b] = [parts.of_node[a], parts.of_node[b]];
-        [a.min(b), a.max(b)]
-    };
-    let rows =
-        || network.vessels().zip(kept).filter_map(|((ends, v), kept)| v.evidence.map(|e| (between(ends), e.probability, *kept)));
-    let joined: BTreeSet<[usize; 2]> = rows().filter(|(_, _, kept)| *kept).map(|(between, ..)| between).collect();
-    let wrong = rows().filter(|(_, _, kept)| *kept).map(|(_, p, _)| 1.0 - p).sum();
-    let missed = rows().filter(|(between, _, kept)| !kept && !joined.contains(between)).map(|(_, p, _)| p).sum();
+    let (mut wrong, mut missed) = (0.0, 0.0);
+    // Per pair of fragments how probably the one and the other hangs, and whether they are joined.
+    let mut pairs: BTreeMap<[usize; 2], ([f64; 2], bool)> = BTreeMap::new();
+    for ((ends, v), kept) in network.vessels().zip(kept) {
+        let Some(evidence) = v.evidence else { continue };
+        wrong += if *kept { 1.0 - evidence.probability } else { 0.0 };
+        let [a, b] = ends.map(|end| parts.of_node[end]);
+        if a == b {
+            missed += if *kept { 0.0 } else { evidence.probability };
+            continue;
+        }
+        let [x, y] = evidence.hangs;
+        let (pair, hangs) = if a < b { ([a, b], [x, y]) } else { ([b, a], [y, x]) };
+        let (most, joined) = pairs.entry(pair).or_default();
+        *most = [most[0].max(hangs[0]), most[1].max(hangs[1])];
+        *joined |= *kept;
+    }
+    missed += pairs.values().filter(|(_, joined)| !joined).map(|([x, y], _)| f64::min(x + y, 1.0)).sum::<f64>();
     Some(ExpectedErrors { wrong, missed })
 }
