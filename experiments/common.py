@@ -11,10 +11,10 @@ from networks import ROOT, WORK
 WILLIS = os.environ.get("WILLIS", str(ROOT / "target/release/willis"))
 
 
-def willis(*arguments, threads=1):
-    """Runs willis; a failure is shown with its command."""
-    command = [WILLIS, *map(str, arguments), "--quiet", "--force", "--threads", str(threads)]
-    done = subprocess.run(command, capture_output=True, text=True)
+def willis(*arguments, threads=1, folder=None):
+    """Runs willis, from within a folder if one is given; a failure is shown with its command."""
+    command = [str(Path(WILLIS).absolute()), *map(str, arguments), "--quiet", "--force", "--threads", str(threads)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     if done.returncode:
         raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
 

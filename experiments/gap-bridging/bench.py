@@ -1,5 +1,4 @@
 """The cases of the benchmark: how they are made, where they stand, and who is held out together."""
-import hashlib
 import os
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+import common
 from networks import ROOT, SHARED
 
 GAPBENCH = Path(os.environ.get("WILLIS_GAPBENCH", ROOT / "../shared/gapbench")).resolve()
@@ -27,8 +27,11 @@ SETS = {
 # Many draws of the rings, on which closures of loops are counted: one ring case in thirty holds one.
 MANY = "many rings"
 DRAWS = {MANY: ("insist-cow", ["--phenotype", "--ring", "--variants", "8"])}
-# What weights are trained on: each is one data set of `willis train`.
+# What weights are trained on: each is one data set of `willis train`, and draws of their own, which are never judged.
 SOURCES = {"brains": ("brains",), "insist": ("circles", "rings")}
+TRAINING_SEEDS = (1, 2, 3)
+# {subject: its fold}, from the weights of the folds: see command.held_out.
+FOLD_OF = {}
 
 
 class Case(namedtuple("Case", "data level name folder")):
@@ -40,8 +43,8 @@ class Case(namedtuple("Case", "data level name folder")):
 
     @property
     def fold(self):
-        """The fold in which the subject is held out, by the md5 of its name."""
-        return int(hashlib.md5(self.subject.encode()).hexdigest(), 16) % FOLDS
+        """The fold in which the subject is held out."""
+        return FOLD_OF[self.subject]
 
     def within(self, root):
         return Path(root) / self.data / self.level / self.name
@@ -54,23 +57,22 @@ def missing():
     return [str(path) for path in dict.fromkeys(wanted) if not path.exists()] + packages
 
 
-def broken(work, seed, sets):
-    """Makes the cases of some data sets."""
-    jobs = [
-        subprocess.Popen([sys.executable, str(GAPBENCH / "make_cases.py"), str(SHARED / folder), str(work / "cases" / data), "--seed", seed, *options], stdout=subprocess.DEVNULL)
-        for data, (folder, options) in sets.items()
-    ]
-    if any([job.wait() for job in jobs]):
+def broken(draws):
+    """Makes draws of the damage, each (folder for them, data set, seed)."""
+
+    def draw(job):
+        root, data, seed = job
+        folder, options = (SETS | DRAWS)[data]
+        command = [sys.executable, GAPBENCH / "make_cases.py", SHARED / folder, root / data, "--seed", seed, *options]
+        return subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL).returncode
+
+    if any(common.everywhere(draw, draws)):
         raise SystemExit("make_cases.py failed")
-    # The benchmark heads this file a,b; willis reads id_a,id_b, and the benchmark passes over the line.
-    for data in sets:
-        for loops in (work / "cases" / data).glob("*/*/loops.csv"):
-            loops.write_text(loops.read_text().replace("a,b\n", "id_a,id_b\n", 1))
 
 
-def listed(work, sets, every):
+def listed(root, sets, every=1):
     """The cases of every n-th subject, in order."""
-    found = [Case(data, level, folder.name, folder) for data in sets for level in LEVELS for folder in sorted((work / "cases" / data / level).iterdir())]
+    found = [Case(data, level, folder.name, folder) for data in sets for level in LEVELS for folder in sorted((root / data / level).iterdir())]
     keep = {data: sorted({case.subject for case in found if case.data == data})[::every] for data in sets}
     return [case for case in found if case.subject in keep[case.data]]
 
@@ -79,19 +81,29 @@ def make(work, seed, every=1):
     """The cases of a seed, made unless a kept work folder holds them."""
     made = work / "cases" / "seed"
     if not made.exists():
-        broken(work, str(seed), SETS)
+        broken([(work / "cases", data, seed) for data in SETS])
         made.write_text(f"{seed}\n")
     if made.read_text().strip() != str(seed):
         raise SystemExit(f"{work} holds the cases of seed {made.read_text().strip()}, not {seed}")
-    return listed(work, SETS, every)
+    return listed(work / "cases", SETS, every)
+
+
+def training(work):
+    """{seed: cases} to train on, made unless a kept work folder holds them."""
+    roots = {seed: work / "training" / str(seed) for seed in TRAINING_SEEDS}
+    made = work / "training" / "made"
+    if not made.exists():
+        broken([(root, data, seed) for data in SETS for seed, root in roots.items()])
+        made.touch()
+    return {seed: listed(root, SETS) for seed, root in roots.items()}
 
 
 def many_rings(work, cases):
     """More draws of the rings of the same subjects."""
     if not (work / "cases" / MANY).exists():
-        broken(work, (work / "cases" / "seed").read_text().strip(), DRAWS)
+        broken([(work / "cases", MANY, (work / "cases" / "seed").read_text().strip())])
     subjects = {case.subject for case in cases}
-    return [case for case in listed(work, DRAWS, 1) if case.subject in subjects]
+    return [case for case in listed(work / "cases", DRAWS) if case.subject in subjects]
 
 
 def guarded(job, item):

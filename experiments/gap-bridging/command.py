@@ -1,35 +1,50 @@
-"""The two commands under test: `willis train` on the other subjects, `willis infer` on those held out."""
+"""The two commands under test: `willis train` on draws of its own, `willis infer` on subjects that the weights have not seen."""
 import csv
 import os
 import shutil
+import tomllib
 
 import bench
 import common
 
+# Of the weights that ship.
+WHOLE = "weights"
 
-def train(work, name, cases):
-    """Weights fitted on some cases; a tree of hard links holds one folder a data set."""
+
+def train(work, name, which=lambda case: True, folds=bench.FOLDS):
+    """Weights fitted on the training draws, or on some of their cases, and those of each fold beside them."""
     weights = work / "weights" / f"{name}.toml"
     if weights.exists():
         return weights
     tree = work / "train" / name
     shutil.rmtree(tree, ignore_errors=True)
-    folders = []
-    for source, sets in bench.SOURCES.items():
-        chosen = [case for case in cases if case.data in sets]
-        for case in chosen:
-            case.within(tree / source).mkdir(parents=True)
-            for file in case.folder.iterdir():
-                os.link(file, case.within(tree / source) / file.name)
-        folders += [tree / source] if chosen else []
+    sources = {data: source for source, sets in bench.SOURCES.items() for data in sets}
+    chosen = [(case, seed) for seed, cases in bench.training(work).items() for case in cases if which(case)]
+    for case, seed in chosen:
+        source = sources[case.data]
+        folder = tree / source / (case.data if case.data != source else "") / case.level / f"{case.name}-{seed}"
+        folder.mkdir(parents=True)
+        for file in case.folder.iterdir():
+            os.link(file, folder / file.name)
     weights.parent.mkdir(exist_ok=True)
-    common.willis("train", *folders, "-o", weights, threads=os.cpu_count())
+    # From within the tree, for the weights say by what command they were made.
+    found = dict.fromkeys(sources[case.data] for case, _ in chosen)
+    common.willis("train", *found, "-o", weights, "--folds", folds, *(["--save-folds"] if folds else []), threads=os.cpu_count(), folder=tree)
     return weights
 
 
-def by_fold(work, cases, name="fold"):
+def by_fold(work, name=WHOLE, which=lambda case: True):
     """Per fold the weights that were fitted without its subjects."""
-    return [train(work, f"{name}-{k}", [case for case in cases if case.fold != k]) for k in range(bench.FOLDS)]
+    weights = train(work, name, which)
+    return [weights.with_suffix(f".fold-{k}.toml") for k in range(1, bench.FOLDS + 1)]
+
+
+def held_out(work):
+    """{subject: its fold}, as the weights of the folds say."""
+    out = {}
+    for k, weights in enumerate(by_fold(work)):
+        out |= dict.fromkeys(tomllib.loads(weights.read_text())["provenance"]["held_out"], k)
+    return out
 
 
 def infer(job):

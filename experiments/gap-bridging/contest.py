@@ -10,9 +10,9 @@ import rules
 METHODS = ("willis", "forest2", "boosting", "geometry", "tubetk", "heal", "MST")
 FIGURES = {
     "AP": "ap", "ceiling": "ceiling", "bridges a case": "n_candidates", "F1": "f1", "precision": "precision", "recall": "recall", "path": "path_after",
-    "false length fed": "fed_spurious", "ECE": "ece_uncertain", "pooled ECE": None, "exact": "phenotype_exact", "present": "present_found", "absent": "absent_kept_absent",
+    "false length fed": "fed_spurious", "ECE": "ece_uncertain", "floor": "floor", "pooled ECE": None, "exact": "phenotype_exact", "present": "present_found", "absent": "absent_kept_absent",
 }
-# Every case of the run: what weights are trained on even where a part looks at some only.
+# Every judged case of the run: what the other methods are fitted on even where a part looks at some only.
 ALL = []
 # Results of willis by (folder of answers, case).
 KNOWN = {}
@@ -47,12 +47,12 @@ def own(job):
     rows = command.candidates(path)
     if not all(row["probability"] for row in rows):
         raise SystemExit(f"{path}: a candidate without a probability, so that score.py would rank by likelihood")
-    return judge.judge(job[0], rows)
+    return judge.judge(job[0], rows) | {"floor": judge.floor(rows)}
 
 
 def willis(work, cases, out="willis", weights=None, inlets=True):
     """Results of willis in the order of the cases, with the weights of each case's fold."""
-    weights, fresh = weights or command.by_fold(work, ALL), [case for case in cases if (out, case) not in KNOWN]
+    weights, fresh = weights or command.by_fold(work), [case for case in cases if (out, case) not in KNOWN]
     results = bench.each(own, [(case, case.folder, weights[case.fold], work / out, inlets) for case in fresh])
     KNOWN.update({(out, case): result for case, result in zip(fresh, results)})
     return [KNOWN[out, case] for case in cases]

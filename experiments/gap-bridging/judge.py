@@ -46,6 +46,15 @@ def bins(p, hit):
     return np.array([count(np.ones(len(p), bool)), count(middle)])
 
 
+def floor(rows):
+    """What ece_uncertain of score.py comes to on average where P is perfect: each bridge right with its own P."""
+    p, _ = probabilities(rows)
+    p = p[(p > 0.05) & (p < 0.95)]
+    right = np.random.default_rng(0).random((100, len(p))) < p
+    tenth = np.minimum((p * 10).astype(int), 9)[:, None] == np.arange(10)
+    return float(np.abs((right - p) @ tenth).sum(1).mean() / max(len(p), 1))
+
+
 def curve(rank, match):
     """(score, new true link, false) of each bridge, best first; a second bridge for a link is neither."""
     groups, rows = {}, []

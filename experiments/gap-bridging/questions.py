@@ -21,7 +21,7 @@ def rankings(job):
 
 def flow(work, cases):
     """Average precision by plain L, by L with A, by how often a bridge is in the forest, and by P."""
-    weights = command.by_fold(work, contest.ALL)
+    weights = command.by_fold(work)
     got = bench.each(rankings, [(c, (c, c.folder, weights[c.fold], work / "willis", True), (c, c.folder, "uniform", work / "uniform", True)) for c in cases])
     rows = []
     for data, level, at in contest.groups(cases):
@@ -45,7 +45,7 @@ def varied(job):
 
 def invariance(work, cases):
     """Decisions of the same extraction scaled, turned and renumbered: at most 40 cases a data set, medium damage."""
-    weights, rows = command.by_fold(work, contest.ALL), []
+    weights, rows = command.by_fold(work), []
     for data in ("brains", "circles"):
         some = [c for c in cases if (c.data, c.level) == (data, "medium") and (data == "brains" or c.name.endswith("_0"))]
         for kind in variants.KINDS if some else ():
@@ -80,14 +80,15 @@ def elsewhere(work, cases, kind, data, level, weights, inlets=True):
 
 def robust(work, cases):
     """Without inlets, told differently, and with weights from other damage or other tracings."""
-    usual = command.by_fold(work, contest.ALL)
-    easy = command.by_fold(work, [c for c in contest.ALL if c.level == "easy"], "easy")
+    usual = command.by_fold(work)
+    easy = command.by_fold(work, "easy", lambda case: case.level == "easy")
     rows = invariance(work, cases)
     for data in ("brains", "circles"):
         rows += elsewhere(work, cases, "no inlets", data, "medium", usual, inlets=False)
         rows += elsewhere(work, cases, "trained on easy", data, "hard", easy)
         source = "insist" if data == "brains" else "brains"
-        other = command.train(work, f"{source}-only", [c for c in contest.ALL if c.data in bench.SOURCES[source]])
+        sets = bench.SOURCES[source]
+        other = command.train(work, f"{source}-only", lambda case: case.data in sets, folds=0)
         rows += elsewhere(work, cases, f"trained on {source}", data, "medium", [other] * bench.FOLDS)
     return rows
 

@@ -11,6 +11,7 @@ if bench.missing():
     print("skipped: there is no " + ", ".join(bench.missing()), file=sys.stderr)
     sys.exit()
 
+import command
 import contest
 import figures
 import questions
@@ -31,6 +32,7 @@ def main():
         cases = bench.make(work, options.seed, options.every)
         if options.every > 1:
             tables.FOLDER = work
+        bench.FOLD_OF.update(command.held_out(work))
         contest.ALL.extend(cases)
         for part in (options.only,) if options.only else ("main", "flow", "robust", "loops"):
             begun = time.monotonic()

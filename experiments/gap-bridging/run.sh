@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Breaks real artery trees, fits willis and the other methods on two thirds of the subjects, and judges them on the rest:
 #
-#   willis train OTHERS/brains OTHERS/insist -o fold-k.toml
-#   willis infer CASE/fragments.swc -o OUT --bc CASE/inlets.csv [--loops CASE/loops.csv] --prior fold-k.toml
+#   willis train brains insist -o weights.toml --folds 3 --save-folds
+#   willis infer CASE/fragments.swc -o OUT --bc CASE/inlets.csv [--loops CASE/loops.csv] --prior weights.fold-k.toml
 #
 # Arguments: --seed N, --work FOLDER (kept, and gone on from), --only main|flow|robust|loops. WILLIS_GAPBENCH names the folder of the
 # benchmark (../shared/gapbench), WILLIS_SHARED_DATA that of the real subjects (../shared/data), WILLIS_PYTHON a Python with numpy,
