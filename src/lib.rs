@@ -18,6 +18,13 @@
 //! | resistance modulation, hypertension | [`modulation::modulate`], [`modulation::Hypertension`] |
 //! | median threshold | [`inference::Keep::Median`] |
 //!
+//! | the evidence | here |
+//! |---|---|
+//! | w = exp(β·x), v = exp(γ·z) | [`candidates::evidence::FEATURES`], [`candidates::prior::Weights`] |
+//! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`posterior::marginals`] |
+//! | maximum conditional likelihood | [`candidates::prior::fit`] |
+//! | the most probable forest | [`inference::probable`], [`posterior::arborescence`] |
+//!
 //! ```
 //! use willis::hemodynamics::{Boundary, FoundOutlets};
 //! use willis::inference::{Keep, Params, decide, infer};

@@ -114,11 +114,13 @@ fn the_features_of_a_branch_above_a_vessel() {
         let column = FEATURES.iter().position(|(n, _)| *n == name).expect("a feature");
         assert!((row[column] - value).abs() < 1e-12, "{name}: {} instead of {value}", row[column]);
     }
-    // one, inlet, slim, share, width, voxels, clutter, r_cv, n_ends, junc; the child before the parent by its second column.
+    // one, inlet, slim, share, width, resolution, clutter, radius_variation, free_ends, junctions, then inlet, slim, share and width
+    // times clutter; the child before the parent by its second column.
     let clutter = 2_f64.ln() - 3.0;
     let child = [1.0, 0.0, 6_f64.ln(), 0.51_f64.ln(), 0.25_f64.ln(), 0.5_f64.ln(), clutter, 0.0, 2_f64.ln(), 0.0];
     let parent = [1.0, 1.0, 5_f64.ln(), 1.01_f64.ln(), 0.0, 2_f64.ln(), clutter, 0.0, 2_f64.ln(), 0.0];
-    for (x, y) in roots.concat().iter().zip([child, parent].concat()) {
+    let crossed = |z: [f64; 10]| [z.to_vec(), [1, 2, 3, 4].map(|k| z[k] * clutter).to_vec()].concat();
+    for (x, y) in roots.concat().iter().zip([crossed(child), crossed(parent)].concat()) {
         assert!((x - y).abs() < 1e-12, "{roots:?}");
     }
 }

@@ -22,7 +22,7 @@ use listed::{Listed, random};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::posterior::{Bridge, Forests, Wilson, arborescence, decide, expected, log_likelihood, marginals, rooted_in};
+use willis::posterior::{Bridge, Forests, Wilson, arborescence, log_likelihood, marginals, rooted_in};
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;
@@ -275,37 +275,6 @@ fn the_arborescence_is_the_best_of_all_explanations() {
         let (best, least) = Listed::new(&forests).best(&bridges, &roots);
         assert!((value - best).abs() < 1e-12, "{value} for {best}");
         assert_eq!(rows, least);
-    }
-}
-
-#[test]
-fn the_decision_keeps_the_most_probability() {
-    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: 0.0 }, Bridge { child: 1, parent: 0, log_weight: 1.0 }];
-    let forests = Forests::new(vec![0.5, 1.0], bridges).unwrap();
-    let all = marginals(&forests);
-    // By hand: Z = v0 v1 + w0 v1 + v0 w1.
-    let [both, first, second] = [1.5_f64, 1.0, 1.5].map(f64::exp);
-    let total = both + first + second;
-    assert!(near(all.bridges[0], first / total, 1e-14) && near(all.bridges[1], second / total, 1e-14));
-    assert_eq!(decide(&forests, &all, 1.0).unwrap(), vec![None, None]);
-    assert_eq!(decide(&forests, &all, 0.1).unwrap(), vec![None, Some(1)]);
-    for factor in [-0.1, f64::NAN, 1001.0] {
-        assert!(decide(&forests, &all, factor).unwrap_err().to_string().starts_with(&format!("root factor {factor}: a number")));
-    }
-}
-
-#[test]
-fn expected_errors_are_those_of_the_list() {
-    let mut draw = Draw::new(6);
-    for _ in 0..200 {
-        let forests = random(&mut draw, 5, 2.0);
-        let all = marginals(&forests);
-        let kept = decide(&forests, &all, 0.5).unwrap();
-        // Bridges between the same two fragments are one link, whichever hangs.
-        let link: Vec<usize> = forests.bridges().iter().map(|b| b.child.max(b.parent) * 5 + b.child.min(b.parent)).collect();
-        let (wrong, missed) = Listed::new(&forests).errors(&link, &kept);
-        let got = expected(&all, &link, &kept);
-        assert!((got.wrong - wrong).abs() < 1e-12 && (got.missed - missed).abs() < 1e-12, "{got:?} for {wrong} {missed}");
     }
 }
 

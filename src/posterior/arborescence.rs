@@ -2,33 +2,16 @@
 //!
 //! In O(m log n), with mergeable heaps and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
 
+use super::Forests;
 use super::heap::Heaps;
 use super::union_find::UnionFind;
-use super::{Forests, Marginals};
-use crate::error::{Error, Result};
 
-/// The largest root factor.
-const MOST_ROOT_FACTOR: f64 = 1000.0;
 /// Scores beyond this are cut.
 const MOST_SCORE: f64 = 1000.0;
 /// Scores are compared in units of 2⁻⁶⁰.
 const SCORE_BITS: i32 = 60;
 /// Below them, the sum of the bridges' rows. Lowered costs stay within twice the largest: 119 bits.
 const ROW_BITS: u32 = 48;
-
-/// The decision that keeps the most probability: the explanation with the largest sum of marginals, those of roots times
-/// `root_factor` (below one, fewer fragments stay alone). Per fragment the bridge it hangs by, `None` for a root.
-///
-/// # Errors
-///
-/// A root factor outside 0 to 1000.
-pub fn decide(forests: &Forests, marginals: &Marginals, root_factor: f64) -> Result<Vec<Option<usize>>> {
-    if !(0.0..=MOST_ROOT_FACTOR).contains(&root_factor) {
-        return Err(Error::parameter("root factor", root_factor, format!("a number from 0 to {MOST_ROOT_FACTOR}")));
-    }
-    let roots: Vec<f64> = marginals.roots.iter().map(|p| root_factor * p).collect();
-    Ok(arborescence(forests, &marginals.bridges, &roots))
-}
 
 /// The explanation with the largest sum of scores: per fragment the bridge it hangs by, `None` for a root.
 ///

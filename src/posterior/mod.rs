@@ -12,7 +12,6 @@
 
 mod arborescence;
 mod cliques;
-mod counts;
 mod escape;
 mod heap;
 mod log_likelihood;
@@ -24,8 +23,7 @@ mod union_find;
 mod walk;
 mod wilson;
 
-pub use arborescence::{arborescence, decide};
-pub use counts::{Expected, expected};
+pub use arborescence::arborescence;
 pub use log_likelihood::{Gradient, log_likelihood};
 pub use marginals::{Marginals, marginals};
 pub use rooted::rooted_in;

@@ -77,24 +77,6 @@ impl Listed {
         let most = all.iter().map(|x| x.0).fold(f64::NEG_INFINITY, f64::max);
         (most, all.iter().filter(|x| x.0 > most - 1e-9).map(|x| x.1).min().expect("one"))
     }
-
-    /// Mean numbers of links kept that are not there, and there but not kept.
-    pub fn errors(&self, link: &[usize], kept: &[Option<usize>]) -> (f64, f64) {
-        let links = |choices: &[Option<usize>]| {
-            let mut links: Vec<usize> = choices.iter().flatten().map(|row| link[*row]).collect();
-            links.sort_unstable();
-            links.dedup();
-            links
-        };
-        let kept = links(kept);
-        let (mut wrong, mut missed) = (0.0, 0.0);
-        for (choices, weight) in &self.explanations {
-            let there = links(choices);
-            wrong += weight / self.total() * kept.iter().filter(|l| !there.contains(l)).count() as f64;
-            missed += weight / self.total() * there.iter().filter(|l| !kept.contains(l)).count() as f64;
-        }
-        (wrong, missed)
-    }
 }
 
 /// Whether every fragment comes to a root: no cycle.

@@ -58,7 +58,9 @@ impl CostFunction for Problem<'_> {
     type Output = f64;
 
     fn cost(&self, x: &Vec<f64>) -> Result<f64, Error> {
-        Ok(self.at(x, |e| e.0))
+        // A line search would look for a way down for ever.
+        let value = self.at(x, |e| e.0);
+        if value.is_nan() { Err(Error::msg("no number")) } else { Ok(value) }
     }
 }
 
