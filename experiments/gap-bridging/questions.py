@@ -1,4 +1,4 @@
-"""The other questions: what the flow adds, what may change without changing the answer, how well weights travel, and loops."""
+"""The other questions: what the flow adds, what may change without changing the answer, how well weights travel, loops, and other draws."""
 import shutil
 
 import bench
@@ -111,4 +111,21 @@ def loops(work, cases):
             share = judge.estimate(some, [row[:2] for row in inside], lambda s: s[..., 1] / s[..., 0]) if sum(row[0] for row in inside) else None
             rows.append(("loops", data, level, method, "found of true", share))
             rows.append(("loops", data, level, method, "false a case", judge.mean(some, [row[2] for row in inside])))
+    return rows
+
+
+def draws(work, cases):
+    """The circles of other draws of the damage, those that weights are trained on: each subject by the weights that never saw it."""
+    circles, rows = [c for c in cases if c.data == "circles"], []
+    seeds = {int((work / "cases" / "seed").read_text()): (circles, contest.willis(work, circles))}
+    for seed, found in bench.training(work).items():
+        some = [c for c in found if c.data == "circles" and c.subject in {c.subject for c in circles}]
+        seeds[seed] = some, contest.willis(work, some, f"willis-{seed}")
+    for level in bench.LEVELS:
+        at = lambda pair: [(c, r) for c, r in zip(*pair) if c.level == level]
+        several = {f"seed {seed}": at(pair) for seed, pair in seeds.items()}
+        several["all"] = [both for found in several.values() for both in found]
+        for name, found in several.items():
+            some, results = zip(*found)
+            rows += [("draws", "circles", level, name, figure, e) for figure, e in contest.estimates(some, results).items()]
     return rows

@@ -1,4 +1,4 @@
-"""The benchmark gapbench as a command: run.py [--seed N] [--work FOLDER] [--only main|flow|robust|loops] [--every N]."""
+"""The benchmark gapbench as a command: run.py [--seed N] [--work FOLDER] [--only main|flow|robust|loops|draws] [--every N]."""
 import argparse
 import sys
 import tempfile
@@ -17,12 +17,14 @@ import figures
 import questions
 import tables
 
+PARTS = ("main", "flow", "robust", "loops", "draws")
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=101, help="of the damage [101]")
     parser.add_argument("--work", type=Path, help="a folder to keep cases, weights and answers in, and to go on from [a temporary one]")
-    parser.add_argument("--only", choices=("main", "flow", "robust", "loops"), help="one of the parts [all]")
+    parser.add_argument("--only", choices=PARTS, help="one of the parts [all]")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="every N-th subject only: a quick look that leaves results.csv and README.md alone, with --work")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="gap-bridging-") as scratch:
@@ -34,7 +36,7 @@ def main():
             tables.FOLDER = work
         bench.FOLD_OF.update(command.held_out(work))
         contest.ALL.extend(cases)
-        for part in (options.only,) if options.only else ("main", "flow", "robust", "loops"):
+        for part in (options.only,) if options.only else PARTS:
             begun = time.monotonic()
             if part == "main":
                 rows, results = contest.run(work, cases)

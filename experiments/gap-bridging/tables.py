@@ -15,7 +15,7 @@ def save(rows):
     old = common.rows(path) if path.exists() else []
     fresh = {row[0] for row in rows}
     new = [dict(zip(COLUMNS, (*row[:5], *(f"{v:.4f}" for v in row[5][:3]), row[5][3]))) for row in rows if row[5]]
-    order = {part: k for k, part in enumerate(("main", "flow", "robust", "loops"))}
+    order = {part: k for k, part in enumerate(("main", "flow", "robust", "loops", "draws"))}
     common.write_results(FOLDER, sorted([r for r in old if r["part"] not in fresh] + new, key=lambda r: order[r["part"]]))
 
 
@@ -95,9 +95,18 @@ def loops(r):
     return {"loops": common.table(["cases", "method", "true closures", "found", "share", "false", "false a case"], lines)}
 
 
+def draws(r):
+    lines, figures = [], ("exact", "present", "absent", "AP", "pooled ECE")
+    seeds = list(dict.fromkeys(row["row"] for row in r.rows if row["part"] == "draws"))[:-1]
+    for data, level in r.groups("draws"):
+        every = [r.get("draws", data, level, "all", figure) for figure in figures]
+        lines.append([f"{data}, {level} ({every[0]['cases']})"] + [digits(r.value("draws", data, level, seed, "exact")) for seed in seeds] + [cell(row) for row in every])
+    return {"draws": common.table(["cases", *(f"exact, {seed}" for seed in seeds), *(f"{figure}, all" for figure in figures)], lines)}
+
+
 def write(part):
     """Prints the tables of a part and puts them into README.md."""
-    for mark, text in {"main": main, "flow": flow, "robust": robust, "loops": loops}[part](Results()).items():
+    for mark, text in {"main": main, "flow": flow, "robust": robust, "loops": loops, "draws": draws}[part](Results()).items():
         if FOLDER == bench.HERE:
             common.splice(FOLDER / "README.md", mark, text)
         print(text + "\n", flush=True)
