@@ -35,28 +35,28 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
     Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], closure: Vec::new(), provenance: Provenance::default() }
 }
 
-/// Two fragments in a line: no hanging, one on the other, or the other way round, so Z = v² + v Σ w. A bridge weighs D/d by a
-/// weight of -1 on ln d/D, a root 3 by ln 3 on the constant; D = 2r + h.
+/// Two fragments in a line: no hanging, one on the other, or the other way round, so Z = v² + v Σ w. A bridge weighs exp(-d/D) by
+/// a weight of -1 on d/D, at most 10, a root 3 by ln 3 on the constant; D = 2r + h.
 #[test]
 fn two_fragments_in_a_line_as_by_hand() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
     let bridges = search(&extraction, &Search::default());
-    let belief = believe(&extraction, &bridges, &weights(&[("ln_gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
+    let belief = believe(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
     let weight = |row: usize| {
         let ends = [extraction.ends[belief.bridges[row].end].point, belief.bridges[row].point].map(|p| extraction.position[p][0]);
-        3.0 / ((ends[0] - ends[1]).abs() * 1e3)
+        (-((ends[0] - ends[1]).abs() * 1e3 / 3.0).min(10.0)).exp()
     };
     let rows = 0..belief.bridges.len();
     let total = 9.0 + 3.0 * rows.clone().map(weight).sum::<f64>();
-    let facing = |row: &usize| (weight(*row) - 0.75).abs() < 1e-9;
+    let facing = |row: &usize| (weight(*row) - (-4.0_f64 / 3.0).exp()).abs() < 1e-9;
     assert_eq!(rows.clone().filter(facing).count(), 2, "the facing ends see each other");
     for row in rows.clone() {
         let same: f64 = rows.clone().filter(|r| belief.link[*r] == belief.link[row]).map(weight).sum();
         assert!((belief.marginals.bridges[row] - 3.0 * weight(row) / total).abs() < 1e-12);
         assert!((belief.probability[row] - 3.0 * same / total).abs() < 1e-11, "one probability for both directions");
     }
-    let calibrated = Weights { calibration: [1.0, 2.0, 0.0], ..weights(&[("ln_gap", -1.0)], &[("one", 3_f64.ln())]) };
+    let calibrated = Weights { calibration: [1.0, 2.0, 0.0], ..weights(&[("gap", -1.0)], &[("one", 3_f64.ln())]) };
     let again = believe(&extraction, &bridges, &calibrated).expect("weights");
     assert_eq!(again.marginals, belief.marginals);
     for (p, q) in belief.probability.iter().zip(&again.probability) {

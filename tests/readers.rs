@@ -29,7 +29,9 @@ trial = np.array([float(e["likelihood"]) for e in edges if e["origin"] == "candi
 median = np.median(trial[trial > 0])
 for e in edges:
     above = e["origin"] == "observed" or float(e["likelihood"]) > median
-    assert above == (e["above_median"] == "1") == (e["kept"] == "1"), e
+    assert above == (e["above_median"] == "1"), e
+    assert e["kept"] == "1" or e["origin"] == "candidate", e
+    assert (e["probability"] == "") == (e["origin"] == "observed") and 0 <= float(e["probability"] or 0) <= 1, e
 
 # The topologies hold the kept vessels.
 for name, column in (("topology", "kept"), ("topology-median", "above_median")):
