@@ -23,7 +23,7 @@
 //! | w = exp(β·x), v = exp(γ·z) | [`candidates::evidence::FEATURES`], [`candidates::prior::Weights`] |
 //! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`posterior::marginals`] |
 //! | maximum conditional likelihood | [`candidates::prior::fit`] |
-//! | the most probable forest | [`inference::probable`], [`posterior::arborescence`] |
+//! | the most probable forest | [`inference::probable()`], [`posterior::arborescence`] |
 //!
 //! ```
 //! use willis::hemodynamics::{Boundary, FoundOutlets};

@@ -153,7 +153,9 @@ impl InferArgs {
 
         let mut loaded = self.input.load(terminal)?;
         let prior = self.prior.resolve(&loaded, self.paper())?;
-        runs.iter_mut().for_each(|params| params.uniform_prior = matches!(prior, Prior::Uniform));
+        for params in &mut runs {
+            params.uniform_prior = matches!(prior, Prior::Uniform);
+        }
         let candidate_params = self.candidates.params(loaded.radius_rule, self.paper(), prior.is_evidence())?;
         let outlets = self.boundary.found_outlets(loaded.fragments && !self.paper())?;
         let boundary = self.boundary.resolve(&loaded.network, outlets, terminal)?;

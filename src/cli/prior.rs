@@ -51,7 +51,7 @@ impl PriorArgs {
         };
         let text = self.prior.as_deref().unwrap_or(default);
         let path = Path::new(text);
-        let ending = path.extension().map(|e| e.to_ascii_lowercase());
+        let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         let (weights, file) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
             ("none", _) => return Ok(Prior::None),
             ("uniform", _) => return Ok(Prior::Uniform),

@@ -21,7 +21,7 @@ pub enum Keep {
     Frequency(f64),
     /// At least so probable by the evidence, in [0, 1].
     Probability(f64),
-    /// In the most probable forest of fragments ([`super::probable`]), the probabilities of staying alone times this root
+    /// In the most probable forest of fragments ([`super::probable()`]), the probabilities of staying alone times this root
     /// factor, from 0 to 1000: the smaller, the fewer fragments stay alone.
     Probable(f64),
 }

@@ -15,7 +15,9 @@ const LIKELY_INLETS: usize = 3;
 pub fn alone(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     let n = extraction.fragments.len() as f64;
     let mut fed = vec![false; extraction.fragments.len()];
-    entries(extraction).into_iter().for_each(|point| fed[extraction.fragment[point]] = true);
+    for point in entries(extraction) {
+        fed[extraction.fragment[point]] = true;
+    }
     marginals.roots.iter().zip(fed).map(|(p, fed)| p * if fed { FED } else { n / (n + HALF) }).collect()
 }
 

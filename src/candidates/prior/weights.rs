@@ -153,7 +153,7 @@ fn check_weights(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
     if weights.len() != names.len() {
         return Err(Error::parameter(place, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
     }
-    match weights.iter().zip(names).find(|(w, _)| !(w.abs() <= MOST_WEIGHT)) {
+    match weights.iter().zip(names).find(|(w, _)| w.is_nan() || w.abs() > MOST_WEIGHT) {
         Some((w, name)) => {
             Err(Error::parameter(format!("{place} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
         }
