@@ -97,6 +97,11 @@ def run(work, cases):
         for method in METHODS:
             rows += [("main", data, level, method, figure, e) for figure, e in estimates(some, pick(method)).items() if e]
         rows += [("main", data, level, "willis - forest2", figure, e) for figure, e in estimates(some, pick("willis"), pick("forest2")).items() if e]
+    for sets in [(data,) for data in bench.SETS] + [bench.SOURCES["insist"]]:
+        at = [k for k, case in enumerate(cases) if case.data in sets]
+        for method in METHODS:
+            error = judge.pooled([cases[k] for k in at], [results[method][k] for k in at])
+            rows += [("main", " and ".join(sets), "all", method, "pooled ECE", error)] if error else []
     for (data, fold), (strain, (ratio, angle)) in sorted(limits.items()):
         rows += [("main", data, "all", f"fold {fold}", figure, (v, v, v, len(cases))) for figure, v in (("geometry: mm", strain), ("tubetk: radii", ratio), ("tubetk: degrees", angle))]
     return rows, results

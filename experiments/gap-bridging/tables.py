@@ -63,7 +63,10 @@ def main(r):
         for method in contest.METHODS:
             lines.append([name, method] + [cell(r.get("main", data, level, method, figure)) for figure in contest.FIGURES])
         paired.append([name] + [cell(r.get("main", data, level, "willis - forest2", figure), True) for figure in both])
-    return {"main": common.table(["cases", "method", *contest.FIGURES], lines), "paired": common.table(["willis less forest2", *both], paired)}
+    calibrated = [method for method in contest.METHODS if r.get("main", "brains", "all", method, "pooled ECE")]
+    sets = list(dict.fromkeys(row["data"] for row in r.rows if row["level"] == "all" and row["figure"] == "pooled ECE"))
+    pooled = [[data] + [cell(r.get("main", data, "all", method, "pooled ECE")) for method in calibrated] for data in sets]
+    return {"main": common.table(["cases", "method", *contest.FIGURES], lines), "pooled": common.table(["pooled ECE, all levels", *calibrated], pooled), "paired": common.table(["willis less forest2", *both], paired)}
 
 
 def flow(r):
