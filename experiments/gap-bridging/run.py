@@ -1,4 +1,4 @@
-"""The benchmark gapbench as a command: run.py [--seed N] [--work FOLDER] [--only main|flow|robust|loops|draws] [--every N]."""
+"""The benchmark gapbench as a command: run.py [--seed N] [--work FOLDER] [--only main|flow|hydraulics|robust|loops|draws] [--every N]."""
 import argparse
 import sys
 import tempfile
@@ -14,10 +14,11 @@ if bench.missing():
 import command
 import contest
 import figures
+import hydraulics
 import questions
 import tables
 
-PARTS = ("main", "flow", "robust", "loops", "draws")
+PARTS = ("main", "flow", "hydraulics", "robust", "loops", "draws")
 
 
 def main():
@@ -42,7 +43,7 @@ def main():
                 rows, results = contest.run(work, cases)
                 figures.draw(cases, results)
             else:
-                rows = getattr(questions, part)(work, cases)
+                rows = (hydraulics.hydraulics if part == "hydraulics" else getattr(questions, part))(work, cases)
             tables.save(rows)
             tables.write(part)
             print(f"{part}: {time.monotonic() - begun:.0f} s", file=sys.stderr)

@@ -4,7 +4,7 @@
 #   willis train brains insist -o weights.toml --folds 3 --save-folds
 #   willis infer CASE/fragments.swc -o OUT --bc CASE/inlets.csv [--loops CASE/loops.csv] --prior weights.fold-k.toml
 #
-# Arguments: --seed N, --work FOLDER (kept, and gone on from), --only main|flow|robust|loops|draws. WILLIS_GAPBENCH names the folder of the
+# Arguments: --seed N, --work FOLDER (kept, and gone on from), --only main|flow|hydraulics|robust|loops|draws. WILLIS_GAPBENCH names the folder of the
 # benchmark (../shared/gapbench), WILLIS_SHARED_DATA that of the real subjects (../shared/data), WILLIS_PYTHON a Python with numpy,
 # scipy, networkx, scikit-learn and matplotlib, WILLIS a willis to try in place of this one.
 set -euo pipefail

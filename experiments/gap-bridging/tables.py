@@ -2,6 +2,7 @@
 import bench
 import common
 import contest
+import hydraulics
 import questions
 
 # Where results.csv and the figures go: elsewhere for a look at some subjects only.
@@ -15,7 +16,7 @@ def save(rows):
     old = common.rows(path) if path.exists() else []
     fresh = {row[0] for row in rows}
     new = [dict(zip(COLUMNS, (*row[:5], *(f"{v:.4f}" for v in row[5][:3]), row[5][3]))) for row in rows if row[5]]
-    order = {part: k for k, part in enumerate(("main", "flow", "robust", "loops", "draws"))}
+    order = {part: k for k, part in enumerate(("main", "flow", "hydraulics", "robust", "loops", "draws"))}
     common.write_results(FOLDER, sorted([r for r in old if r["part"] not in fresh] + new, key=lambda r: order[r["part"]]))
 
 
@@ -109,7 +110,7 @@ def draws(r):
 
 def write(part):
     """Prints the tables of a part and puts them into README.md."""
-    for mark, text in {"main": main, "flow": flow, "robust": robust, "loops": loops, "draws": draws}[part](Results()).items():
+    for mark, text in {"main": main, "flow": flow, "hydraulics": hydraulics.table, "robust": robust, "loops": loops, "draws": draws}[part](Results()).items():
         if FOLDER == bench.HERE:
             common.splice(FOLDER / "README.md", mark, text)
         print(text + "\n", flush=True)
