@@ -6,6 +6,9 @@ use petgraph::unionfind::UnionFind;
 
 use crate::geometry::{Point, box_diagonal, distance};
 
+/// Coincident points of different polylines are one within this share of the diagonal of the bounding box.
+pub const WELD_TOLERANCE: f64 = 1e-6;
+
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Centerlines {
@@ -81,7 +84,7 @@ impl Centerlines {
     /// Makes one point of coincident points: those of different polylines, the two ends of a closed polyline's only
     /// link run, and linked points without a distance between them. Returns how many points went.
     ///
-    /// `tolerance` is a fraction of the diagonal of the bounding box (1e-6 is customary).
+    /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
         let reach = tolerance * box_diagonal(self.points.iter().copied());

@@ -11,9 +11,12 @@
 
 #[path = "accuracy/dead_ends.rs"]
 mod dead_ends;
+#[path = "common/figure.rs"]
+mod figure;
 
 use std::collections::BTreeMap;
 
+use figure::Figure;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
@@ -31,19 +34,6 @@ const TOLERANCE: f64 = 4e-15;
 const DROP_TOLERANCE: f64 = 8.0 * f64::EPSILON;
 /// A vessel that is open in every lane.
 const EVERY_LANE: u8 = u8::MAX;
-
-/// A double written as a string: `str::parse` rounds correctly, parsers of JSON numbers need not.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(try_from = "String")]
-struct Figure(f64);
-
-impl TryFrom<String> for Figure {
-    type Error = std::num::ParseFloatError;
-
-    fn try_from(digits: String) -> Result<Self, Self::Error> {
-        digits.parse().map(Self)
-    }
-}
 
 /// Two nodes, length (mm), radius (mm), conductance (m³/(Pa s)), pressure drop (Pa), flow (m³/s).
 #[derive(Debug, Clone, Copy, Deserialize)]

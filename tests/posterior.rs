@@ -18,6 +18,7 @@ mod listed;
 mod networkx;
 
 use common::Draw;
+use common::figure::Figure;
 use listed::{Listed, random};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -29,19 +30,6 @@ const TOLERANCE: f64 = 8e-15;
 
 fn near(a: f64, b: f64, relative: f64) -> bool {
     (a - b).abs() <= relative * b.abs()
-}
-
-/// A double written as a string: `str::parse` rounds correctly, parsers of JSON numbers need not.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(try_from = "String")]
-struct Figure(f64);
-
-impl TryFrom<String> for Figure {
-    type Error = std::num::ParseFloatError;
-
-    fn try_from(digits: String) -> Result<Self, Self::Error> {
-        digits.parse().map(Self)
-    }
 }
 
 #[derive(Deserialize)]

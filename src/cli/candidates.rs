@@ -71,7 +71,7 @@ impl CandidatesArgs {
                 "command": source.command,
                 "input": { "path": source.input, "format": source.format, "sha256": source.sha256, "units": source.units },
                 "notes": source.notes,
-                "prior": prior.record()?,
+                "prior": prior.record(),
                 "output": self.output.display().to_string(),
                 "counts": { "nodes": graph.node_count(), "vessels": graph.vessel_count(), "candidates": candidates },
                 "inlets_found": boundary.found_inlets.len(),

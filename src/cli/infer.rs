@@ -174,7 +174,7 @@ impl InferArgs {
             boundary: &boundary,
             outlets,
             provenance: &loaded.provenance,
-            prior: prior.record()?,
+            prior: prior.record(),
             built: if loaded.fragments { Built::Candidates(&candidate_params) } else { Built::Given },
             rule,
             until_stable: self.until.is_some(),

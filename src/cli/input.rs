@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use willis::candidates::evidence::Search;
 use willis::candidates::{self, Attach, CandidateRadius};
+use willis::centerline::WELD_TOLERANCE;
 use willis::error::{Error, Result};
 use willis::formats::{Content, ReadOptions, read};
 use willis::network::{Network, Origin, RadiusRule, contract, fragments};
@@ -14,9 +15,6 @@ use willis::units::{LengthUnit, Scale, millimetres};
 
 use super::provenance::command_line;
 use super::terminal::{Terminal, brief, count, plural};
-
-/// Coincident points of different polylines are one node within this share of the bounding box.
-const WELD_TOLERANCE: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Unit {

@@ -6,8 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use willis::candidates::prior::Weights;
 use willis::candidates::{self, build, build_probable};
-use willis::error::{Error, Result};
-use willis::formats::{checksum, read_prior_csv, read_prior_npy};
+use willis::error::{Error, Fault, Result};
+use willis::formats::{bytes_of, checksum, read_prior_csv, read_prior_npy};
 use willis::hemodynamics::Boundary;
 use willis::network::{Network, Role};
 use willis::suggestion::did_you_mean;
@@ -27,14 +27,21 @@ pub struct PriorArgs {
 /// Where the priors come from.
 #[derive(Debug)]
 pub enum Prior {
-    /// A model of the evidence, and its file where it is not the shipped one.
-    Evidence { weights: Box<Weights>, file: Option<PathBuf> },
+    /// A model of the evidence, with its file where it is not the shipped one.
+    Evidence { weights: Box<Weights>, source: Option<Source> },
     /// What the file states.
     None,
     /// One everywhere.
     Uniform,
     /// A matrix or table.
-    File(PathBuf),
+    File { bytes: Vec<u8>, source: Source },
+}
+
+/// A file that was read.
+#[derive(Debug)]
+pub struct Source {
+    path: PathBuf,
+    sha256: String,
 }
 
 impl PriorArgs {
@@ -52,15 +59,25 @@ impl PriorArgs {
         let text = self.prior.as_deref().unwrap_or(default);
         let path = Path::new(text);
         let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-        let (weights, file) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
+        let read = || -> Result<(Vec<u8>, Source)> {
+            let bytes = bytes_of(path)?;
+            let sha256 = checksum(&bytes);
+            Ok((bytes, Source { path: path.to_owned(), sha256 }))
+        };
+        let (weights, source) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
             ("none", _) => return Ok(Prior::None),
             ("uniform", _) => return Ok(Prior::Uniform),
             ("evidence", _) => (Weights::shipped()?, None),
             (_, Some("toml")) => {
-                let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-                (Weights::read(&text).map_err(|fault| fault.in_file(path))?, Some(path.to_owned()))
+                let (bytes, source) = read()?;
+                let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
+                let text = std::str::from_utf8(&bytes).map_err(fault)?;
+                (Weights::read(text).map_err(|fault| fault.in_file(path))?, Some(source))
             }
-            (_, Some("npy" | "csv")) => return Ok(Prior::File(path.to_owned())),
+            (_, Some("npy" | "csv")) => {
+                let (bytes, source) = read()?;
+                return Ok(Prior::File { bytes, source });
+            }
             _ => {
                 let meant = did_you_mean(text, ["evidence", "none", "uniform"]);
                 let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
@@ -72,7 +89,7 @@ impl PriorArgs {
                 "needs centerlines; this is a ready graph, whose candidates state their own probability (see --observed)";
             return Err(Error::parameter("--prior", text, accepted));
         }
-        Ok(Prior::Evidence { weights: Box::new(weights), file })
+        Ok(Prior::Evidence { weights: Box::new(weights), source })
     }
 }
 
@@ -83,15 +100,15 @@ impl Prior {
     }
 
     /// The record in run.json: the word, or the file with its checksum.
-    pub fn record(&self) -> Result<Value> {
-        let file = match self {
-            Self::Evidence { file: None, .. } => return Ok(json!("evidence")),
-            Self::None => return Ok(json!("none")),
-            Self::Uniform => return Ok(json!("uniform")),
-            Self::Evidence { file: Some(path), .. } | Self::File(path) => path,
-        };
-        let bytes = std::fs::read(file).map_err(|source| Error::Read { path: file.clone(), source })?;
-        Ok(json!({ "path": file.display().to_string(), "sha256": checksum(&bytes) }))
+    pub fn record(&self) -> Value {
+        match self {
+            Self::Evidence { source: None, .. } => json!("evidence"),
+            Self::None => json!("none"),
+            Self::Uniform => json!("uniform"),
+            Self::Evidence { source: Some(source), .. } | Self::File { source, .. } => {
+                json!({ "path": source.path.display().to_string(), "sha256": source.sha256 })
+            }
+        }
     }
 
     /// The graph to sample: candidates built where the input asks for them, with their priors.
@@ -106,11 +123,10 @@ impl Prior {
             }
             _ => build(&network, params)?,
         };
-        if let Self::File(path) = self {
-            let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.clone(), source })?;
-            let is_table = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+        if let Self::File { bytes, source } = self {
+            let is_table = source.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
             let read = if is_table { read_prior_csv } else { read_prior_npy };
-            read(&bytes, &mut graph).map_err(|fault| fault.in_file(path))?;
+            read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
         }
         Ok(graph)
     }

@@ -119,7 +119,12 @@ fn read_tables(path: &Path, bytes: &[u8], scale: &Scale) -> Result<(Content, Vec
     Ok((Content::Graph(network), notes))
 }
 
-pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+/// All bytes of a file.
+///
+/// # Errors
+///
+/// It cannot be read: names it.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 

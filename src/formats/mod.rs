@@ -38,7 +38,7 @@ mod xml;
 
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes, write_csv_graph};
-pub use document::{Content, Document, ReadOptions, checksum, read};
+pub use document::{Content, Document, ReadOptions, bytes_of, checksum, read};
 pub use graph_columns::{axis, condition_columns, graph_columns, node_columns, vessel_columns};
 pub use graphml::{read_graphml, write_graphml};
 pub use icafe::{TracedVessel, name_stretches, read_traced_vessels};

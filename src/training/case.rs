@@ -1,21 +1,19 @@
 //! Reads one case.
 
-use std::fs;
 use std::path::Path;
 
 use super::folder::CaseFolder;
 use super::truth;
 use crate::candidates::evidence::Extraction;
 use crate::candidates::prior::{Answer, Case};
-use crate::error::{Error, Fault, Result};
+use crate::centerline::WELD_TOLERANCE;
+use crate::error::{Fault, Result};
 use crate::formats::conditions::read_csv;
-use crate::formats::{Content, ReadOptions, read as read_file, read_links};
+use crate::formats::{Content, ReadOptions, bytes_of, read as read_file, read_links};
 use crate::geometry::distance;
 use crate::network::{Network, RadiusRule, Role, contract, locate};
 use crate::units::millimetres;
 
-/// Coincident points are one node within this share of the bounding box.
-const WELD_TOLERANCE: f64 = 1e-6;
 /// An end of a listed bridge is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
 
@@ -45,10 +43,6 @@ pub fn read(data_set: &str, folder: &CaseFolder) -> Result<(Case, Vec<String>)> 
         answer,
     };
     Ok((case, notes))
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 /// The observed vessels.

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod exact;
+pub mod figure;
 pub mod grown;
 pub mod textbook;
 

@@ -6,10 +6,9 @@ use super::closure::closures;
 use super::hangs::hangs;
 use super::rows::Rows;
 use super::weights::Weights;
-use crate::candidates::evidence::Feedback;
-use crate::candidates::evidence::{Bridge, Extraction};
+use crate::candidates::evidence::{Bridge, Extraction, Feedback};
 use crate::error::{Error, Result};
-use crate::posterior::{Forests, Marginals, marginals};
+use crate::posterior::{Forests, Marginals, arborescence, marginals};
 
 /// The posterior over how the fragments of an extraction hang together.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,22 +43,16 @@ pub fn believe(extraction: &Extraction, bridges: &[Bridge], weights: &Weights) -
     let calibration = Calibration(weights.calibration);
     let of_link: Vec<f64> = rows.summed(&marginals.bridges).into_iter().map(|p| calibration.apply(p)).collect();
     let probability = rows.link.iter().map(|link| of_link[*link]).collect();
+    let hangs = hangs(extraction, &rows.bridges, &marginals);
+    let alone = alone(extraction, &marginals);
     let closures = if weights.closure.is_empty() {
         Vec::new()
     } else {
-        let found = closures(extraction, &rows, &weights.passes[0], (&forests, &marginals));
+        let kept = arborescence(&forests, &hangs, &alone);
+        let found = closures(extraction, &rows, &weights.passes[0], &marginals, &kept);
         found.iter().map(|c| (c.bridge, c.probability(&weights.closure))).collect()
     };
-    Ok(Belief {
-        hangs: hangs(extraction, &rows.bridges, &marginals),
-        alone: alone(extraction, &marginals),
-        bridges: rows.bridges,
-        forests,
-        marginals,
-        link: rows.link,
-        probability,
-        closures,
-    })
+    Ok(Belief { hangs, alone, bridges: rows.bridges, forests, marginals, link: rows.link, probability, closures })
 }
 
 /// Weights and marginals of the last of all passes, each fed by the one before.

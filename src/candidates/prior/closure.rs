@@ -3,16 +3,17 @@
 //! What tells a ring from a passing vessel is its anatomy: the two sides of a ring that is broken are fed from different
 //! inlets, the ends match in direction, and the bridge saves a long way.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::alone::{alone, entries};
-use super::hangs::hangs;
+use petgraph::algo::dijkstra;
+use petgraph::graph::{NodeIndex, UnGraph};
+
+use super::alone::entries;
 use super::rows::Rows;
 use super::weights::Pass;
 use crate::candidates::evidence::{Bridge, Extraction, Span, direction, gap, radius, spans};
 use crate::geometry::distance;
-use crate::posterior::{Forests, Marginals, arborescence};
+use crate::posterior::Marginals;
 use crate::stats::median;
 
 /// The features of a closure, in the order of their weights.
@@ -38,8 +39,8 @@ impl Closure {
     }
 }
 
-/// The bridges of an extraction that may close a loop once its fragments are joined to the most probable forest: those whose
-/// ends that forest leaves free.
+/// The bridges of an extraction that may close a loop once its fragments are joined by the bridges `kept` (per fragment the
+/// row of the one it hangs by): those whose ends are left free.
 ///
 /// The features: 1; the score of the first pass, β·x; ln of the way along the vessels over the gap; gap and squared bends
 /// as bridges have them; ln of the end's radius over the median of all ends, and of the thinner radius over the widest end; whether along the
@@ -48,14 +49,11 @@ pub fn closures(
     extraction: &Extraction,
     rows: &Rows,
     first: &Pass,
-    (forests, marginals): (&Forests, &Marginals),
+    marginals: &Marginals,
+    kept: &[Option<usize>],
 ) -> Vec<Closure> {
-    let hangs = hangs(extraction, &rows.bridges, marginals);
-    let kept: Vec<[usize; 2]> = arborescence(forests, &hangs, &alone(extraction, marginals))
-        .into_iter()
-        .flatten()
-        .map(|row| [extraction.ends[rows.bridges[row].end].point, rows.bridges[row].point])
-        .collect();
+    let ends = |row: &usize| [extraction.ends[rows.bridges[*row].end].point, rows.bridges[*row].point];
+    let kept: Vec<[usize; 2]> = kept.iter().flatten().map(ends).collect();
     let used: BTreeSet<usize> = kept.iter().flatten().copied().collect();
     let mut claimed = vec![0.0; extraction.position.len()];
     for (bridge, p) in rows.bridges.iter().zip(&marginals.bridges) {
@@ -99,26 +97,23 @@ pub fn closures(
 
 /// Per point the entry of blood that is nearest along the vessels and the bridges kept; none where no entry is joined.
 fn nearest_entry(extraction: &Extraction, kept: &[[usize; 2]]) -> Vec<Option<usize>> {
-    let length = |[a, b]: [usize; 2]| distance(extraction.position[a], extraction.position[b]);
-    let mut around: Vec<Vec<(usize, f64)>> = vec![Vec::new(); extraction.position.len()];
+    let points = extraction.position.len();
     let steps = extraction.lines.iter().flat_map(|line| line.windows(2).map(|w| [w[0], w[1]]));
+    let mut graph = UnGraph::<(), f64, usize>::with_capacity(points, points);
+    for _ in 0..points {
+        graph.add_node(());
+    }
     for [a, b] in steps.chain(kept.iter().copied()) {
-        around[a].push((b, length([a, b])));
-        around[b].push((a, length([a, b])));
+        let length = distance(extraction.position[a], extraction.position[b]);
+        graph.add_edge(NodeIndex::new(a), NodeIndex::new(b), length);
     }
-    let mut from: Vec<Option<usize>> = vec![None; around.len()];
-    // Lengths are positive, so their bits order as they do.
-    let mut open = BinaryHeap::new();
+    let mut nearest = vec![(f64::INFINITY, None); points];
     for entry in entries(extraction) {
-        open.push(Reverse((0_u64, entry, entry)));
-    }
-    while let Some(Reverse((bits, point, entry))) = open.pop() {
-        if from[point].is_some() {
-            continue;
+        for (point, length) in dijkstra(&graph, NodeIndex::new(entry), None, |step| *step.weight()) {
+            if length < nearest[point.index()].0 {
+                nearest[point.index()] = (length, Some(entry));
+            }
         }
-        from[point] = Some(entry);
-        let here = f64::from_bits(bits);
-        open.extend(around[point].iter().map(|(next, step)| Reverse(((here + step).to_bits(), *next, entry))));
     }
-    from
+    nearest.into_iter().map(|(_, entry)| entry).collect()
 }

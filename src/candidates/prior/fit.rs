@@ -4,9 +4,11 @@ use std::borrow::Cow;
 
 use ndarray::Array2;
 
+use super::alone::alone;
 use super::belief::last_pass;
 use super::case::{Case, Example, share_of};
 use super::closure::{Closure, closures};
+use super::hangs::hangs;
 use super::logistic::logistic;
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
@@ -15,7 +17,7 @@ use super::platt::calibrate;
 use super::weights::{Pass, Provenance, Weights};
 use crate::candidates::evidence::Feedback;
 use crate::error::{Error, Result};
-use crate::posterior::{Forests, Marginals, marginals};
+use crate::posterior::{Forests, Marginals, arborescence, marginals};
 
 /// Links no more probable than this are left out of calibration and figures.
 pub(super) const LEAST_LISTED: f64 = 1e-3;
@@ -140,7 +142,9 @@ pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&St
 fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
     let of_case = in_order(examples, |at, e| {
         let (forests, marginals) = &posteriors[at];
-        let found = closures(&e.extraction, &e.rows, first, (forests, marginals));
+        let hangs = hangs(&e.extraction, &e.rows.bridges, marginals);
+        let kept = arborescence(forests, &hangs, &alone(&e.extraction, marginals));
+        let found = closures(&e.extraction, &e.rows, first, marginals, &kept);
         let point = |c: &Closure| e.extraction.ends[c.bridge.end].point;
         found
             .iter()

@@ -18,15 +18,15 @@ use entries::Entries;
 
 /// The features of a bridge from a posterior, by the names that weights have in a file. P is the probability of a bridge.
 ///
-/// - `conf2`: -F t·u where the parent is met on its way, else 0: t its tangent, u across the gap from the child, F the entries
+/// - `with_flow`: -F t·u where the parent is met on its way, else 0: t its tangent, u across the gap from the child, F the entries
 ///   of blood to expect behind the point less those ahead. A branch goes on with the flow.
-/// - `step2`: F ln r₁/r₂ where the parent is met on its way, else 0: r₁ the parent's radius behind, r₂ ahead. A vessel is thinner
+/// - `step_with_flow`: F ln r₁/r₂ where the parent is met on its way, else 0: r₁ the parent's radius behind, r₂ ahead. A vessel is thinner
 ///   after a branch.
-/// - `entq`: Σ P of the bridges by which the parent hangs elsewhere by the free end that is met; 0 on its way. An end has one
+/// - `entered_there`: Σ P of the bridges by which the parent hangs elsewhere by the free end that is met; 0 on its way. An end has one
 ///   neighbour.
-/// - `claim_e`: Σ P of the bridges by which other fragments than the parent hang on the child's end.
-/// - `fed_p2`: the probability that the parent is fed, by an inlet, without the child's help. No bridge goes round.
-/// - `claim_T`: Σ P, at most 2, of the bridges of other fragments that meet the parent near the same point on its way.
+/// - `claims_on_end`: Σ P of the bridges by which other fragments than the parent hang on the child's end.
+/// - `fed_otherwise`: the probability that the parent is fed, by an inlet, without the child's help. No bridge goes round.
+/// - `claims_nearby`: Σ P, at most 2, of the bridges of other fragments that meet the parent near the same point on its way.
 pub const FEEDBACK_FEATURES: &[&str] =
     &["with_flow", "step_with_flow", "entered_there", "claims_on_end", "fed_otherwise", "claims_nearby"];
 
