@@ -7,7 +7,7 @@ use crate::network::{Network, Origin, Vessel, fragments};
 use crate::posterior::{Bridge, Forests, arborescence};
 
 /// A loop within one fragment is closed from this probability on: there is nothing that it must beat.
-pub const LEAST_CLOSURE: f64 = 0.25;
+pub const LEAST_CLOSURE: f64 = 0.2;
 
 /// The usual root factor.
 pub const ROOT_FACTOR: f64 = 1.0;

@@ -8,17 +8,21 @@ const FED: f64 = 0.3;
 /// With so many fragments half of the probability of being alone counts: in a circle of few fragments one lost connection
 /// changes the whole, in a brain of a hundred one false twig more joins it.
 const HALF: f64 = 10.0;
-/// Where no inlet is given, so many of the widest free ends are taken for inlets.
+/// Where no inlet is given, so many of the widest free ends are taken for inlets ...
 const LIKELY_INLETS: usize = 3;
+/// ... and the others that nobody marked make every fragment somewhat more likely to lead to one.
+const UNMARKED: f64 = 0.7;
 
-/// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments.
+/// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments; times 0.7 when no
+/// inlet is given.
 pub fn alone(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     let n = extraction.fragments.len() as f64;
     let mut fed = vec![false; extraction.fragments.len()];
     for point in entries(extraction) {
         fed[extraction.fragment[point]] = true;
     }
-    marginals.roots.iter().zip(fed).map(|(p, fed)| p * if fed { FED } else { n / (n + HALF) }).collect()
+    let unmarked = if extraction.inlets.is_empty() { UNMARKED } else { 1.0 };
+    marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + HALF) }).collect()
 }
 
 /// The points where blood enters: the inlets given, without any the three widest free ends.
