@@ -33,7 +33,10 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
     let belief = believe(&extraction, &bridges, weights)?;
     let mut found = links(&extraction, &belief);
     let closes = belief.closures.iter().filter(|(_, p)| *p > LEAST_CLOSURE);
-    found.extend(closes.map(|(bridge, p)| (target(&extraction, *bridge), Some(Evidence { probability: *p, hangs: [0.0; 2] }))));
+    found.extend(closes.map(|(bridge, p)| {
+        let continues = [Evidence::odds(*p), 0.0];
+        (target(&extraction, *bridge), Some(Evidence { probability: *p, hangs: [0.0; 2], continues }))
+    }));
     let (mut graph, node_at) = with_candidates(network, found, params);
     for (point, place) in extraction.place.iter().enumerate() {
         let node = match place {
@@ -50,24 +53,27 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
 /// The links that are probable enough, by the first of their bridges.
 fn links(extraction: &Extraction, belief: &Belief) -> Vec<(Target, Option<Evidence>)> {
     let count = belief.link.iter().max().map_or(0, |most| most + 1);
-    let mut of_link: Vec<Option<(Bridge, f64, [f64; 2])>> = vec![None; count];
+    let mut of_link: Vec<Option<(Bridge, f64, Evidence)>> = vec![None; count];
     let mut order = Vec::new();
     for (row, (bridge, link)) in belief.bridges.iter().zip(&belief.link).enumerate() {
         let p = belief.marginals.bridges[row];
+        let odds = Evidence::odds_of_weight(belief.forests.bridges()[row].log_weight.exp());
         match &mut of_link[*link] {
-            Some((_, sum, ways)) => (*sum, ways[1]) = (*sum + p, belief.hangs[row]),
+            Some((_, sum, evidence)) => {
+                *sum += p;
+                (evidence.hangs[1], evidence.continues[1]) = (belief.hangs[row], odds);
+            }
             empty => {
-                *empty = Some((*bridge, p, [belief.hangs[row], 0.0]));
-                order.push((row, *link));
+                let (hangs, continues) = ([belief.hangs[row], 0.0], [odds, 0.0]);
+                *empty = Some((*bridge, p, Evidence { probability: belief.probability[row], hangs, continues }));
+                order.push(*link);
             }
         }
     }
-    let found = order.into_iter().filter_map(|(row, link)| of_link[link].map(|found| (row, found)));
+    let found = order.into_iter().filter_map(|link| of_link[link]);
     found
-        .filter(|(_, (_, sum, _))| *sum > LEAST_PROBABILITY)
-        .map(|(row, (bridge, _, hangs))| {
-            (target(extraction, bridge), Some(Evidence { probability: belief.probability[row], hangs }))
-        })
+        .filter(|(_, sum, _)| *sum > LEAST_PROBABILITY)
+        .map(|(bridge, _, evidence)| (target(extraction, bridge), Some(evidence)))
         .collect()
 }
 

@@ -10,7 +10,7 @@ use willis::formats::convert::Target;
 use willis::formats::{Format, write_centerlines_swc, write_loops};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
 use willis::network::fragments;
-use willis::phantom::{Breaks, Kind, Truth, break_up, without};
+use willis::phantom::{Breaks, Kind, Truth, break_up, landmarks, without, write_landmarks};
 use willis::report::{StagedFile, staged::write_file};
 
 use super::convert::{check, put};
@@ -22,7 +22,8 @@ use super::terminal::{Terminal, count, plural};
 ///
 /// `circle-of-willis` has the 33 arteries of Alastruey et al. 2007 from the heart to the brain, `cerebral` the 20 of them
 /// that an angiogram of the head shows, `tree` bifurcates by Murray's law. --break makes an uncertain extraction of it:
-/// gaps at junctions and midway, jitter, noisy radii, spurious bits; the truth is written beside it as FILE.truth.json.
+/// gaps at junctions and midway, jitter, noisy radii, spurious bits; the truth is written beside it as FILE.truth.json, and of
+/// `cerebral` the in- and outlets that it shows as FILE.landmarks.csv, for willis classify.
 #[derive(Debug, Args)]
 pub struct PhantomArgs {
     /// circle-of-willis, cerebral or tree
@@ -72,6 +73,11 @@ impl PhantomArgs {
         let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
         let (lines, truth) = break_up(&network, &params)?;
         let loops = write_extraction(&self.output, &lines, &truth, force, terminal)?;
+        if kind == Kind::Cerebral {
+            let file = StagedFile::new(&beside(&self.output, "landmarks.csv"), force)?;
+            write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth)))?;
+            file.commit()?;
+        }
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({
             "truth": beside(&self.output, "truth.json").display().to_string(),

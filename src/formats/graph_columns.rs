@@ -92,6 +92,8 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
         vessels.push(Column::real("probability", figure(|e| e.probability)));
         vessels.push(Column::real("hangs_a", figure(|e| e.hangs[0])));
         vessels.push(Column::real("hangs_b", figure(|e| e.hangs[1])));
+        vessels.push(Column::real("continues_a", figure(|e| e.continues[0])));
+        vessels.push(Column::real("continues_b", figure(|e| e.continues[1])));
     }
     (nodes, vessels)
 }

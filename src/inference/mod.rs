@@ -9,10 +9,12 @@ mod forest;
 mod group;
 mod likelihood;
 mod params;
+mod patterns;
 mod probable;
 mod sampler;
 mod tally;
 mod threshold;
+mod topologies;
 
 pub use answer::{Answer, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
 pub use bottleneck::{Bottleneck, Offer, Taken};
@@ -25,3 +27,4 @@ pub use probable::{
 };
 pub use sampler::{Method, Sampler, Workspace};
 pub use threshold::{Keep, threshold};
+pub use topologies::{Draw, Topologies};

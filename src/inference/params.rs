@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
-use crate::network::{Network, Origin};
+use crate::network::{Network, Origin, Vessel};
 
 /// Which vessels are on trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -97,6 +97,13 @@ impl Default for Params {
 }
 
 impl Params {
+    /// The chance of each vessel to be open in a sample: λA on trial, else 1.
+    pub fn keep_probabilities(&self, network: &Network) -> Vec<f64> {
+        let prior = |v: &Vessel| if self.uniform_prior { 1.0 } else { v.prior };
+        let keep = |v: &Vessel, uncertain: bool| if uncertain { (1.0 - self.epsilon) * prior(v) } else { 1.0 };
+        network.vessels().zip(self.uncertain.vessels(network)).map(|((_, v), uncertain)| keep(v, uncertain)).collect()
+    }
+
     /// Checks every field.
     ///
     /// # Errors

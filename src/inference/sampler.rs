@@ -4,6 +4,7 @@ use super::bottleneck::{Bottleneck, Offer};
 use super::cost;
 use super::group::{self, Flow, Group};
 use super::likelihood::Sums;
+use super::patterns::Patterns;
 use super::{Params, Solver, Weight};
 use crate::error::{Error, Result};
 use crate::hemodynamics::cholesky::Cholesky;
@@ -11,7 +12,6 @@ use crate::hemodynamics::floating::stranded;
 use crate::hemodynamics::peel::{Peeled, peel};
 use crate::hemodynamics::{Boundary, Circuit, StarMesh};
 use crate::network::Network;
-use crate::perturbation::{Enumeration, Occlusion, enumeration::MOST_UNCERTAIN};
 use crate::resilience::{resilience_per_square_drop, resilience_per_square_flow};
 use crate::rng::BLOCK;
 use crate::simd::InstructionSet;
@@ -21,13 +21,6 @@ use crate::simd::InstructionSet;
 enum Solve {
     Lanes(Box<StarMesh>),
     Cholesky(Box<Cholesky>),
-}
-
-/// Where the patterns come from.
-#[derive(Debug)]
-enum Masks {
-    Drawn { occlusion: Occlusion, seed: u64 },
-    Enumerated(Enumeration),
 }
 
 /// How a run computed its samples.
@@ -55,7 +48,7 @@ pub struct Sampler {
     places: Vec<Offer>,
     flows: Vec<Flow>,
     ends: Vec<[usize; 2]>,
-    masks: Masks,
+    patterns: Patterns,
     weight: Weight,
     instructions: InstructionSet,
     lanes: usize,
@@ -79,13 +72,7 @@ impl Sampler {
     /// A vessel whose conductance or resilience no double can hold; no memory for a factorisation.
     pub fn new(network: &Network, boundary: &Boundary, params: &Params) -> Result<Self> {
         let circuit = Circuit::new(network, boundary, params.viscosity)?;
-        let uncertain = params.uncertain.vessels(network);
-        let keep: Vec<f64> = (network.vessels().zip(&uncertain))
-            .map(|((_, vessel), uncertain)| {
-                let prior = if params.uniform_prior { 1.0 } else { vessel.prior };
-                if *uncertain { (1.0 - params.epsilon) * prior } else { 1.0 }
-            })
-            .collect();
+        let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let ends = circuit.ends.clone();
         let Peeled { circuit, chain } = peel(&circuit, &certain);
@@ -132,7 +119,7 @@ impl Sampler {
         Ok(Self {
             places: if lanes.is_some() { Vec::new() } else { Offer::one_each(network.vessel_count()) },
             bottleneck: lanes,
-            masks: patterns(keep, params)?,
+            patterns: Patterns::new(keep, params)?,
             weight: params.weight,
             lanes: group::lanes(instructions, rays, std::env::var(FORCE_LANES).ok().as_deref()),
             circuit,
@@ -145,10 +132,7 @@ impl Sampler {
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
     pub fn samples(&self, asked: u64) -> u64 {
-        match &self.masks {
-            Masks::Drawn { .. } => asked,
-            Masks::Enumerated(patterns) => patterns.patterns(),
-        }
+        self.patterns.samples(asked)
     }
 
     /// How the samples are computed.
@@ -185,16 +169,7 @@ impl Sampler {
     /// The Cholesky factorisation breaks down.
     pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
-        let probability = match &self.masks {
-            Masks::Drawn { occlusion, seed } => {
-                occlusion.draw(*seed, block, &mut work.masks);
-                None
-            }
-            Masks::Enumerated(patterns) => {
-                patterns.fill(block, &mut work.masks, &mut work.probability);
-                Some(&work.probability)
-            }
-        };
+        let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
         let valid = u64::MAX >> (BLOCK - samples);
         for mask in &mut work.masks {
             *mask &= valid;
@@ -222,19 +197,6 @@ impl Sampler {
         }
         Ok(())
     }
-}
-
-/// The patterns of a run: drawn, or all there are.
-fn patterns(keep: Vec<f64>, params: &Params) -> Result<Masks> {
-    if !params.exact {
-        return Ok(Masks::Drawn { occlusion: Occlusion::new(keep), seed: params.seed });
-    }
-    let uncertain = keep.iter().filter(|p| (f64::MIN_POSITIVE..1.0).contains(*p)).count();
-    let refused = || {
-        let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without --exact");
-        Error::parameter("--exact", format!("with {uncertain} uncertain vessels"), accepted)
-    };
-    Enumeration::new(&keep).map(Masks::Enumerated).ok_or_else(refused)
 }
 
 /// Compiles a circuit for the solver asked for, or for the one that the cost model prefers.

@@ -123,14 +123,17 @@ fn prior(item: &Item) -> Result<f64, Fault> {
     Ok(item.share("prior")?.unwrap_or(1.0))
 }
 
-/// The probability that the edge states, and which of its ends hangs on the other.
+/// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.
 fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
-    let [probability, a, b] = ["probability", "hangs_a", "hangs_b"].map(|key| item.share(key));
-    let even = probability?.map(Evidence::undirected);
-    Ok(match (even, a?, b?) {
-        (Some(even), Some(a), Some(b)) => Some(Evidence { hangs: [a, b], ..even }),
-        (even, ..) => even,
-    })
+    let Some(probability) = item.share("probability")? else { return Ok(None) };
+    let mut evidence = Evidence::undirected(probability);
+    if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
+        evidence.hangs = [a, b];
+    }
+    if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
+        evidence.continues = [a, b];
+    }
+    Ok(Some(evidence))
 }
 
 /// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs

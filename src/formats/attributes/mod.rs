@@ -67,6 +67,14 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// A number that is not negative; NaN is a missing one.
+    fn odds(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.finite(key)? {
+            Some(x) if x < 0.0 => Err(self.fault(format!("{key} {x}"), "expected odds, zero or more")),
+            odds => Ok(odds),
+        }
+    }
+
     /// The first of a length in millimetres (`name_mm`) or in the unit of the file (`name`): its key and value in m.
     fn length(&self, name: &str, scale: &Scale) -> Result<Option<(String, f64)>, Fault> {
         let key = format!("{name}_mm");
