@@ -25,6 +25,7 @@ use super::tell::say_built;
 use super::terminal::{Terminal, is_stopped};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum OnTrial {
     /// Candidates must earn their place, observed vessels stay
     Candidates,
@@ -33,6 +34,7 @@ enum OnTrial {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Contribution {
     /// Its resilience, as in the paper
     Resilience,
@@ -43,17 +45,20 @@ enum Contribution {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Until {
     Stable,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Preset {
     /// --prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground
     Paper,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum SolverName {
     Auto,
     Lanes,

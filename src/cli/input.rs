@@ -18,6 +18,7 @@ use super::provenance::command_line;
 use super::terminal::{Terminal, brief, count, plural};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Unit {
     Mm,
     Um,
@@ -27,6 +28,7 @@ enum Unit {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Radius {
     /// The mean over arc length
     Mean,
@@ -74,6 +76,7 @@ pub struct ReadingArgs {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AttachTo {
     /// Any vessel, split where the candidate meets it, or a free end
     Centerline,
@@ -82,6 +85,7 @@ pub enum AttachTo {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RadiusOfCandidate {
     Min,
     Mean,

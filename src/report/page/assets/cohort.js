@@ -5,6 +5,9 @@ const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row =
 const bad = row => status.at(row) !== "ok";
 names.address = row => bad(row) ? null : `${encodeURIComponent(names.at(row))}/report.html`;
 subjects.mark = row => bad(row) ? "failed" : null;
+// Long texts stand at the end.
+const late = ["input", "error"];
+subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
 
 function showSummary() {
