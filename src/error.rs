@@ -123,6 +123,24 @@ pub enum Error {
     /// The sparse factorisation broke down.
     #[error("the conductances lie too far apart for the cholesky solver; use --solver lanes")]
     Breakdown,
+    /// Some subjects of a cohort failed; the rest stands.
+    #[error("{failed} of {total} subjects failed")]
+    Subjects {
+        /// Subjects that failed.
+        failed: usize,
+        /// Subjects in all.
+        total: usize,
+    },
+    /// A cohort was stopped from outside.
+    #[error("stopped with {done} of {total} subjects done in {}; the same command goes on from there", path.display())]
+    StoppedCohort {
+        /// The folder of the cohort.
+        path: PathBuf,
+        /// Subjects that are done.
+        done: usize,
+        /// Subjects in all.
+        total: usize,
+    },
     /// The run was stopped from outside.
     #[error("stopped after {done} of {total} samples; nothing was written")]
     Stopped {

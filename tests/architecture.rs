@@ -31,7 +31,17 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("clap_mangen", &["cli/"]),
     ("ctrlc", &["main.rs", "cli/"]),
     ("indicatif", &["main.rs", "cli/"]),
-    ("rayon", &["inference/driver.rs", "modulation/driver.rs", "candidates/prior/parallel.rs", "cli/mod.rs", "cli/infer.rs"]),
+    (
+        "rayon",
+        &[
+            "inference/driver.rs",
+            "modulation/driver.rs",
+            "candidates/prior/parallel.rs",
+            "cli/mod.rs",
+            "cli/cohort.rs",
+            "cli/job.rs",
+        ],
+    ),
     ("kiddo", &["candidates/knn.rs"]),
     ("plotters", &["report/plots.rs", "report/plots/"]),
     ("ab_glyph", &["report/plots/font.rs"]),
@@ -313,7 +323,7 @@ fn what_is_allowed_is_not_caught() {
         ("hemodynamics/steady.rs", "/* crate::report::Page */ const S: &str = \"crate::report::Page \\\" clap\";"),
         ("hemodynamics/steady.rs", "fn f() {}\n#[cfg(test)]\nmod tests {\n use crate::inference::infer; fn g() { if a {} } }"),
         ("hemodynamics/steady.rs", "#[cfg(test)]\nuse crate::inference::infer;\nfn f() {}"),
-        ("cli/infer.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
+        ("cli/job.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
         ("candidates/knn.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
         ("report/plots.rs", "use plotters::prelude::*; use crate::inference::Answer; use crate::phantom::Kind;"),
     ];

@@ -1,9 +1,10 @@
 //! Boundary conditions from the command line, a file and the graph, in that order of precedence.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::Serialize;
 use willis::error::{Error, Fault, Result};
 use willis::formats::conditions::{read_csv, read_toml};
 use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
@@ -13,9 +14,10 @@ use willis::quantity::Dimension;
 use willis::suggestion::did_you_mean;
 use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
 
+use super::input::beside;
 use super::terminal::{Terminal, brief, plural};
 
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Boundary conditions (SPEC is a node id, a label, or x,y,z in mm)")]
 pub struct BoundaryArgs {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
@@ -28,7 +30,7 @@ pub struct BoundaryArgs {
     /// A fixed flow into the network (negative: out of it), in mL/min
     #[arg(long, value_name = "SPEC=FLOW", allow_hyphen_values = true)]
     flow: Vec<String>,
-    /// A CSV or TOML file of conditions
+    /// A CSV or TOML file of conditions; in its name {} is INPUT without its ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     bc: Option<PathBuf>,
     /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
@@ -63,10 +65,10 @@ impl BoundaryArgs {
         }
     }
 
-    /// The conditions of a network, given and found.
-    pub fn resolve(&self, network: &Network, outlets: FoundOutlets, terminal: Terminal) -> Result<Boundary> {
+    /// The conditions of the network of an input, given and found.
+    pub fn resolve(&self, input: &Path, network: &Network, outlets: FoundOutlets, terminal: Terminal) -> Result<Boundary> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
-        for source in [self.file_conditions(network, terminal)?, self.typed_conditions(network, terminal)?] {
+        for source in [self.file_conditions(input, network, terminal)?, self.typed_conditions(network, terminal)?] {
             given.extend(source);
         }
         let given: Vec<Given> = given.into_values().collect();
@@ -77,8 +79,13 @@ impl BoundaryArgs {
         Ok(boundary)
     }
 
-    fn file_conditions(&self, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {
-        let Some(path) = &self.bc else { return Ok(BTreeMap::new()) };
+    /// The file of conditions that goes with an input.
+    pub fn file(&self, input: &Path) -> Option<PathBuf> {
+        self.bc.as_ref().map(|name| beside(name, input))
+    }
+
+    fn file_conditions(&self, input: &Path, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {
+        let Some(path) = &self.file(input) else { return Ok(BTreeMap::new()) };
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.clone(), source })?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         let statements = if is_toml { read_toml(&text) } else { read_csv(&text) }.map_err(|f| f.in_file(path))?;

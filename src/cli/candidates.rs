@@ -49,7 +49,7 @@ impl CandidatesArgs {
         let mut loaded = self.input.load(terminal)?;
         let prior = self.prior.resolve(&loaded, false)?;
         let params = self.candidates.params(loaded.radius_rule, false, prior.is_evidence())?;
-        let boundary = self.boundary.resolve(&loaded.network, outlets(loaded.fragments)?, terminal)?;
+        let boundary = self.boundary.resolve(&self.input.input, &loaded.network, outlets(loaded.fragments)?, terminal)?;
         let graph = prior.graph(&mut loaded, &boundary, &params)?;
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {

@@ -4,27 +4,28 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::write_csv;
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{
-    Answer, Keep, Params, ROOT_FACTOR, Solver, Topology, Uncertain, Weight, decide, expected_errors, infer, infer_until_stable,
-    knows_fragments,
-};
-use willis::network::Network;
-use willis::report::summary::Built;
-use willis::report::{Outcome, Provenance, StagedFolder, Summary, agreement, staged::write_file, write_outcome};
+use willis::inference::{Keep, Params, ROOT_FACTOR, Solver, Uncertain, Weight, knows_fragments};
+use willis::network::RadiusRule;
+use willis::report::StagedFolder;
+use willis::report::cohort::{Cell, infer_figures};
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{CandidateArgs, InputArgs, viscosity};
+use super::cohort::{Cohort, Work};
+use super::input::{CandidateArgs, ReadingArgs, viscosity};
+use super::job::Job;
 use super::keep::parse_rule;
 use super::prior::{Prior, PriorArgs};
+use super::provenance::{command_line, command_line_of};
 use super::shell::print_json;
-use super::tell::{say_built, say_outcome};
-use super::terminal::{Terminal, count, is_stopped, plural};
+use super::subjects::{Inputs, Subject, expand};
+use super::tell::say_built;
+use super::terminal::{Terminal, is_stopped};
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum OnTrial {
     /// Candidates must earn their place, observed vessels stay
     Candidates,
@@ -32,7 +33,8 @@ enum OnTrial {
     All,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Contribution {
     /// Its resilience, as in the paper
     Resilience,
@@ -42,18 +44,21 @@ enum Contribution {
     Global,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Until {
     Stable,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Preset {
     /// --prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground
     Paper,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum SolverName {
     Auto,
     Lanes,
@@ -61,11 +66,18 @@ enum SolverName {
 }
 
 /// Infer the plausible topology of centerlines or of a candidate graph
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 pub struct InferArgs {
+    /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
+    /// (GraphML, CSV of edges); several, or a pattern in quotes ('scans/*.swc'), are a cohort: a folder each, and a table of all
+    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = "Input")]
+    #[serde(skip)]
+    inputs: Vec<PathBuf>,
     #[command(flatten)]
-    input: InputArgs,
-    /// The folder to write; it must not exist
+    #[serde(flatten)]
+    reading: ReadingArgs,
+    /// The folder to write; it must not exist, unless it is that of a cohort to go on with
+    #[serde(skip)]
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     /// Occlusion probability; several, with commas, make a folder each and a table of their agreement
@@ -113,89 +125,41 @@ pub struct InferArgs {
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
     dpi: u32,
-    /// Print run.json on standard output too, in a line for each occlusion probability
+    /// Print run.json on standard output too, in a line for each occlusion probability; of a cohort, its row of each subject
+    #[serde(skip)]
     #[arg(long, help_heading = "Answer")]
     json: bool,
     #[command(flatten)]
+    #[serde(flatten)]
     candidates: CandidateArgs,
     #[command(flatten)]
+    #[serde(flatten)]
     prior: PriorArgs,
     #[command(flatten)]
+    #[serde(flatten)]
     boundary: BoundaryArgs,
-}
-
-/// What all occlusion probabilities share.
-struct Job<'a> {
-    graph: &'a Network,
-    boundary: &'a Boundary,
-    outlets: FoundOutlets,
-    provenance: &'a Provenance,
-    prior: Value,
-    built: Built<'a>,
-    rule: Keep,
-    until_stable: bool,
-    paper: bool,
-    dpi: u32,
 }
 
 impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let rule = self.keep.as_deref().map(parse_rule).transpose()?;
-        let mut runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
+        let runs = self.epsilon.iter().map(|epsilon| self.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
         if let Some(epsilon) = (1..runs.len()).map(|i| self.epsilon[i]).enumerate().find(|(i, e)| self.epsilon[..=*i].contains(e))
         {
             return Err(Error::parameter("--epsilon", epsilon.1, "given twice; expected each probability once"));
         }
         self.boundary.found_outlets(true)?;
         check_dpi(self.dpi)?;
-        StagedFolder::check(&self.output, force)?;
-
-        let mut loaded = self.input.load(terminal)?;
-        let prior = self.prior.resolve(&loaded, self.paper())?;
-        for params in &mut runs {
-            params.uniform_prior = matches!(prior, Prior::Uniform);
-        }
-        let candidate_params = self.candidates.params(loaded.radius_rule, self.paper(), prior.is_evidence())?;
-        let outlets = self.boundary.found_outlets(loaded.fragments && !self.paper())?;
-        let boundary = self.boundary.resolve(&loaded.network, outlets, terminal)?;
-        let graph = prior.graph(&mut loaded, &boundary, &candidate_params)?;
-        let rule =
-            rule.unwrap_or(if knows_fragments(&graph) && !self.paper() { Keep::Probable(ROOT_FACTOR) } else { Keep::Median });
-        let boundary = boundary.extended_to(graph.node_count());
-        if loaded.fragments {
-            say_built(terminal, &graph, &candidate_params, prior.is_evidence());
-        }
-        say_boundary(terminal, &graph, &boundary);
-
-        let folder = StagedFolder::new(&self.output, force)?;
-        let job = Job {
-            graph: &graph,
-            boundary: &boundary,
-            outlets,
-            provenance: &loaded.provenance,
-            prior: prior.record(),
-            built: if loaded.fragments { Built::Candidates(&candidate_params) } else { Built::Given },
-            rule,
-            until_stable: self.until.is_some(),
-            paper: self.paper(),
-            dpi: self.dpi,
+        let inference = Inference { args: &self, rule, runs };
+        let input = match expand(&self.inputs)? {
+            Inputs::One(input) => input,
+            Inputs::Many(subjects) => return inference.cohort(&subjects, terminal, force),
         };
-        let mut records = Vec::new();
-        if let [params] = &runs[..] {
-            records.push(job.run(params, &folder.path(), terminal)?.1);
-        } else {
-            let mut decisions = Vec::new();
-            let uncertain = runs[0].uncertain.vessels(&graph);
-            for params in &runs {
-                let sub = folder.path().join(format!("epsilon-{}", params.epsilon));
-                std::fs::create_dir(&sub).map_err(|source| Error::Write { path: sub.clone(), source })?;
-                let (answer, record) = job.run(params, &sub, terminal)?;
-                decisions.push((params.epsilon, answer));
-                records.push(record);
-            }
-            write_file(&folder.path().join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
-        }
+        StagedFolder::check(&self.output, force)?;
+        let job = inference.job(&input, command_line(), terminal)?;
+        let folder = StagedFolder::new(&self.output, force)?;
+        let records = job.write(&inference.runs, &folder.path(), start, terminal)?;
         if is_stopped() {
             return Err(Error::Stopped { done: self.samples, total: self.samples });
         }
@@ -240,59 +204,73 @@ impl InferArgs {
     }
 }
 
-impl Job<'_> {
-    fn run(&self, params: &Params, folder: &Path, terminal: Terminal) -> Result<(Answer, Summary)> {
+/// What is done with every input.
+struct Inference<'a> {
+    args: &'a InferArgs,
+    rule: Option<Keep>,
+    runs: Vec<Params>,
+}
+
+impl Inference<'_> {
+    /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.
+    fn job(&self, input: &Path, command: String, terminal: Terminal) -> Result<Job> {
+        let args = self.args;
+        let mut loaded = args.reading.load(input, command, terminal)?;
+        let prior = args.prior.resolve(&loaded, args.paper())?;
+        let params = args.candidates.params(loaded.radius_rule, args.paper(), prior.is_evidence())?;
+        let outlets = args.boundary.found_outlets(loaded.fragments && !args.paper())?;
+        let boundary = args.boundary.resolve(input, &loaded.network, outlets, terminal)?;
+        let graph = prior.graph(&mut loaded, &boundary, &params)?;
+        let usual = if knows_fragments(&graph) && !args.paper() { Keep::Probable(ROOT_FACTOR) } else { Keep::Median };
+        let boundary = boundary.extended_to(graph.node_count());
+        if loaded.fragments {
+            say_built(terminal, &graph, &params, prior.is_evidence());
+        }
+        say_boundary(terminal, &graph, &boundary);
+        Ok(Job {
+            graph,
+            boundary,
+            outlets,
+            provenance: loaded.provenance,
+            prior: prior.record(),
+            uniform_prior: matches!(prior, Prior::Uniform),
+            candidates: loaded.fragments.then_some(params),
+            rule: self.rule.unwrap_or(usual),
+            until_stable: args.until.is_some(),
+            paper: args.paper(),
+            dpi: args.dpi,
+        })
+    }
+
+    fn cohort(&self, subjects: &[Subject], terminal: Terminal, force: bool) -> Result<()> {
+        let args = self.args;
+        if self.runs.len() > 1 {
+            let given: Vec<String> = args.epsilon.iter().map(f64::to_string).collect();
+            return Err(Error::parameter("--epsilon", given.join(","), "several go with one INPUT; give one for a cohort"));
+        }
+        args.reading.check()?;
+        args.prior.check()?;
+        args.candidates.params(RadiusRule::Mean, args.paper(), false)?;
+        let parameters = serde_json::to_value(args).map_err(|e| Error::parameter("arguments", "", e.to_string()))?;
+        let cohort = Cohort { command: "infer", parameters, output: &args.output, force, json: args.json };
+        cohort.run(subjects, self, terminal)
+    }
+}
+
+impl Work for Inference<'_> {
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
+        let args = self.args;
+        [args.reading.loops(input), args.boundary.file(input), args.prior.file()].into_iter().flatten().collect()
+    }
+
+    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
         let start = Instant::now();
-        let trial = params.uncertain.vessels(self.graph).iter().filter(|u| **u).count();
-        let threads = rayon::current_num_threads();
-        let how = format!(
-            "epsilon {}, {} samples, seed {}, {}",
-            params.epsilon,
-            count(params.samples),
-            params.seed,
-            plural(threads, "thread")
-        );
-        terminal.say(
-            "sampling",
-            format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
-        );
-        let mut progress = terminal.progress("sampling", "samples", params.samples);
-        let sampled = if self.until_stable {
-            infer_until_stable(self.graph, self.boundary, params, self.rule, &mut progress)
-        } else {
-            infer(self.graph, self.boundary, params, &mut progress)
-        };
-        progress.finish();
-        let (result, method) = sampled?;
-        let sampling = start.elapsed().as_secs_f64();
-        let answer = decide(self.rule, self.graph, &result)?;
-        let topology = |kept: &[bool]| Topology::of(self.graph, &result.uncertain, kept, self.boundary);
-        let outcome = Outcome {
-            network: self.graph,
-            boundary: self.boundary,
-            result: &result,
-            rule: self.rule,
-            answer: &answer,
-            kept: topology(&answer.kept),
-            above_median: topology(&answer.above_median),
-            expected: expected_errors(self.graph, &answer.kept),
-            uniform_prior: params.uniform_prior,
-            method,
-            weight: params.weight,
-            exact: params.exact,
-            viscosity: params.viscosity,
-        };
-        let mut summary = Summary::new(&outcome, self.provenance, params, self.built, self.outlets);
-        summary.state_prior(self.prior.clone());
-        if self.paper {
-            summary.follow_the_paper();
-        }
-        summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads, "instructions": method.instructions });
-        say_outcome(terminal, &outcome, sampling);
-        for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
-            terminal.say("note", note);
-        }
-        Ok((answer, summary))
+        let command = command_line_of(&subject.input, &self.args.inputs);
+        self.job(&subject.input, command, terminal)?.write(&self.runs, folder, start, terminal).map(drop)
+    }
+
+    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
+        infer_figures(record)
     }
 }
 

@@ -1,8 +1,9 @@
 //! Reading the input of a command: centerlines become a network, a ready graph is taken as it stands.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 use willis::candidates::evidence::Search;
 use willis::candidates::{self, Attach, CandidateRadius};
 use willis::centerline::WELD_TOLERANCE;
@@ -16,7 +17,8 @@ use willis::units::{LengthUnit, Scale, millimetres};
 use super::provenance::command_line;
 use super::terminal::{Terminal, brief, count, plural};
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Unit {
     Mm,
     Um,
@@ -25,7 +27,8 @@ enum Unit {
     Voxel,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 enum Radius {
     /// The mean over arc length
     Mean,
@@ -40,6 +43,14 @@ pub struct InputArgs {
     /// (GraphML, CSV of edges)
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
     pub input: PathBuf,
+    #[command(flatten)]
+    reading: ReadingArgs,
+}
+
+/// How an input is read.
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Input")]
+pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_enum)]
     units: Option<Unit>,
@@ -55,15 +66,17 @@ pub struct InputArgs {
     /// The radius of vessels that have none
     #[arg(long, value_name = "LENGTH")]
     default_radius: Option<String>,
-    /// Links between points that SWC cannot hold: a CSV file of id_a,id_b
+    /// Links between points that SWC cannot hold: a CSV file of id_a,id_b; in its name {} is INPUT without its ending and {dir}
+    /// the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     loops: Option<PathBuf>,
     /// Take the vessels of a graph file as observed and build candidates around them
     #[arg(long)]
-    pub observed: bool,
+    observed: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AttachTo {
     /// Any vessel, split where the candidate meets it, or a free end
     Centerline,
@@ -71,13 +84,14 @@ pub enum AttachTo {
     Ends,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RadiusOfCandidate {
     Min,
     Mean,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Candidates")]
 pub struct CandidateArgs {
     /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
@@ -120,11 +134,44 @@ pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
 impl InputArgs {
     /// Refuses what only commands that build candidates know.
     pub fn refuse_candidates(&self, command: &str) -> Result<()> {
-        if self.observed {
+        if self.reading.observed {
             let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
             return Err(Error::parameter("--observed", "", why));
         }
         Ok(())
+    }
+
+    /// Reads the input and says what was found in it.
+    pub fn load(&self, terminal: Terminal) -> Result<Loaded> {
+        self.reading.load(&self.input, command_line(), terminal)
+    }
+}
+
+/// A file named for every input: `{}` in its name is the input without its ending, `{dir}` the folder of the input.
+pub fn beside(name: &Path, input: &Path) -> PathBuf {
+    let Some(text) = name.to_str().filter(|text| text.contains('{')) else { return name.to_owned() };
+    let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Split first, so that braces in the name of a folder stay as they are.
+    let mut path = String::new();
+    for (at, part) in text.split("{dir}").enumerate() {
+        if at > 0 {
+            path += &folder.to_string_lossy();
+        }
+        path += &part.replace("{}", &input.with_extension("").to_string_lossy());
+    }
+    path.into()
+}
+
+impl ReadingArgs {
+    /// Refuses what is wrong whatever the input.
+    pub fn check(&self) -> Result<()> {
+        self.scale()?;
+        length("--default-radius", self.default_radius.as_ref()).map(drop)
+    }
+
+    /// The file of links that goes with an input.
+    pub fn loops(&self, input: &Path) -> Option<PathBuf> {
+        self.loops.as_ref().map(|name| beside(name, input))
     }
 
     fn scale(&self) -> Result<Scale> {
@@ -152,8 +199,8 @@ impl InputArgs {
         Ok(scale)
     }
 
-    /// Reads the input and says what was found in it.
-    pub fn load(&self, terminal: Terminal) -> Result<Loaded> {
+    /// Reads an input and says what was found in it; `command` is the line that repeats the run.
+    pub fn load(&self, input: &Path, command: String, terminal: Terminal) -> Result<Loaded> {
         let scale = self.scale()?;
         let default_radius = length("--default-radius", self.default_radius.as_ref())?;
         let radius_rule = match self.radius {
@@ -164,9 +211,9 @@ impl InputArgs {
             scale,
             radius_array: self.radius_array.clone(),
             radius_optional: default_radius.is_some(),
-            loops: self.loops.clone(),
+            loops: self.loops(input),
         };
-        let document = read(&self.input, &options)?;
+        let document = read(input, &options)?;
         let given = [
             ("--radius-array", self.radius_array.as_ref(), matches!(document.content, Content::Centerlines(_))),
             ("--default-radius", self.default_radius.as_ref(), !matches!(document.content, Content::Graph(_))),
@@ -185,21 +232,21 @@ impl InputArgs {
         let assumed = if self.units.is_none() { " assumed" } else { "" };
         let heading = format!("{}, {}{assumed}", document.format.name(), scale.unit.symbol());
         let ready = matches!(document.content, Content::Graph(_));
-        let network = self.network(document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
+        let network = network(input, document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
         if network.vessel_count() == 0 {
             return Err(willis::error::Fault::file(
                 "no vessel",
                 "expected centerlines with at least two linked points, or edges",
             )
-            .in_file(&self.input));
+            .in_file(input));
         }
         for note in &notes {
             terminal.say("note", note);
         }
         let network = if self.observed && ready { observed(network) } else { network };
         let provenance = Provenance {
-            command: command_line(),
-            input: self.input.display().to_string(),
+            command,
+            input: input.display().to_string(),
             format: document.format.name().to_owned(),
             sha256: document.sha256,
             units: scale.unit.symbol().to_owned(),
@@ -207,84 +254,84 @@ impl InputArgs {
         };
         Ok(Loaded { network, provenance, fragments: !ready || self.observed, radius_rule })
     }
+}
 
-    /// Makes a network of what was read and says how large it is.
-    fn network(
-        &self,
-        content: Content,
-        heading: &str,
-        (radius_rule, default_radius): (RadiusRule, Option<f64>),
-        terminal: Terminal,
-        notes: &mut Vec<String>,
-    ) -> Result<Network> {
-        match content {
-            Content::Centerlines(mut lines) => {
-                let points = lines.points.len();
-                let welded = lines.weld(WELD_TOLERANCE);
-                let made = contract(&lines, radius_rule, default_radius).map_err(|fault| fault.in_file(&self.input))?;
-                let parts = fragments(&made.network, |_, _| true).count;
-                let vessels = plural(made.network.vessel_count(), "vessel");
-                terminal.say(
-                    "read",
-                    format!(
-                        "{}: {heading}: {}, {vessels}, {} points{}",
-                        self.input.display(),
-                        plural(parts, "fragment"),
-                        count(points as u64),
-                        radii(&made.network)
-                    ),
-                );
-                if welded > 0 {
-                    notes.push(format!("{} coinciding with another: made one with it", plural(welded, "point")));
-                }
-                if made.repaired_radii > 0 {
-                    notes.push(format!(
-                        "{} without a positive finite radius: interpolated along the vessel",
-                        plural(made.repaired_radii, "point")
-                    ));
-                }
-                if made.mixed_labels > 0 {
-                    let vessels = plural(made.mixed_labels, "vessel");
-                    notes.push(format!("{vessels} with more than one label along them: took that of the longest part"));
-                }
-                if made.default_radii > 0 {
-                    notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
-                }
-                Ok(made.network)
+/// Makes a network of what was read and says how large it is.
+fn network(
+    input: &Path,
+    content: Content,
+    heading: &str,
+    (radius_rule, default_radius): (RadiusRule, Option<f64>),
+    terminal: Terminal,
+    notes: &mut Vec<String>,
+) -> Result<Network> {
+    match content {
+        Content::Centerlines(mut lines) => {
+            let points = lines.points.len();
+            let welded = lines.weld(WELD_TOLERANCE);
+            let made = contract(&lines, radius_rule, default_radius).map_err(|fault| fault.in_file(input))?;
+            let parts = fragments(&made.network, |_, _| true).count;
+            let vessels = plural(made.network.vessel_count(), "vessel");
+            terminal.say(
+                "read",
+                format!(
+                    "{}: {heading}: {}, {vessels}, {} points{}",
+                    input.display(),
+                    plural(parts, "fragment"),
+                    count(points as u64),
+                    radii(&made.network)
+                ),
+            );
+            if welded > 0 {
+                notes.push(format!("{} coinciding with another: made one with it", plural(welded, "point")));
             }
-            Content::Vessels(mut network) => {
-                let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
-                if let Some(radius) = default_radius.filter(|_| !without.is_empty()) {
-                    for row in &without {
-                        network.vessel_mut(*row).radius = radius;
-                    }
-                    notes.push(format!("{} without any radius: took --default-radius", plural(without.len(), "vessel")));
+            if made.repaired_radii > 0 {
+                notes.push(format!(
+                    "{} without a positive finite radius: interpolated along the vessel",
+                    plural(made.repaired_radii, "point")
+                ));
+            }
+            if made.mixed_labels > 0 {
+                let vessels = plural(made.mixed_labels, "vessel");
+                notes.push(format!("{vessels} with more than one label along them: took that of the longest part"));
+            }
+            if made.default_radii > 0 {
+                notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
+            }
+            Ok(made.network)
+        }
+        Content::Vessels(mut network) => {
+            let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
+            if let Some(radius) = default_radius.filter(|_| !without.is_empty()) {
+                for row in &without {
+                    network.vessel_mut(*row).radius = radius;
                 }
-                let size = format!(
-                    "{}, {}{}",
+                notes.push(format!("{} without any radius: took --default-radius", plural(without.len(), "vessel")));
+            }
+            let size = format!(
+                "{}, {}{}",
+                plural(network.node_count(), "node"),
+                plural(network.vessel_count(), "vessel"),
+                radii(&network)
+            );
+            terminal.say("read", format!("{}: {heading}: {size}", input.display()));
+            Ok(network)
+        }
+        Content::Graph(network) => {
+            let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
+            let candidates = network.vessel_count() - observed;
+            terminal.say(
+                "read",
+                format!(
+                    "{}: {heading}: {}, {} observed and {} candidate vessels{}",
+                    input.display(),
                     plural(network.node_count(), "node"),
-                    plural(network.vessel_count(), "vessel"),
+                    count(observed as u64),
+                    count(candidates as u64),
                     radii(&network)
-                );
-                terminal.say("read", format!("{}: {heading}: {size}", self.input.display()));
-                Ok(network)
-            }
-            Content::Graph(network) => {
-                let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
-                let candidates = network.vessel_count() - observed;
-                terminal.say(
-                    "read",
-                    format!(
-                        "{}: {heading}: {}, {} observed and {} candidate vessels{}",
-                        self.input.display(),
-                        plural(network.node_count(), "node"),
-                        count(observed as u64),
-                        count(candidates as u64),
-                        radii(&network)
-                    ),
-                );
-                Ok(network)
-            }
+                ),
+            );
+            Ok(network)
         }
     }
 }

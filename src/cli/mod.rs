@@ -2,10 +2,13 @@
 
 mod boundary;
 mod candidates;
+mod cohort;
 mod convert;
 mod infer;
 mod input;
+mod job;
 mod keep;
+mod ledger;
 mod modulate;
 mod perturbation;
 mod phantom;
@@ -13,6 +16,7 @@ mod prior;
 mod provenance;
 mod shell;
 mod simulate;
+mod subjects;
 mod tell;
 mod tell_flow;
 mod terminal;

@@ -89,7 +89,7 @@ impl ModulateArgs {
         let loaded = self.input.load(terminal)?;
         let network = loaded.network;
         params.vessels = self.vessels.as_ref().map(|names| called(&network, names)).transpose()?;
-        let boundary = self.boundary.resolve(&network, outlets, terminal)?;
+        let boundary = self.boundary.resolve(&self.input.input, &network, outlets, terminal)?;
         say_boundary(terminal, &network, &boundary);
         let folder = StagedFolder::new(&self.output, force)?;
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::Serialize;
 use serde_json::{Value, json};
 use willis::candidates::prior::Weights;
 use willis::candidates::{self, build, build_probable};
@@ -14,7 +15,7 @@ use willis::suggestion::did_you_mean;
 
 use super::input::Loaded;
 
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Candidates")]
 pub struct PriorArgs {
     /// How probable a candidate is before any flow: evidence (the shipped model of real arteries), WEIGHTS.toml (one of your own,
@@ -57,40 +58,56 @@ impl PriorArgs {
             (false, false) => "none",
         };
         let text = self.prior.as_deref().unwrap_or(default);
-        let path = Path::new(text);
-        let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-        let read = || -> Result<(Vec<u8>, Source)> {
-            let bytes = bytes_of(path)?;
-            let sha256 = checksum(&bytes);
-            Ok((bytes, Source { path: path.to_owned(), sha256 }))
-        };
-        let (weights, source) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
-            ("none", _) => return Ok(Prior::None),
-            ("uniform", _) => return Ok(Prior::Uniform),
-            ("evidence", _) => (Weights::shipped()?, None),
-            (_, Some("toml")) => {
-                let (bytes, source) = read()?;
-                let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
-                let text = std::str::from_utf8(&bytes).map_err(fault)?;
-                (Weights::read(text).map_err(|fault| fault.in_file(path))?, Some(source))
-            }
-            (_, Some("npy" | "csv")) => {
-                let (bytes, source) = read()?;
-                return Ok(Prior::File { bytes, source });
-            }
-            _ => {
-                let meant = did_you_mean(text, ["evidence", "none", "uniform"]);
-                let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
-                return Err(Error::parameter("--prior", format!("\"{text}\""), accepted));
-            }
-        };
-        if !loaded.fragments {
+        let prior = prior_of(text)?;
+        if prior.is_evidence() && !loaded.fragments {
             let accepted =
                 "needs centerlines; this is a ready graph, whose candidates state their own probability (see --observed)";
             return Err(Error::parameter("--prior", text, accepted));
         }
-        Ok(Prior::Evidence { weights: Box::new(weights), source })
+        Ok(prior)
     }
+
+    /// Refuses what is wrong whatever the input.
+    pub fn check(&self) -> Result<()> {
+        self.prior.as_deref().map(prior_of).transpose().map(drop)
+    }
+
+    /// The file of priors or weights.
+    pub fn file(&self) -> Option<PathBuf> {
+        self.prior.as_ref().filter(|text| !["evidence", "none", "uniform"].contains(&text.as_str())).map(PathBuf::from)
+    }
+}
+
+/// The prior that a word or file means.
+fn prior_of(text: &str) -> Result<Prior> {
+    let path = Path::new(text);
+    let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    let read = || -> Result<(Vec<u8>, Source)> {
+        let bytes = bytes_of(path)?;
+        let sha256 = checksum(&bytes);
+        Ok((bytes, Source { path: path.to_owned(), sha256 }))
+    };
+    let (weights, source) = match (text, ending.as_ref().and_then(|e| e.to_str())) {
+        ("none", _) => return Ok(Prior::None),
+        ("uniform", _) => return Ok(Prior::Uniform),
+        ("evidence", _) => (Weights::shipped()?, None),
+        (_, Some("toml")) => {
+            let (bytes, source) = read()?;
+            let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
+            let text = std::str::from_utf8(&bytes).map_err(fault)?;
+            (Weights::read(text).map_err(|fault| fault.in_file(path))?, Some(source))
+        }
+        (_, Some("npy" | "csv")) => {
+            let (bytes, source) = read()?;
+            return Ok(Prior::File { bytes, source });
+        }
+        _ => {
+            let meant = did_you_mean(text, ["evidence", "none", "uniform"]);
+            let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
+            return Err(Error::parameter("--prior", format!("\"{text}\""), accepted));
+        }
+    };
+    Ok(Prior::Evidence { weights: Box::new(weights), source })
 }
 
 impl Prior {

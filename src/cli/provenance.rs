@@ -1,5 +1,7 @@
 //! The command line that repeats a run.
 
+use std::path::{Path, PathBuf};
+
 /// Options that change no result, with whether a value follows.
 const IMMATERIAL: [(&str, bool); 9] = [
     ("-o", true),
@@ -15,13 +17,24 @@ const IMMATERIAL: [(&str, bool); 9] = [
 
 /// This process's command line without the options that change no result, quoted for a shell.
 pub fn command_line() -> String {
+    written(|word| Some(word.to_owned()))
+}
+
+/// The same for one `input` alone of those that were given.
+pub fn command_line_of(input: &Path, given: &[PathBuf]) -> String {
+    let mut own = Some(input.to_string_lossy().into_owned());
+    written(|word| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) })
+}
+
+/// The command line with every word that counts as `wording` has it.
+fn written(mut wording: impl FnMut(&str) -> Option<String>) -> String {
     let mut words = vec!["willis".to_owned()];
     let mut rest = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = rest.next() {
         match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
             Some((name, true)) if word == *name => drop(rest.next()),
             Some(_) => {}
-            None => words.push(quoted(&word)),
+            None => words.extend(wording(&word).map(|word| quoted(&word))),
         }
     }
     words.join(" ")

@@ -52,7 +52,7 @@ impl SimulateArgs {
         let loaded = self.input.load(terminal)?;
         let network = &loaded.network;
         let perturbations = self.perturbation.resolve(network)?;
-        let boundary = self.boundary.resolve(network, outlets, terminal)?;
+        let boundary = self.boundary.resolve(&self.input.input, network, outlets, terminal)?;
         say_boundary(terminal, network, &boundary);
         let result = simulate(network, &boundary, viscosity, &perturbations)?;
         let simulated = Simulated { network, boundary: &boundary, perturbations: &perturbations, result: &result, viscosity };

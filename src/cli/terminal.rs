@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
@@ -12,9 +12,12 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 pub struct Terminal {
     quiet: bool,
     verbose: bool,
+    /// Whether this is the terminal of one subject among many.
+    of_many: bool,
 }
 
-static STOP: AtomicBool = AtomicBool::new(false);
+/// How often Ctrl-C or SIGTERM has come.
+static STOPS: AtomicU8 = AtomicU8::new(0);
 static HANDLER: Once = Once::new();
 
 /// Between two progress lines where there is no terminal.
@@ -23,7 +26,18 @@ const QUIET_TIME: Duration = Duration::from_secs(10);
 impl Terminal {
     /// A terminal that tells less or more.
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose }
+        Self { quiet, verbose, of_many: false }
+    }
+
+    /// The terminal of one subject among many: it tells nothing, or all that it has to tell where a person asked for more; its
+    /// work goes on through the first Ctrl-C.
+    pub fn of_many(self) -> Self {
+        Self { quiet: !self.verbose, verbose: self.verbose, of_many: true }
+    }
+
+    /// Whether a person asked for more.
+    pub fn is_verbose(self) -> bool {
+        self.verbose
     }
 
     /// Tells a fact under a heading.
@@ -44,11 +58,12 @@ impl Terminal {
 
     /// Progress of `doing` over so many `things`, stopped by Ctrl-C or SIGTERM.
     pub fn progress(self, doing: &'static str, things: &'static str, total: u64) -> CountProgress {
-        HANDLER.call_once(|| {
-            // Without a handler a signal ends the process at once, which leaves no output either.
-            let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-        });
-        let bar = if self.quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new(total) };
+        listen();
+        let bar = if self.quiet || self.of_many || !std::io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(total)
+        };
         let line = format!("{{prefix:>10}}  {{bar:16}} {{human_pos}}/{{human_len}} {things}  {{rate}}  {{eta}} left");
         if let Ok(style) = ProgressStyle::with_template(&line) {
             let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
@@ -62,16 +77,27 @@ impl Terminal {
             bar,
             doing,
             things,
-            lines: !self.quiet && !std::io::stderr().is_terminal(),
+            lines: !self.quiet && !self.of_many && !std::io::stderr().is_terminal(),
+            stops: if self.of_many { 2 } else { 1 },
             last: Instant::now(),
             start: Instant::now(),
         }
     }
 }
 
+/// From now on Ctrl-C and SIGTERM only ask to stop.
+pub fn listen() {
+    HANDLER.call_once(|| {
+        // Without a handler a signal ends the process at once, which leaves no output either.
+        let _ = ctrlc::set_handler(|| {
+            let _ = STOPS.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_add(1)));
+        });
+    });
+}
+
 /// Whether Ctrl-C or SIGTERM has come.
 pub fn is_stopped() -> bool {
-    STOP.load(Ordering::Relaxed)
+    STOPS.load(Ordering::Relaxed) > 0
 }
 
 /// A line on standard error; one that is closed or full is no reason to stop.
@@ -85,6 +111,8 @@ pub struct CountProgress {
     doing: &'static str,
     things: &'static str,
     lines: bool,
+    /// After how many signals the work stops.
+    stops: u8,
     last: Instant,
     start: Instant,
 }
@@ -100,7 +128,7 @@ impl willis::inference::Progress for CountProgress {
             let (doing, things, rate) = (self.doing, self.things, count(rate as u64));
             line(format_args!("{doing:>10}  {} of {} {things}, {rate}/s, {left:.0} s left", count(done), count(total)));
         }
-        !is_stopped()
+        STOPS.load(Ordering::Relaxed) < self.stops
     }
 }
 

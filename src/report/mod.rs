@@ -1,6 +1,7 @@
 //! What a run leaves behind: tables, matrices, topologies, pictures and the record of how it was made.
 
 mod agreement;
+pub mod cohort;
 mod flow_record;
 mod flow_tables;
 mod modulation;

@@ -38,6 +38,12 @@ const FILES: &[&str] = &[
     "hypertension.svg",
 ];
 const AGREEMENT: &str = "agreement.csv";
+/// The record by which the folder of a cohort is known.
+pub const COHORT_MARK: &str = "cohort.json";
+/// What such a folder holds beside the folders of its subjects.
+const COHORT_FILES: &[&str] = &[COHORT_MARK, "cohort.csv", "cohort.html"];
+/// How the name of everything in the making begins.
+pub const IN_THE_MAKING: &str = ".willis-";
 
 /// The paths in a folder; `None` when it cannot be read.
 fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
@@ -51,10 +57,18 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
 /// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
 fn stranger(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let record = || fs::read(folder.join(MARK)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
+    let record = |mark| fs::read(folder.join(mark)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
+    let is_ours = |mark| record(mark).is_some_and(|r| r.get("willis").is_some());
     if folder.join(MARK).exists() {
-        let ours = record().is_some_and(|r| r.get("willis").is_some());
-        return if ours { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
+        return if is_ours(MARK) { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
+    }
+    if folder.join(COHORT_MARK).exists() {
+        let of_cohort = |path: PathBuf| match path.is_dir() {
+            true => stranger(&path),
+            false => (!is_named(&path, COHORT_FILES)).then_some(path),
+        };
+        let rest = paths.into_iter().filter(|path| !is_in_the_making(path));
+        return if is_ours(COHORT_MARK) { rest.into_iter().find_map(of_cohort) } else { Some(folder.join(COHORT_MARK)) };
     }
     paths.into_iter().find_map(|path| {
         if path.is_dir() && path.join(MARK).exists() {
@@ -62,6 +76,23 @@ fn stranger(folder: &Path) -> Option<PathBuf> {
         }
         (!is_named(&path, &[AGREEMENT])).then_some(path)
     })
+}
+
+/// Whether a path is the temporary of a run that is at work, or was killed.
+fn is_in_the_making(path: &Path) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with(IN_THE_MAKING))
+}
+
+/// Removes what killed runs left in the making in a folder.
+///
+/// # Errors
+///
+/// The system refuses.
+pub fn sweep(folder: &Path) -> Result<()> {
+    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir()) {
+        fs::remove_dir_all(&path).map_err(write_error(&path))?;
+    }
+    Ok(())
 }
 
 fn write_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
@@ -75,7 +106,7 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
     }
     let standing = target.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
     let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match tempfile::Builder::new().prefix(".willis-").tempdir_in(folder) {
+    match tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(folder) {
         Ok(_) => Ok(()),
         Err(e) => {
             let accepted = format!("{} cannot be written to: {}", folder.display(), e.kind());
@@ -91,7 +122,7 @@ fn beside(target: &Path) -> Result<TempDir> {
         _ => Path::new("."),
     };
     fs::create_dir_all(parent).map_err(write_error(parent))?;
-    tempfile::Builder::new().prefix(".willis-").tempdir_in(parent).map_err(write_error(target))
+    tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(parent).map_err(write_error(target))
 }
 
 /// A folder in the making.
@@ -117,6 +148,17 @@ impl StagedFolder {
                 Err(Error::parameter("--output", target.display(), accepted))
             }
         }
+    }
+
+    /// Takes the folder of an earlier run away, whole at once.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFolder::check`] with `force`, or the system refuses.
+    pub fn remove(target: &Path) -> Result<()> {
+        Self::check(target, true)?;
+        let temporary = beside(target)?;
+        fs::rename(target, temporary.path().join("old")).map_err(write_error(target))
     }
 
     /// Starts a folder that will stand at `target`.

@@ -76,7 +76,8 @@ fn scene(scene: &Scene) -> Value {
     })
 }
 
-fn table(table: &Table) -> io::Result<Value> {
+/// A table with its columns.
+pub fn table(table: &Table) -> io::Result<Value> {
     let rows = table.columns.first().map_or(0, |column| column.values.len());
     if table.columns.iter().any(|column| column.values.len() != rows) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{}: columns differ in length", table.title)));

@@ -1,5 +1,6 @@
 //! report.html: one self-contained page of a run, to open in any browser and to send to a colleague.
 
+mod cohort;
 mod encode;
 mod figure;
 mod infer;
@@ -14,6 +15,7 @@ use serde_json::{Value, json};
 
 use crate::formats::Column;
 
+pub use cohort::write_cohort_page;
 pub use figure::Figure;
 pub use infer::page as infer_page;
 pub use modulate::{Tables as ModulationTables, page as modulation_page};
@@ -161,15 +163,20 @@ const SCRIPTS: [&str; 13] = [
 ///
 /// What the writer says; a table whose columns differ in length.
 pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
-    let mut rest = TEMPLATE;
+    fill(out, TEMPLATE, &SCRIPTS, &page.title, &encode::page(page)?)
+}
+
+/// Writes a template with what belongs into its places.
+fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, data: &Value) -> io::Result<()> {
+    let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
         out.write_all(before.as_bytes())?;
         match name {
-            "title" => out.write_all(as_markup(&page.title).as_bytes())?,
+            "title" => out.write_all(as_markup(title).as_bytes())?,
             "style" => out.write_all(STYLE.as_bytes())?,
-            "data" => out.write_all(as_script(&serde_json::to_string(&encode::page(page)?)?).as_bytes())?,
-            _ => SCRIPTS.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+            "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
+            _ => scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
         }
         rest = after;
     }

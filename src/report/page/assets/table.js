@@ -13,11 +13,12 @@ class Sheet {
     this.page = 0;
     this.words = "";
     this.picked = -1;
+    this.among = null;
     this.build();
   }
 
   build() {
-    this.filter = make("input", { type: "search", id: "filter", placeholder: "label, id, row …", autocomplete: "off" });
+    this.filter = make("input", { type: "search", id: "filter", placeholder: this.table.filterBy || "label, id, row …", autocomplete: "off" });
     this.filter.addEventListener("input", () => { this.words = this.filter.value.trim().toLowerCase(); this.page = 0; this.show(); });
     this.where = make("span", { role: "status" });
     const turn = (text, label, by) => {
@@ -61,9 +62,10 @@ class Sheet {
 
   // The rows that hold the words of the filter in a text or a whole number.
   rows() {
-    if (!this.words) return this.order;
+    const chosen = this.among ? this.order.filter(row => this.among.has(row)) : this.order;
+    if (!this.words) return chosen;
     const among = this.columns.filter(c => c.text || c.values && !(c.values instanceof Float32Array || c.values instanceof Float64Array));
-    return this.order.filter(row => among.some(c => String(c.at(row)).toLowerCase().includes(this.words)));
+    return chosen.filter(row => among.some(c => String(c.at(row)).toLowerCase().includes(this.words)));
   }
 
   show() {
@@ -79,9 +81,11 @@ class Sheet {
   line(row) {
     const cells = this.columns.map(column => {
       const value = column.at(row);
-      return make("td", { text: shown(value), class: column.text ? "text" : null, title: column.text && value.length > 30 ? value : null });
+      const cell = { class: column.text ? "text" : null, title: column.text && value.length > 30 ? value : null };
+      const address = column.address?.(row);
+      return address ? make("td", cell, make("a", { href: address, text: shown(value) })) : make("td", { ...cell, text: shown(value) });
     });
-    const line = make("tr", {}, ...cells);
+    const line = make("tr", { class: this.table.mark?.(row) ?? null }, ...cells);
     if (this.table.ofVessels) {
       line.className = "vessel";
       line.dataset.row = row;
@@ -101,6 +105,13 @@ class Sheet {
     const page = Math.floor(place / ROWS_A_PAGE);
     if (place >= 0 && page !== this.page) { this.page = page; this.show(); }
     for (const line of this.body.children) line.setAttribute("aria-selected", Number(line.dataset.row) === row);
+  }
+
+  // Shows these rows alone, or all.
+  only(rows) {
+    this.among = rows;
+    this.page = 0;
+    this.show();
   }
 
   // Live columns changed.

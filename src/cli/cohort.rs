@@ -1,0 +1,211 @@
+//! Many inputs in one command: a folder for each subject, a table and a page of all; what is done already is not done again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use serde_json::Value;
+use willis::error::{Error, Result};
+use willis::report::StagedFolder;
+use willis::report::cohort::{About, Cell, FILES, Row, write_cohort};
+use willis::report::staged::{IN_THE_MAKING, sweep};
+
+use super::ledger::{Entry, Ledger};
+use super::provenance::command_line;
+use super::shell::print_json;
+use super::subjects::Subject;
+use super::terminal::{Terminal, is_stopped, listen, plural};
+
+/// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
+const STACK: usize = 8 << 20;
+
+/// What a command does with each subject.
+pub trait Work: Sync {
+    /// The files besides the input that go into a subject.
+    fn files(&self, input: &Path) -> Vec<PathBuf>;
+
+    /// Writes all files of a subject, run.json among them, into a folder.
+    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()>;
+
+    /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
+    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)>;
+}
+
+/// A cohort to be made, or to go on with.
+pub struct Cohort<'a> {
+    /// The subcommand.
+    pub command: &'static str,
+    /// Every option that changes a result.
+    pub parameters: Value,
+    /// Its folder.
+    pub output: &'a Path,
+    /// Whether to start anew.
+    pub force: bool,
+    /// Whether to print the rows.
+    pub json: bool,
+}
+
+impl Cohort<'_> {
+    /// Does the work for every subject that is not done, then writes the table and the page.
+    ///
+    /// # Errors
+    ///
+    /// A folder that is not that of such a cohort, or cannot be written; subjects that failed, once all else is written; a stop.
+    pub fn run(&self, subjects: &[Subject], work: &impl Work, terminal: Terminal) -> Result<()> {
+        listen();
+        let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(&s.input))).collect();
+        let ledger = Ledger {
+            willis: env!("CARGO_PKG_VERSION").to_owned(),
+            command: self.command.to_owned(),
+            parameters: self.parameters.clone(),
+            subjects: entries,
+        };
+        let earlier = self.earlier(&ledger)?;
+        let _lock = self.lock()?;
+        sweep(self.output)?;
+        let is_done = |at: usize| {
+            let record = self.record(&subjects[at].name);
+            ledger.stands(at, &earlier) && record.is_some_and(|r| r["input"]["sha256"].as_str() == ledger.subjects[at].sha256())
+        };
+        let mut done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
+        self.clear(subjects, &done)?;
+        ledger.write(self.output)?;
+        let skipped = done.iter().filter(|done| **done).count();
+        if skipped > 0 {
+            terminal.say("cohort", format!("{skipped} of {} done already", plural(subjects.len(), "subject")));
+        }
+
+        let ended = self.work(subjects, &done, work, terminal);
+        for (at, failure) in &ended {
+            done[*at] = failure.is_none();
+        }
+        if ended.len() + skipped < subjects.len() {
+            let done = done.iter().filter(|done| **done).count();
+            return Err(Error::StoppedCohort { path: self.output.to_owned(), done, total: subjects.len() });
+        }
+        let row = |at: usize| {
+            let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
+            let failure = ended.iter().find(|(of, _)| *of == at).and_then(|(_, failure)| failure.clone());
+            let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
+            Row {
+                subject: name.clone(),
+                input: entry.input.clone(),
+                sha256: entry.sha256().unwrap_or_default().to_owned(),
+                figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
+            }
+        };
+        let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
+        let about = About { command: self.command, line: command_line(), parameters: &self.parameters };
+        write_cohort(self.output, &rows, &about)?;
+        if self.json {
+            rows.iter().try_for_each(|row| print_json(&row.record()))?;
+        }
+        terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
+        match rows.iter().filter(|row| row.figures.is_err()).count() {
+            0 => Ok(()),
+            failed => Err(Error::Subjects { failed, total: rows.len() }),
+        }
+    }
+
+    /// The ledger of the cohort to go on with; the new one, without a subject, where the folder is made anew.
+    fn earlier(&self, ledger: &Ledger) -> Result<Ledger> {
+        if self.output.exists() && !self.force {
+            let Some(earlier) = Ledger::read(self.output) else { return Err(Error::Exists { path: self.output.to_owned() }) };
+            ledger.goes_on(&earlier, self.output)?;
+            return Ok(earlier);
+        }
+        let empty = Ledger { subjects: Vec::new(), ..ledger.clone() };
+        let folder = StagedFolder::new(self.output, self.force)?;
+        empty.write(&folder.path())?;
+        folder.commit()?;
+        Ok(empty)
+    }
+
+    /// Keeps a second command off the folder while this one lives.
+    fn lock(&self) -> Result<Lock> {
+        let path = self.output.join(format!("{IN_THE_MAKING}lock"));
+        let file = fs::File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
+        match file.try_lock() {
+            Err(fs::TryLockError::WouldBlock) => {
+                Err(Error::parameter("--output", self.output.display(), "another willis is at work in this folder"))
+            }
+            // A file system without locks is no reason to stop.
+            _ => Ok(Lock { path, _file: file }),
+        }
+    }
+
+    /// Takes away what will be made again, so that nothing of an earlier state is taken for the new one.
+    fn clear(&self, subjects: &[Subject], done: &[bool]) -> Result<()> {
+        let folders = subjects.iter().zip(done).filter(|(_, done)| !**done).map(|(s, _)| self.output.join(&s.name));
+        let stale: Vec<PathBuf> = folders.filter(|folder| folder.exists()).collect();
+        stale.iter().try_for_each(|folder| StagedFolder::check(folder, true))?;
+        stale.iter().try_for_each(|folder| StagedFolder::remove(folder))?;
+        if done.iter().any(|done| !done) {
+            for path in FILES.iter().map(|name| self.output.join(name)).filter(|path| path.exists()) {
+                fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Works on the subjects that are not done, several at a time, and says how each went; those that a stop left out are not
+    /// among the answers.
+    fn work(&self, subjects: &[Subject], done: &[bool], work: &impl Work, terminal: Terminal) -> Vec<(usize, Option<String>)> {
+        let open: Vec<usize> = (0..subjects.len()).filter(|at| !done[*at]).collect();
+        let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let worker = || {
+            while !is_stopped()
+                && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
+            {
+                let made = self.subject(&subjects[at], work, terminal.of_many());
+                if matches!(made, Err(Error::Stopped { .. })) {
+                    return;
+                }
+                let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
+                match &made {
+                    Ok(()) => terminal.say("done", place),
+                    Err(error) => terminal.say("failed", format!("{place}: {error}")),
+                }
+                ended.push((at, made.err().map(|error| error.to_string())));
+            }
+        };
+        // What is told of a subject stays together when one is done after the other.
+        let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
+        thread::scope(|scope| {
+            for _ in 1..threads {
+                // Without another thread this one does it all.
+                let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
+            }
+            worker();
+        });
+        ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    fn subject(&self, subject: &Subject, work: &impl Work, terminal: Terminal) -> Result<()> {
+        terminal.say("subject", &subject.name);
+        let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
+        work.write(subject, &folder.path(), terminal)?;
+        folder.commit()
+    }
+
+    /// The record of a subject that stands.
+    fn record(&self, name: &str) -> Option<Value> {
+        serde_json::from_slice(&fs::read(self.output.join(name).join("run.json")).ok()?).ok()
+    }
+}
+
+/// A folder that is kept to one command; its file goes with it.
+struct Lock {
+    path: PathBuf,
+    _file: fs::File,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // One that stays behind keeps nobody off.
+        let _ = fs::remove_file(&self.path);
+    }
+}

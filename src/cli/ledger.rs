@@ -1,0 +1,108 @@
+//! cohort.json: with what a cohort was made, so that the same command can go on with it.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use willis::error::{Error, Result};
+use willis::formats::{bytes_of, checksum};
+use willis::report::StagedFile;
+use willis::report::staged::{COHORT_MARK, write_file};
+
+use super::subjects::Subject;
+
+/// Files that readers look for beside an input; an edges table may have `nodes` or `vertices` for `edges` in its name too.
+const BESIDE: [&str; 6] = ["nodes.csv", "vertices.csv", "edges.csv", "Feature_Vessel.csv", "Image_info.txt", "links.csv"];
+
+/// With what a cohort was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// The version.
+    pub willis: String,
+    /// The subcommand.
+    pub command: String,
+    /// What all subjects share: every option that changes a result.
+    pub parameters: Value,
+    /// The subjects in order.
+    pub subjects: Vec<Entry>,
+}
+
+/// With what a subject was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// The name of its folder.
+    pub subject: String,
+    /// Its input.
+    pub input: String,
+    /// The SHA-256 of all files that go into it; null for one that cannot be read.
+    pub files: BTreeMap<String, Option<String>>,
+}
+
+impl Entry {
+    /// The entry of a subject as the files are now: its input, those beside it, and `others`.
+    pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
+        let input = &subject.input;
+        let name = input.file_name().unwrap_or_default().to_string_lossy();
+        let tables = ["nodes", "vertices"].map(|word| name.replace("edges", word));
+        let beside = BESIDE.into_iter().map(str::to_owned).chain(tables).map(|name| input.with_file_name(name));
+        let mut files = BTreeMap::new();
+        for path in std::iter::once(input.clone()).chain(beside.filter(|path| path.is_file())).chain(others) {
+            let sum = || bytes_of(&path).ok().map(|bytes| checksum(&bytes));
+            files.entry(path.display().to_string()).or_insert_with(sum);
+        }
+        Self { subject: subject.name.clone(), input: input.display().to_string(), files }
+    }
+
+    /// The SHA-256 of the input, if it can be read.
+    pub fn sha256(&self) -> Option<&str> {
+        self.files.get(&self.input)?.as_deref()
+    }
+}
+
+impl Ledger {
+    /// The ledger of a cohort's folder; `None` where there is none.
+    pub fn read(folder: &Path) -> Option<Self> {
+        serde_json::from_slice(&bytes_of(&folder.join(COHORT_MARK)).ok()?).ok()
+    }
+
+    /// Writes it into the folder of a cohort, in place of an earlier one.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let file = StagedFile::new(&folder.join(COHORT_MARK), true)?;
+        write_file(&file.path(), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })?;
+        file.commit()
+    }
+
+    /// Refuses to go on with a cohort of other parameters, or one with a subject that is not among these.
+    pub fn goes_on(&self, earlier: &Self, folder: &Path) -> Result<()> {
+        const MEND: &str = "choose another --output, or give --force to start anew";
+        let refused = |why: String| Err(Error::parameter("--output", folder.display(), format!("{why}; {MEND}")));
+        if self.command != earlier.command {
+            return refused(format!("holds a cohort of willis {}", earlier.command));
+        }
+        if let (Value::Object(now), Value::Object(before)) = (&self.parameters, &earlier.parameters)
+            && self.willis == earlier.willis
+            && let Some(name) = now.keys().chain(before.keys()).find(|name| now.get(*name) != before.get(*name))
+        {
+            let said = |value: Option<&Value>| value.filter(|v| !v.is_null()).map_or("not given".into(), Value::to_string);
+            let (now, before) = (said(now.get(name)), said(before.get(name)));
+            let option = name.replace('_', "-");
+            return refused(format!("holds a cohort made with other parameters ({option} was {before}, now {now})"));
+        }
+        let stays = |old: &&Entry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
+        match earlier.subjects.iter().find(|old| !stays(old)) {
+            Some(old) => refused(format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input)),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether a subject stands as the files are now; `earlier` is the ledger that was found.
+    pub fn stands(&self, at: usize, earlier: &Self) -> bool {
+        let entry = &self.subjects[at];
+        self.willis == earlier.willis && entry.sha256().is_some() && earlier.subjects.contains(entry)
+    }
+}

@@ -1,0 +1,127 @@
+//! The inputs of a cohort: patterns are expanded, and every subject has a name for its folder.
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use glob::{MatchOptions, glob_with};
+use willis::error::{Error, Result};
+
+/// The longest name of a folder, in characters.
+const LONGEST: usize = 80;
+
+/// One input of a cohort.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The name of its folder: unique without regard to case, of letters, digits, `-`, `_` and `.`.
+    pub name: String,
+    /// Its path, as given or as a pattern found it.
+    pub input: PathBuf,
+}
+
+/// What was given as input.
+pub enum Inputs {
+    /// One file.
+    One(PathBuf),
+    /// Several, or a pattern.
+    Many(Vec<Subject>),
+}
+
+/// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern.
+///
+/// # Errors
+///
+/// A pattern that nothing matches, or that is none.
+pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
+    if let [input] = given
+        && !is_pattern(input)
+    {
+        return Ok(Inputs::One(input.clone()));
+    }
+    let (mut found, mut known) = (Vec::new(), HashSet::new());
+    for path in given {
+        let matched = if is_pattern(path) { matches(path)? } else { vec![path.clone()] };
+        found.extend(matched.into_iter().filter(|path| known.insert(path.clone())));
+    }
+    Ok(Inputs::Many(named(found)))
+}
+
+fn is_pattern(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
+}
+
+/// The files that a pattern matches, sorted; as in a shell, `*` takes neither `/` nor a leading dot.
+fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
+    let text = pattern.to_string_lossy();
+    let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
+    let options = MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
+    let mut files = Vec::new();
+    for entry in glob_with(&text, options).map_err(|e| refused(format!("no pattern of file names: {e}")))? {
+        let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        return Err(refused("matches no file; expected a file, or a pattern of *, ? and [...]".into()));
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// A name for each input. The name of the file without its ending; where all files are called the same, the name of their folder; where
+/// some are, `folder-file`; and a number behind what is still the same.
+fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut times: HashMap<String, usize> = HashMap::new();
+    for path in &inputs {
+        *times.entry(stem(path).to_lowercase()).or_default() += 1;
+    }
+    let word = |path: &PathBuf| {
+        let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        match (times[&stem(path).to_lowercase()], folder) {
+            (n, Some(folder)) if n > 1 && n == inputs.len() => folder,
+            (n, Some(folder)) if n > 1 => format!("{folder}-{}", stem(path)),
+            _ => stem(path),
+        }
+    };
+    let words: Vec<String> = inputs.iter().map(|path| safe(&word(path))).collect();
+    let mut taken: HashSet<String> = ["cohort.json", "cohort.csv", "cohort.html"].map(str::to_owned).into();
+    let mut unique = |word: &String| {
+        let numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
+        numbered.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+    };
+    let names: Vec<String> = words.iter().map(&mut unique).collect();
+    names.into_iter().zip(inputs).map(|(name, input)| Subject { name, input }).collect()
+}
+
+/// A word as the name of a folder on every system.
+fn safe(word: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let name: String = word.chars().take(LONGEST).map(plain).collect();
+    let name = name.trim_matches('.');
+    if name.is_empty() { "subject".to_owned() } else { name.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(paths: &[&str]) -> Vec<String> {
+        named(paths.iter().map(PathBuf::from).collect()).into_iter().map(|s| s.name).collect()
+    }
+
+    #[test]
+    fn names_are_unique_and_safe() {
+        assert_eq!(names(&["x/a.swc", "y/b.vtp"]), ["a", "b"]);
+        assert_eq!(names(&["x/t.swc", "y/t.swc"]), ["x", "y"]);
+        assert_eq!(names(&["x/t.swc", "y/t.swc", "y/b.swc"]), ["x-t", "y-t", "b"]);
+        assert_eq!(names(&["1/x/t.swc", "2/x/T.swc"]), ["x", "x-2"]);
+        assert_eq!(names(&["x/t.swc", "x/t.vtp", "x-2.swc"]), ["x-t", "x-t-2", "x-2"]);
+        assert_eq!(names(&["a-2.swc", "a.swc", "A.vtp", "q.swc"]), ["a-2", "a", "A-3", "q"]);
+        assert_eq!(
+            names(&["<script>.swc", "..swc", "média 中.swc", "cohort.csv.swc"]),
+            ["_script_", "subject", "média_中", "cohort.csv-2"]
+        );
+        assert!(names(&[&"y".repeat(300)])[0].len() <= LONGEST);
+    }
+}

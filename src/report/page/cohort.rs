@@ -1,0 +1,41 @@
+//! cohort.html: the subjects of a cohort in a table, the uncertain ones on top, and how any of its columns is distributed.
+
+use std::io::{self, Write};
+
+use serde_json::json;
+
+use super::{Table, encode, fill};
+use crate::formats::Column;
+use crate::report::cohort::{About, Row, WALL_TIME};
+
+const TEMPLATE: &str = include_str!("assets/cohort.html");
+/// One module script, as in the page of a run.
+const SCRIPTS: [&str; 5] = [
+    include_str!("assets/dom.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/table.js"),
+    include_str!("assets/distribution.js"),
+    include_str!("assets/cohort.js"),
+];
+const EXACT: [&str; 0] = [];
+/// What the page leaves out: what differs between two runs of one command, and what nobody reads.
+const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
+
+/// Writes the page of a cohort: `columns` are those of its `rows`, in the order in which they are shown.
+///
+/// # Errors
+///
+/// What the writer says.
+pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column>, about: &About<'_>) -> io::Result<()> {
+    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&column.name)).collect();
+    let table = Table { title: "Subjects".to_owned(), columns, exact: &EXACT, of_vessels: false };
+    let failed = rows.iter().filter(|row| row.figures.is_err()).count();
+    let data = json!({
+        "command": about.line,
+        "willis": env!("CARGO_PKG_VERSION"),
+        "parameters": about.parameters,
+        "failed": failed,
+        "table": encode::table(&table)?,
+    });
+    fill(out, TEMPLATE, &SCRIPTS, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
+}
