@@ -127,7 +127,8 @@ impl InputArgs {
         Ok(())
     }
 
-    fn scale(&self) -> Result<Scale> {
+    /// The unit of INPUT, which files of positions beside it share.
+    pub fn scale(&self) -> Result<Scale> {
         let unit = match self.units.unwrap_or(Unit::Mm) {
             Unit::Mm => LengthUnit::Millimetre,
             Unit::Um => LengthUnit::Micrometre,

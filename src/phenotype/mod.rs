@@ -1,7 +1,23 @@
 //! The phenotype of the Circle of Willis: which of its segments are there, by what is connected to what.
 
 mod artery;
+mod by_labels;
+mod by_points;
+mod calibre;
+mod circle;
+mod divide;
 mod labels;
+mod landmarks;
+mod naming;
+mod place;
+mod sides;
+mod variant;
+mod ways;
 
 pub use artery::{Artery, FENESTRATED, RING, Side};
+pub use circle::Circle;
+pub use divide::divide;
 pub use labels::{Scheme, artery, is_none};
+pub use landmarks::{Landmark, read_landmarks};
+pub use naming::Completeness;
+pub use variant::Variant;
