@@ -2,6 +2,7 @@
 
 mod boundary;
 mod candidates;
+mod classify;
 mod convert;
 mod infer;
 mod input;
@@ -42,6 +43,7 @@ enum Command {
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
+    Classify(Box<classify::ClassifyArgs>),
     Convert(Box<convert::ConvertArgs>),
     Train(train::TrainArgs),
     Phantom(phantom::PhantomArgs),
@@ -106,6 +108,7 @@ impl Cli {
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),
+            Command::Classify(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
             Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),

@@ -70,9 +70,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     /// The carotids, the shorter first: where one is interrupted, no detour through the other and the circle stands for it.
     fn find_trunks(&mut self) {
         let points = self.points;
-        let ends = |s: usize| -> Vec<usize> {
-            points.m1[s].map_or_else(|| points.carotid[s].clone(), |m1| vec![m1])
-        };
+        let ends = |s: usize| -> Vec<usize> { points.m1[s].map_or_else(|| points.carotid[s].clone(), |m1| vec![m1]) };
         let length = |way: &Way| way.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
         let find = |s: usize, avoid: &[usize]| {
             let posterior: Vec<usize> = points.feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
@@ -95,7 +93,13 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let starts = |s: usize| points.ica[s].is_some_and(|node| self.has_vessel(node));
         self.whole = [0, 1].map(|s| match ends(s)[..] {
             [] => starts(s),
-            _ => if s == first { free[first].is_some() } else { other.is_some() },
+            _ => {
+                if s == first {
+                    free[first].is_some()
+                } else {
+                    other.is_some()
+                }
+            }
         });
     }
 
@@ -107,7 +111,8 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     fn variant(&self) -> Variant {
         let points = self.points;
         let feeders = if points.feeders.is_empty() { points.tip.into_iter().collect() } else { points.feeders.clone() };
-        let mut variant = Variant { ica: self.whole, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
+        let mut variant =
+            Variant { ica: self.whole, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
         let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
         let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior);
@@ -125,9 +130,11 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         for side in Side::BOTH {
             let s = side.row();
             let proper = |p1: &Way| pcomm[s].as_ref().map(|way| self.from_junction(way, p1, points.posterior[s]));
-            let wider = || p1[s].as_ref().is_some_and(|(full, p1)| {
-                proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.vessels, &p1.vessels))
-            });
+            let wider = || {
+                p1[s].as_ref().is_some_and(|(full, p1)| {
+                    proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.vessels, &p1.vessels))
+                })
+            };
             variant.set_fetal(side, wider);
         }
         let a1_proper = [0, 1].map(|s| {

@@ -29,8 +29,7 @@ enum Where {
     Nodes(Box<Points>),
 }
 
-const EXCHANGED: &str =
-    "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
+const EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
 
 impl Circle {
     /// The circle of a network whose vessels are labelled, and what a person should know.
@@ -53,7 +52,11 @@ impl Circle {
         }
         if let (Some(label), Scheme::ICafe | Scheme::TopCow) = (strange.keys().next(), scheme) {
             let codes = if scheme == Scheme::ICafe { "1 to 22" } else { "1 to 12 and 15" };
-            return Err(Fault::item(format!("label \"{label}\""), format!("none of {}", scheme.name()), format!("expected {codes}")));
+            return Err(Fault::item(
+                format!("label \"{label}\""),
+                format!("none of {}", scheme.name()),
+                format!("expected {codes}"),
+            ));
         }
         let found = |of: fn(&Artery) -> bool| places.iter().any(|place| matches!(place, Place::Artery(a) if of(a)));
         if !found(is_inlet) {

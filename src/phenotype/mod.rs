@@ -5,6 +5,7 @@ mod by_labels;
 mod by_points;
 mod calibre;
 mod circle;
+mod counted;
 mod divide;
 mod labels;
 mod landmarks;
@@ -16,6 +17,7 @@ mod ways;
 
 pub use artery::{Artery, FENESTRATED, RING, Side};
 pub use circle::Circle;
+pub use counted::counted;
 pub use divide::divide;
 pub use labels::{Scheme, artery, is_none};
 pub use landmarks::{Landmark, read_landmarks};

@@ -94,7 +94,9 @@ impl Variant {
         if self.third_a2 {
             said.push("a third A2".to_owned());
         }
-        said.extend(FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is).map(|(a, _)| format!("{a} fenestrated")));
+        said.extend(
+            FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is).map(|(a, _)| format!("{a} fenestrated")),
+        );
         said.join(", ")
     }
 
@@ -114,4 +116,3 @@ impl Variant {
 fn listed(arteries: &[Artery]) -> String {
     arteries.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
-

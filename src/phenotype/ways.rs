@@ -31,12 +31,7 @@ pub(super) fn marks(network: &Network, nodes: impl IntoIterator<Item = usize>) -
 
 /// The shortest way by length from any node of `from` to any of `to` over the vessels that `may` admits, through no node of `avoid`
 /// but at its ends; a node of both sets is a way without vessels. Ways longer than `most` (m) do not count. Dijkstra's algorithm.
-pub(super) fn shortest(
-    network: &Network,
-    [from, to, avoid]: [&Marks; 3],
-    may: impl Fn(usize) -> bool,
-    most: f64,
-) -> Option<Way> {
+pub(super) fn shortest(network: &Network, [from, to, avoid]: [&Marks; 3], may: impl Fn(usize) -> bool, most: f64) -> Option<Way> {
     let mut best = vec![f64::INFINITY; network.node_count()];
     let mut came: Vec<Option<(usize, usize)>> = vec![None; network.node_count()];
     // Lengths are never negative, so that their bits are in their order.

@@ -36,6 +36,8 @@ const FILES: &[&str] = &[
     "modulation.svg",
     "hypertension.png",
     "hypertension.svg",
+    "phenotype.json",
+    "phenotype.csv",
 ];
 const AGREEMENT: &str = "agreement.csv";
 
