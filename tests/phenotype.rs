@@ -177,6 +177,19 @@ fn a_segment_must_connect_what_it_should() {
     }
 }
 
+/// Where the carotid ends in nothing, an A1 that fills from AComm and a PComm that fills from P1 are there all the same.
+#[test]
+fn segments_of_an_occluded_carotid_are_there() {
+    // The left carotid stops before its end, and M1 is not seen; A1 and PComm have a free end each.
+    let part: Vec<Edge> = CIRCLE.into_iter().filter(|edge| edge.2 != "L-M1" && edge.2 != "L-ICA").collect();
+    let variant = by_labels(&network(&part));
+    assert_eq!((missing(&variant), variant.ica), (vec![], [false, true]));
+    // Beside a carotid that is whole, the same A1 connects nothing.
+    let mut apart = without(&["L-A1"]);
+    apart.push(("lj", "v", "L-A1", 1.0));
+    assert_eq!(missing(&by_labels(&network(&apart))), ["L-A1"]);
+}
+
 /// Without its outlet in view, a segment is there when the way through both segments that meet there is, or to the bifurcation.
 #[test]
 fn outlets_beyond_the_field_of_view_are_done_without() {

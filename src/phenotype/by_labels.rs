@@ -3,6 +3,9 @@
 //! A segment is there when a way over vessels of its own label, or of none, joins what lies at its two ends: A1 the carotid or
 //! M1 of its side and A2 or AComm. Of what is labelled undivided (ACA, PCA) the part up to the communicating artery is there when
 //! it touches the artery that feeds it, as in CoW_Centerline_Extraction.
+//!
+//! Where the carotid itself does not lead to M1 (it is occluded, or was not traced), A1 and PComm have nothing to come from: they are
+//! there when what is traced under their name hangs on the arteries at their other end, from which they fill.
 
 use super::artery::{Artery, FENESTRATED, Side};
 use super::calibre::is_wider;
@@ -136,12 +139,14 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             let (a1, p1, pcomm) = (Artery::A1(side), Artery::P1(side), Artery::PComm(side));
             let (aca, pca) = (bit(Artery::Aca(side)), bit(Artery::Pca(side)));
             let beyond = bit(Artery::A2(side)) | aca | bit(Artery::AComm) | bit(Artery::ThirdA2);
-            variant.set(a1, self.joins(a1, bit(a1) | aca, trunk(side), beyond, 0));
+            let whole = self.is_whole(side);
+            let hangs = |own: Artery, on: Set| !whole && self.way(bit(own), |t| t & bit(own) != 0, |t| t & on != 0).is_some();
+            variant.set(a1, self.joins(a1, bit(a1) | aca, trunk(side), beyond, 0) || hangs(a1, beyond));
             let beyond = bit(Artery::P2(side)) | pca | bit(pcomm);
             variant.set(p1, self.joins(p1, bit(p1) | pca, feeders(), beyond, 0));
             // P1 begins at the basilar artery, where PComm has no business.
             let posterior = bit(p1) | bit(Artery::P2(side)) | pca;
-            variant.set(pcomm, self.joins(pcomm, bit(pcomm), trunk(side), posterior, feeders()));
+            variant.set(pcomm, self.joins(pcomm, bit(pcomm), trunk(side), posterior, feeders()) || hangs(pcomm, posterior));
         }
         variant.set(Artery::AComm, self.acomm());
         for side in Side::BOTH {
@@ -151,6 +156,12 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             variant.fenestration[row] = self.is_fenestrated(segment);
         }
         variant
+    }
+
+    /// Whether the carotid leads to the middle cerebral artery.
+    fn is_whole(&self, side: Side) -> bool {
+        let (ica, m1) = (bit(Artery::Ica(side)), bit(Artery::M1(side)) | bit(Artery::Mca(side)));
+        self.way(0, |t| t & ica != 0, |t| t & m1 != 0).is_some()
     }
 
     /// AComm is a vessel between the two sides; two arteries that merely touch have none.

@@ -89,6 +89,12 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             nodes.dedup();
             self.trunk[s] = nodes;
         }
+        for s in [0, 1] {
+            if ends(s).is_empty() {
+                let up_to_pcomm = self.up_to_pcomm(s);
+                self.trunk[s].extend(up_to_pcomm);
+            }
+        }
         // Without anything known of its end, a carotid is there when a vessel starts at its inlet.
         let starts = |s: usize| points.ica[s].is_some_and(|node| self.has_vessel(node));
         self.whole = [0, 1].map(|s| match ends(s)[..] {
@@ -101,6 +107,19 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
                 }
             }
         });
+    }
+
+    /// A carotid without a known end, as far as PComm leaves it: what P2 reaches first, of the way to A2, without the basilar artery.
+    fn up_to_pcomm(&self, s: usize) -> Vec<usize> {
+        let (points, other) = (self.points, &self.trunk[1 - s]);
+        let [Some(ica), Some(p2)] = [points.ica[s], points.p2[s]] else { return Vec::new() };
+        let opposite: Vec<usize> = points.p2[1 - s].into_iter().collect();
+        let a2: Vec<usize> = points.a2[s].or(points.a2[1 - s]).into_iter().collect();
+        let Some(carotid) = self.way(&[ica], &a2, &[other, &points.feeders, &opposite, &[p2]]) else { return Vec::new() };
+        let reached = self.way(&[p2], &carotid.nodes, &[other, &points.feeders, &opposite]);
+        let end = reached.and_then(|way| way.nodes.last().copied());
+        let cut = end.and_then(|end| carotid.nodes.iter().position(|node| *node == end));
+        cut.map_or_else(Vec::new, |cut| carotid.nodes[..=cut].to_vec())
     }
 
     fn has_vessel(&self, node: usize) -> bool {
