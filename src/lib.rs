@@ -72,6 +72,7 @@ pub mod simulation;
 pub mod modulation;
 
 pub mod phantom;
+pub mod phenotype;
 
 pub mod training;
 

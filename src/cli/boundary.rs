@@ -79,6 +79,11 @@ impl BoundaryArgs {
         Ok(boundary)
     }
 
+    /// Whether a person said where blood comes in, or left it to a file to say.
+    pub fn states_an_inlet(&self) -> bool {
+        self.bc.is_some() || !self.inlet.is_empty() || !self.flow.is_empty()
+    }
+
     /// The file of conditions that goes with an input.
     pub fn file(&self, input: &Path) -> Option<PathBuf> {
         self.bc.as_ref().map(|name| beside(name, input))

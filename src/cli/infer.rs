@@ -8,11 +8,14 @@ use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::inference::{Keep, Params, ROOT_FACTOR, Solver, Uncertain, Weight, knows_fragments};
-use willis::network::RadiusRule;
+use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, RadiusRule, Role};
+use willis::phenotype::Circle;
 use willis::report::StagedFolder;
 use willis::report::cohort::{Cell, infer_figures};
+use willis::units::pascals;
 
 use super::boundary::{BoundaryArgs, say_boundary};
+use super::circle::{CircleArgs, divided};
 use super::cohort::{Cohort, Work};
 use super::input::{CandidateArgs, ReadingArgs, viscosity};
 use super::job::Job;
@@ -138,6 +141,9 @@ pub struct InferArgs {
     #[command(flatten)]
     #[serde(flatten)]
     boundary: BoundaryArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    circle: CircleArgs,
 }
 
 impl InferArgs {
@@ -216,6 +222,19 @@ impl Inference<'_> {
     fn job(&self, input: &Path, command: String, terminal: Terminal) -> Result<Job> {
         let args = self.args;
         let mut loaded = args.reading.load(input, command, terminal)?;
+        let scale = args.reading.scale()?;
+        if args.circle.is_given() && !args.circle.is_by_landmarks() && loaded.fragments {
+            divided(input, scale, &mut loaded)?;
+        }
+        // Landmarks are found before candidates make new nodes; labels after, when every vessel has its row.
+        let mut circle = None;
+        if args.circle.is_by_landmarks() {
+            let found = args.circle.find(input, &loaded.network, &scale)?;
+            if !args.boundary.states_an_inlet() {
+                state_inlets(&mut loaded.network, &found.circle);
+            }
+            circle = Some(found);
+        }
         let prior = args.prior.resolve(&loaded, args.paper())?;
         let params = args.candidates.params(loaded.radius_rule, args.paper(), prior.is_evidence())?;
         let outlets = args.boundary.found_outlets(loaded.fragments && !args.paper())?;
@@ -227,7 +246,14 @@ impl Inference<'_> {
             say_built(terminal, &graph, &params, prior.is_evidence());
         }
         say_boundary(terminal, &graph, &boundary);
+        if args.circle.is_given() && circle.is_none() {
+            circle = Some(args.circle.find(input, &graph, &scale)?);
+        }
+        for note in circle.iter().flat_map(|found| &found.notes) {
+            terminal.say("note", note);
+        }
         Ok(Job {
+            circle,
             graph,
             boundary,
             outlets,
@@ -260,7 +286,10 @@ impl Inference<'_> {
 impl Work for Inference<'_> {
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let args = self.args;
-        [args.reading.loops(input), args.boundary.file(input), args.prior.file()].into_iter().flatten().collect()
+        [args.reading.loops(input), args.boundary.file(input), args.prior.file(), args.circle.file(input)]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
@@ -271,6 +300,16 @@ impl Work for Inference<'_> {
 
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
         infer_figures(record)
+    }
+}
+
+/// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
+fn state_inlets(network: &mut Network, circle: &Circle) {
+    for node in circle.inlets() {
+        let node = network.node_mut(node);
+        if node.condition.is_none() {
+            (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))));
+        }
     }
 }
 

@@ -134,11 +134,7 @@ pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
 impl InputArgs {
     /// Refuses what only commands that build candidates know.
     pub fn refuse_candidates(&self, command: &str) -> Result<()> {
-        if self.reading.observed {
-            let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
-            return Err(Error::parameter("--observed", "", why));
-        }
-        Ok(())
+        self.reading.refuse_candidates(command)
     }
 
     /// Reads the input and says what was found in it.
@@ -163,6 +159,15 @@ pub fn beside(name: &Path, input: &Path) -> PathBuf {
 }
 
 impl ReadingArgs {
+    /// Refuses what only commands that build candidates know.
+    pub fn refuse_candidates(&self, command: &str) -> Result<()> {
+        if self.observed {
+            let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
+            return Err(Error::parameter("--observed", "", why));
+        }
+        Ok(())
+    }
+
     /// Refuses what is wrong whatever the input.
     pub fn check(&self) -> Result<()> {
         self.scale()?;
@@ -174,7 +179,8 @@ impl ReadingArgs {
         self.loops.as_ref().map(|name| beside(name, input))
     }
 
-    fn scale(&self) -> Result<Scale> {
+    /// The unit of INPUT, which files of positions beside it share.
+    pub fn scale(&self) -> Result<Scale> {
         let unit = match self.units.unwrap_or(Unit::Mm) {
             Unit::Mm => LengthUnit::Millimetre,
             Unit::Um => LengthUnit::Micrometre,

@@ -8,13 +8,15 @@ use willis::candidates;
 use willis::error::{Error, Result};
 use willis::formats::write_csv;
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Answer, Keep, Params, Topology, decide, expected_errors, infer, infer_until_stable};
-use willis::network::Network;
+use willis::inference::{Answer, Keep, Params, Topology, decide, expected_errors, has_evidence, infer, infer_until_stable};
+use willis::network::{Network, Role};
 use willis::report::staged::{write_file, write_record};
 use willis::report::summary::Built;
-use willis::report::{Outcome, Provenance, Summary, agreement, write_outcome};
+use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
 
-use super::tell::say_outcome;
+use super::circle::Found;
+use super::run::{Run, posterior};
+use super::tell::{say_outcome, say_variant};
 use super::terminal::{Terminal, count, plural};
 
 /// An input made ready: what all its occlusion probabilities share.
@@ -32,6 +34,8 @@ pub struct Job {
     pub until_stable: bool,
     pub paper: bool,
     pub dpi: u32,
+    /// Where the arteries of a Circle of Willis are, where that is asked for.
+    pub circle: Option<Found>,
 }
 
 impl Job {
@@ -105,8 +109,22 @@ impl Job {
         }
         summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads, "instructions": method.instructions });
         say_outcome(terminal, &outcome, sampling);
-        for note in write_outcome(folder, &outcome, &summary, self.dpi)? {
+        for note in write_outcome(folder, &outcome, &mut summary, self.dpi)? {
             terminal.say("note", note);
+        }
+        if let Some(found) = &self.circle {
+            let roles = self.boundary.roles.iter().enumerate().filter(|(_, role)| **role != Role::Inner);
+            let stated = roles
+                .filter(|(node, _)| !self.boundary.found_inlets.contains(node) && !self.boundary.found_outlets.contains(node));
+            let given: Vec<usize> = stated.map(|(node, _)| node).collect();
+            let above = (!has_evidence(&self.graph)).then_some(&answer.above_median[..]);
+            let (posterior, how) = posterior(&self.graph, &self.boundary, params, &found.circle, &given, above)?;
+            let variant = posterior.best();
+            terminal.say("drawn", how);
+            say_variant(terminal, &variant, Some(&posterior));
+            let phenotype = phenotype_json(&self.graph, &variant, Some(&posterior));
+            write_phenotype(folder, &Run::subject(Path::new(&self.provenance.input)), &variant, Some(&posterior), &phenotype)?;
+            summary.state_phenotype(phenotype, found.record());
         }
         // Known only once all else is written.
         summary.time["wall_s"] = json!(seconds());

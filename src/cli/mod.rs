@@ -2,6 +2,8 @@
 
 mod boundary;
 mod candidates;
+mod circle;
+mod classify;
 mod cohort;
 mod convert;
 mod infer;
@@ -14,6 +16,7 @@ mod perturbation;
 mod phantom;
 mod prior;
 mod provenance;
+mod run;
 mod shell;
 mod simulate;
 mod subjects;
@@ -46,6 +49,7 @@ enum Command {
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
+    Classify(Box<classify::ClassifyArgs>),
     Convert(Box<convert::ConvertArgs>),
     Train(train::TrainArgs),
     Phantom(phantom::PhantomArgs),
@@ -110,6 +114,7 @@ impl Cli {
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),
+            Command::Classify(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
             Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),

@@ -3,6 +3,7 @@
 use willis::candidates;
 use willis::inference::{Keep, Weight};
 use willis::network::{Network, Origin};
+use willis::phenotype::{Posterior, RING, Variant};
 use willis::report::Outcome;
 
 use super::terminal::{Terminal, brief, count, plural};
@@ -75,5 +76,22 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
                 plural(median.cycles, "independent cycle")
             ),
         );
+    }
+}
+
+/// Says what a Circle of Willis has, and how probable that is.
+pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {
+    let likely = posterior.map_or_else(String::new, |posterior| {
+        let [p, margin] = [posterior.variants.first().map_or(0.0, |(_, p)| *p), posterior.margin()].map(brief);
+        format!(", probability {p}, {margin} before the next")
+    });
+    terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));
+    terminal.say("anatomy", variant.words());
+    if let Some(posterior) = posterior {
+        let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
+        let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();
+        if !words.is_empty() {
+            terminal.say("uncertain", words.join(", "));
+        }
     }
 }

@@ -66,7 +66,43 @@ pub fn infer_figures(record: &Value) -> Vec<(&'static str, Cell)> {
         ("expected_missed", number("/expected_errors/missed")),
         (WALL_TIME, number("/time/wall_s")),
     ];
-    figures.map(|(name, x)| (name, Cell::Number(x))).into()
+    let numbers = figures.map(|(name, x)| (name, Cell::Number(x)));
+    phenotype_figures(record).into_iter().chain(numbers).collect()
+}
+
+/// The columns of the segments' probabilities, or of whether they are there.
+const SEGMENTS: [(&str, &str, &str); 7] = [
+    ("L-A1", "L-A1", "p_L-A1"),
+    ("R-A1", "R-A1", "p_R-A1"),
+    ("AComm", "AComm", "p_AComm"),
+    ("L-P1", "L-P1", "p_L-P1"),
+    ("R-P1", "R-P1", "p_R-P1"),
+    ("L-PComm", "L-PComm", "p_L-PComm"),
+    ("R-PComm", "R-PComm", "p_R-PComm"),
+];
+
+/// The figures of a Circle of Willis, from the run.json of a subject; none where it was not classified. `margin` is the probability of
+/// the variant less that of the next.
+pub fn phenotype_figures(record: &Value) -> Vec<(&'static str, Cell)> {
+    let Some(phenotype) = record.get("phenotype").filter(|p| p.is_object()) else { return Vec::new() };
+    let text = |key: &str| Cell::Text(phenotype[key].as_str().unwrap_or_default().to_owned());
+    let mut figures = vec![("variant", text("variant")), ("completeness", text("completeness"))];
+    for (segment, name, _) in SEGMENTS {
+        figures.push((
+            name,
+            Cell::Number(phenotype["segments"][segment].as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there)))),
+        ));
+    }
+    for (side, name) in [("L-PCA", "fetal_L-PCA"), ("R-PCA", "fetal_R-PCA")] {
+        figures
+            .push((name, Cell::Number(phenotype["fetal"][side].as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there))))));
+    }
+    if let Some(probabilities) = phenotype.get("probabilities") {
+        let number = |value: &Value| Cell::Number(value.as_f64().unwrap_or(f64::NAN));
+        figures.extend([("p_variant", number(&probabilities["variant"])), ("margin", number(&probabilities["margin"]))]);
+        figures.extend(SEGMENTS.map(|(segment, _, name)| (name, number(&probabilities["segments"][segment]))));
+    }
+    figures
 }
 
 impl Row {

@@ -7,6 +7,7 @@ mod flow_tables;
 mod modulation;
 pub mod outcome;
 pub mod page;
+mod phenotype;
 pub mod plots;
 mod simulated;
 pub mod staged;
@@ -16,7 +17,10 @@ mod tables;
 pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use outcome::{Outcome, write_outcome};
+pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
+pub use phenotype::{
+    Classified, classification_record, phenotype_columns, phenotype_json, phenotype_row, write_classified, write_phenotype,
+};
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary};

@@ -8,11 +8,15 @@ use super::staged::{write_file, write_record};
 use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
-use crate::formats::{Column, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp};
+use crate::formats::{
+    Column, bytes_of, checksum, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+};
 use crate::hemodynamics::{Boundary, Circuit, steady};
 use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
 use crate::network::{Network, fragments};
 
+/// The over-connected graph that was sampled.
+pub const GRAPH_FILE: &str = "candidates.graphml";
 /// The largest matrix written densely, in nodes.
 pub const DENSE_LIMIT: usize = 8192;
 
@@ -52,7 +56,7 @@ pub struct Outcome<'a> {
 /// # Errors
 ///
 /// A file that cannot be written, or pressures that cannot be solved for.
-pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dpi: u32) -> Result<Vec<String>> {
+pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary, dpi: u32) -> Result<Vec<String>> {
     let mut notes = Vec::new();
     let network = outcome.network;
     let vessels = vessel_columns(outcome);
@@ -67,11 +71,23 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &Summary, dp
     } else {
         notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
     }
+    summary.state_graph(GRAPH_FILE, &graph(&folder.join(GRAPH_FILE), outcome)?);
     let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
-    let page = infer_page(outcome, summary, &vessels, kept_nodes, figures);
+    let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
     write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
     Ok(notes)
+}
+
+/// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
+fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
+    let mut graph = outcome.boundary.stated_in(outcome.network.clone());
+    if outcome.uniform_prior {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    let (nodes, vessels) = graph_columns(&graph);
+    write_file(path, |out| write_graphml(out, &graph, &nodes, &vessels))?;
+    Ok(checksum(&bytes_of(path)?))
 }
 
 /// Writes a kept graph in every format that can hold it and returns its node columns.

@@ -24,6 +24,7 @@ const FILES: &[&str] = &[
     "flow.svg",
     MARK,
     "report.html",
+    "candidates.graphml",
     "topology.graphml",
     "topology.vtp",
     "topology.swc",
@@ -36,6 +37,8 @@ const FILES: &[&str] = &[
     "modulation.svg",
     "hypertension.png",
     "hypertension.svg",
+    "phenotype.json",
+    "phenotype.csv",
 ];
 const AGREEMENT: &str = "agreement.csv";
 /// The record by which the folder of a cohort is known.

@@ -44,6 +44,8 @@ pub struct Summary {
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,
     solver: Value,
+    graph: Value,
+    phenotype: Value,
     notes: Vec<String>,
     /// What differs between two runs of one command.
     pub time: Value,
@@ -123,6 +125,17 @@ fn topology(t: &Topology) -> Value {
 }
 
 impl Summary {
+    /// States which file holds the graph that was sampled, and its SHA-256.
+    pub fn state_graph(&mut self, name: &str, sha256: &str) {
+        self.graph = json!({ "path": name, "sha256": sha256 });
+    }
+
+    /// States the phenotype of a Circle of Willis, and where its landmarks come from.
+    pub fn state_phenotype(&mut self, phenotype: Value, landmarks: Value) {
+        self.phenotype = phenotype;
+        self.parameters["landmarks"] = landmarks;
+    }
+
     /// States where the priors come from.
     pub fn state_prior(&mut self, prior: Value) {
         self.parameters["prior"] = prior;
@@ -184,6 +197,8 @@ impl Summary {
                 "forest": outcome.method.forest,
                 "forest_joins": outcome.method.forest_joins,
             }),
+            graph: Value::Null,
+            phenotype: Value::Null,
             notes: provenance.notes.clone(),
             time: Value::Null,
         }

@@ -1,0 +1,113 @@
+//! `--landmarks` and `--labels`: where the arteries of a Circle of Willis are in an input.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use serde_json::{Value, json};
+use willis::centerline::WELD_TOLERANCE;
+use willis::error::{Fault, Result};
+use willis::formats::{Content, ReadOptions, bytes_of, checksum, read};
+use willis::network::Network;
+use willis::phenotype::{Circle, Scheme, divide, read_landmarks};
+use willis::units::Scale;
+
+use super::input::{Loaded, beside};
+
+#[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Labels {
+    /// Names of arteries, as L-A1, "A1 left", ACoA
+    Names,
+    /// The numbers of iCafe's VesselType
+    Icafe,
+    /// The numbers of the TopCoW challenge
+    Topcow,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Circle of Willis")]
+pub struct CircleArgs {
+    /// Where arteries enter and leave, in the place of labels: a CSV file of label,x_mm,y_mm,z_mm in the unit of INPUT; in its
+    /// name {} is INPUT without its ending and {dir} the folder of INPUT
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    landmarks: Option<PathBuf>,
+    /// What the labels are [default: names; numbers where only one list has them]
+    #[arg(long, value_enum, conflicts_with = "landmarks")]
+    labels: Option<Labels>,
+}
+
+/// Where the arteries are, and how that is known.
+pub struct Found {
+    pub circle: Circle,
+    /// `names`, `icafe`, `topcow` or `landmarks`.
+    pub known_by: &'static str,
+    /// Path and SHA-256 of the landmarks.
+    pub landmarks: Option<(String, String)>,
+    pub notes: Vec<String>,
+}
+
+impl Found {
+    /// The record of the landmarks.
+    pub fn record(&self) -> Value {
+        self.landmarks.as_ref().map_or(Value::Null, |(path, sha256)| json!({ "path": path, "sha256": sha256 }))
+    }
+}
+
+impl CircleArgs {
+    /// Whether a person said how the arteries are known.
+    pub fn is_given(&self) -> bool {
+        self.landmarks.is_some() || self.labels.is_some()
+    }
+
+    /// Whether they are known by landmarks.
+    pub fn is_by_landmarks(&self) -> bool {
+        self.landmarks.is_some()
+    }
+
+    /// The file of landmarks that goes with an input.
+    pub fn file(&self, input: &Path) -> Option<PathBuf> {
+        self.landmarks.as_ref().map(|name| beside(name, input))
+    }
+
+    /// Finds the arteries in the network of an input.
+    pub fn find(&self, input: &Path, network: &Network, scale: &Scale) -> Result<Found> {
+        match self.file(input) {
+            Some(file) => by_landmarks(&file, network, scale),
+            None => self.by_labels(input, network),
+        }
+    }
+
+    fn by_labels(&self, input: &Path, network: &Network) -> Result<Found> {
+        let scheme = match self.labels {
+            Some(Labels::Names) => Scheme::Names,
+            Some(Labels::Icafe) => Scheme::ICafe,
+            Some(Labels::Topcow) => Scheme::TopCow,
+            None => {
+                let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
+                Scheme::of(labels).map_err(|fault| fault.in_file(input))?
+            }
+        };
+        let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
+        Ok(Found { circle, known_by: scheme.name(), landmarks: None, notes })
+    }
+}
+
+fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
+    let bytes = bytes_of(file)?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV file of label,x_mm,y_mm,z_mm").in_file(file))?;
+    let landmarks = read_landmarks(text, scale).map_err(|fault| fault.in_file(file))?;
+    let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
+    Ok(Found { circle, known_by: "landmarks", landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
+}
+
+/// The network of an input with its vessels divided where their labels change, for which centerlines are read once more.
+pub fn divided(input: &Path, scale: Scale, loaded: &mut Loaded) -> Result<()> {
+    let options = ReadOptions { scale, radius_optional: true, ..ReadOptions::default() };
+    if let Content::Centerlines(mut lines) = read(input, &options)?.content {
+        lines.weld(WELD_TOLERANCE);
+        loaded.network = divide(&loaded.network, &lines, loaded.radius_rule);
+    }
+    Ok(())
+}

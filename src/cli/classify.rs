@@ -1,0 +1,142 @@
+//! `willis classify`: the phenotype of a Circle of Willis whose topology is taken as it stands, or with its probability after `willis infer`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value;
+use willis::error::{Error, Result};
+use willis::formats::bytes_of;
+use willis::phenotype::{Posterior, Variant, counted};
+use willis::report::cohort::{Cell, phenotype_figures};
+use willis::report::{Classified, StagedFolder, classification_record, phenotype_json, write_classified, write_phenotype};
+
+use super::circle::{CircleArgs, divided};
+use super::cohort::{Cohort, Work};
+use super::input::ReadingArgs;
+use super::provenance::{command_line, command_line_of};
+use super::run::Run;
+use super::shell::print_json;
+use super::subjects::{Inputs, Subject, expand};
+use super::tell::say_variant;
+use super::terminal::{Terminal, plural};
+
+/// Name the anatomical variant of a Circle of Willis
+///
+/// Where each artery is, is said by the labels of vessels, or by the in- and outlets in a file of landmarks. A segment is present
+/// when it connects what it should. The vessels of a file are taken as they are; of a folder of willis infer, the plausible
+/// topologies are drawn again, and every segment and variant has its probability.
+#[derive(Debug, Args, Serialize)]
+pub struct ClassifyArgs {
+    /// Labelled vessels in any format that infer reads, or folders of willis infer; of several, or of patterns in quotes, a cohort
+    #[serde(skip)]
+    #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
+    inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    reading: ReadingArgs,
+    /// The folder to write; it must not exist, but for that of a cohort to go on with
+    #[serde(skip)]
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
+    output: PathBuf,
+    #[command(flatten)]
+    #[serde(flatten)]
+    circle: CircleArgs,
+    /// Print phenotype.json on standard output too; of a cohort, its row of each subject
+    #[serde(skip)]
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is known of one subject.
+struct Answer {
+    variant: Variant,
+    posterior: Option<Posterior>,
+    phenotype: Value,
+    record: Value,
+}
+
+impl ClassifyArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        self.reading.refuse_candidates("classify")?;
+        let input = match expand(&self.inputs)? {
+            Inputs::One(input) => input,
+            Inputs::Many(subjects) => {
+                self.reading.check()?;
+                let parameters = serde_json::to_value(&self).map_err(|e| Error::parameter("arguments", "", e.to_string()))?;
+                let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
+                return cohort.run(&subjects, &self, terminal);
+            }
+        };
+        StagedFolder::check(&self.output, force)?;
+        let answer = self.answer(&input, command_line(), terminal)?;
+        let folder = StagedFolder::new(&self.output, force)?;
+        write_classified(&folder.path(), &answer.record)?;
+        write_phenotype(&folder.path(), &Run::subject(&input), &answer.variant, answer.posterior.as_ref(), &answer.phenotype)?;
+        folder.commit()?;
+        if self.json {
+            print_json(&answer.phenotype)?;
+        }
+        terminal.say("written", self.output.display().to_string());
+        Ok(())
+    }
+
+    fn answer(&self, input: &Path, command: String, terminal: Terminal) -> Result<Answer> {
+        let run = Run::of(input)?;
+        let path = run.as_ref().map_or(input, |run| &run.graph);
+        let mut loaded = self.reading.load(path, command, terminal)?;
+        let scale = self.reading.scale()?;
+        if run.is_none() && loaded.fragments && !self.circle.is_by_landmarks() {
+            divided(path, scale, &mut loaded)?;
+        }
+        let network = &loaded.network;
+        let found = self.circle.find(path, network, &scale)?;
+        let mut notes = found.notes.clone();
+        let (counted, variant, posterior) = match &run {
+            Some(run) => {
+                let (posterior, how) = run.posterior(network, &found.circle)?;
+                notes.push(how);
+                (network.vessel_count(), posterior.best(), Some(posterior))
+            }
+            None if loaded.fragments => (network.vessel_count(), found.circle.variant(network, |_| true), None),
+            None => {
+                let (kept, note) = counted(network, &bytes_of(path)?);
+                notes.extend(note);
+                (kept.iter().filter(|kept| **kept).count(), found.circle.variant(network, |row| kept[row]), None)
+            }
+        };
+        for note in &notes {
+            terminal.say("note", note);
+        }
+        terminal.say("counted", format!("{}, arteries by {}", plural(counted, "vessel"), found.known_by));
+        say_variant(terminal, &variant, posterior.as_ref());
+        let phenotype = phenotype_json(network, &variant, posterior.as_ref());
+        let classified = Classified {
+            network,
+            counted,
+            phenotype: &phenotype,
+            known_by: found.known_by,
+            landmarks: found.record(),
+            notes: &notes,
+        };
+        let record = classification_record(&classified, &loaded.provenance);
+        Ok(Answer { variant, posterior, phenotype, record })
+    }
+}
+
+impl Work for ClassifyArgs {
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
+        let of_run = if input.is_dir() { Run::files(input) } else { Vec::new() };
+        [self.reading.loops(input), self.circle.file(input)].into_iter().flatten().chain(of_run).collect()
+    }
+
+    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
+        let answer = self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?;
+        write_classified(folder, &answer.record)?;
+        write_phenotype(folder, &subject.name, &answer.variant, answer.posterior.as_ref(), &answer.phenotype)
+    }
+
+    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
+        phenotype_figures(record)
+    }
+}

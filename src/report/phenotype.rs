@@ -1,0 +1,174 @@
+//! The output folder of a classification: the phenotype as JSON and as a row of a table, and how it was found.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::staged::{write_file, write_record};
+use super::summary::{Provenance, input};
+use crate::error::Result;
+use crate::network::Network;
+use crate::phenotype::{Artery, Deciding, FENESTRATED, Posterior, RING, Side, Variant};
+
+/// A classification and everything its files are made of.
+#[derive(Debug)]
+pub struct Classified<'a> {
+    /// The vessels.
+    pub network: &'a Network,
+    /// How many of them counted.
+    pub counted: usize,
+    /// What they make, as [`phenotype_json`] says it.
+    pub phenotype: &'a Value,
+    /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
+    pub known_by: &'a str,
+    /// Path and SHA-256 of the landmarks, where they were given.
+    pub landmarks: Value,
+    /// What a person should know about where the arteries are.
+    pub notes: &'a [String],
+}
+
+/// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), and beside it the same
+/// by name, in words and by segment; of uncertain topologies the most probable variant, and beside it the probabilities.
+pub fn phenotype_json(network: &Network, variant: &Variant, posterior: Option<&Posterior>) -> Value {
+    let mut phenotype = anatomy_json(variant);
+    if let Some(posterior) = posterior {
+        phenotype["probabilities"] = probabilities_json(network, posterior);
+    }
+    phenotype
+}
+
+/// How many variants and candidates are told of one by one.
+const TOLD: usize = 10;
+
+fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
+    let variant =
+        |(variant, p): &(Variant, f64)| json!({ "variant": variant.name(), "words": variant.words(), "probability": p });
+    let deciding = |d: &Deciding| {
+        let [a, b] = network.ends(d.vessel);
+        json!({
+            "edge": d.vessel, "node_a": a, "node_b": b, "id_a": network.node(a).id, "id_b": network.node(b).id,
+            "probability": d.probability, "variant_with": d.with, "variant_without": d.without,
+        })
+    };
+    let segments: serde_json::Map<String, Value> =
+        RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
+    json!({
+        "variant": posterior.variants.first().map_or(0.0, |(_, p)| *p),
+        "margin": posterior.margin(),
+        "segments": segments,
+        "fetal": { "L-PCA": posterior.fetal[0], "R-PCA": posterior.fetal[1] },
+        "variants": posterior.variants.iter().take(TOLD).map(variant).collect::<Vec<_>>(),
+        "deciding": posterior.deciding.iter().take(TOLD).map(deciding).collect::<Vec<_>>(),
+        "topologies": posterior.samples,
+    })
+}
+
+/// The anatomy of a variant.
+fn anatomy_json(variant: &Variant) -> Value {
+    let has = |artery| variant.has(artery);
+    let [left, right] = Side::BOTH;
+    let mut segments = serde_json::Map::new();
+    for (artery, present) in rows(variant) {
+        segments.insert(artery.to_string(), json!(present));
+    }
+    let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
+    json!({
+        "anterior": {
+            "L-A1": has(Artery::A1(left)), "Acom": has(Artery::AComm), "3rd-A2": variant.third_a2, "R-A1": has(Artery::A1(right)),
+        },
+        "posterior": {
+            "L-Pcom": has(Artery::PComm(left)), "L-P1": has(Artery::P1(left)),
+            "R-P1": has(Artery::P1(right)), "R-Pcom": has(Artery::PComm(right)),
+        },
+        "fetal": { "L-PCA": variant.fetal[0], "R-PCA": variant.fetal[1] },
+        "fenestration": { "L-A1": l_a1, "Acom": acomm, "R-A1": r_a1, "L-P1": l_p1, "R-P1": r_p1 },
+        "willis": env!("CARGO_PKG_VERSION"),
+        "variant": variant.name(),
+        "published": variant.is_published(),
+        "completeness": variant.completeness().name(),
+        "words": variant.words(),
+        "segments": segments,
+    })
+}
+
+/// The segments of the ring and the arteries that feed it, with whether they are there.
+fn rows(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
+    let feeders =
+        [(Artery::Ica(Side::Left), variant.ica[0]), (Artery::Ica(Side::Right), variant.ica[1]), (Artery::Ba, variant.ba)];
+    RING.into_iter().zip(variant.present).chain(feeders)
+}
+
+/// The names of the columns of phenotype.csv.
+pub fn phenotype_columns() -> Vec<String> {
+    let mut columns = ["subject", "variant", "completeness"].map(str::to_owned).to_vec();
+    columns.extend(rows(&Variant::COMPLETE).map(|(artery, _)| artery.to_string()));
+    columns.extend(["fetal_L-PCA", "fetal_R-PCA", "third_A2"].map(str::to_owned));
+    columns.extend(FENESTRATED.map(|artery| format!("fenestrated_{artery}")));
+    columns
+}
+
+/// The row of a subject in phenotype.csv, in the order of [`phenotype_columns`].
+pub fn phenotype_row(subject: &str, variant: &Variant) -> Vec<String> {
+    let mut row = vec![subject.to_owned(), variant.name(), variant.completeness().name().to_owned()];
+    let flags = rows(variant).map(|(_, present)| present).chain(variant.fetal).chain([variant.third_a2]);
+    row.extend(flags.chain(variant.fenestration).map(|flag| u8::from(flag).to_string()));
+    row
+}
+
+/// The record of a classification.
+pub fn classification_record(classified: &Classified<'_>, provenance: &Provenance) -> Value {
+    json!({
+        "willis": env!("CARGO_PKG_VERSION"),
+        "command": provenance.command,
+        "input": input(provenance),
+        "parameters": { "arteries": classified.known_by },
+        "landmarks": classified.landmarks,
+        "counts": {
+            "nodes": classified.network.node_count(),
+            "vessels": classified.network.vessel_count(),
+            "counted": classified.counted,
+        },
+        "phenotype": classified.phenotype,
+        "notes": provenance.notes.iter().chain(classified.notes).collect::<Vec<_>>(),
+    })
+}
+
+/// Writes run.json into the folder of a classification.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_classified(folder: &Path, record: &Value) -> Result<()> {
+    write_record(folder, record)
+}
+
+/// Writes phenotype.json and phenotype.csv into a folder.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_phenotype(
+    folder: &Path,
+    subject: &str,
+    variant: &Variant,
+    posterior: Option<&Posterior>,
+    phenotype: &Value,
+) -> Result<()> {
+    write_file(&folder.join("phenotype.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, phenotype)?;
+        std::io::Write::write_all(out, b"\n")
+    })?;
+    let (mut columns, mut row) = (phenotype_columns(), phenotype_row(subject, variant));
+    if let Some(posterior) = posterior {
+        columns.push("p_variant".to_owned());
+        row.push(posterior.variants.first().map_or(0.0, |(_, p)| *p).to_string());
+        columns.extend(RING.iter().map(|artery| format!("p_{artery}")));
+        row.extend(posterior.segments.iter().map(f64::to_string));
+    }
+    write_file(&folder.join("phenotype.csv"), |out| {
+        let mut csv = csv::Writer::from_writer(out);
+        csv.write_record(columns)?;
+        csv.write_record(row)?;
+        csv.flush()
+    })
+}

@@ -1,0 +1,609 @@
+//! The phenotype of a Circle of Willis: hand-made circles, the published variants by what their file names say, and real tracings by
+//! the table that came with them.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use willis::centerline::WELD_TOLERANCE;
+use willis::formats::{Content, ReadOptions, read, read_graphml};
+use willis::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
+use willis::phenotype::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
+use willis::phenotype::Side::{Left as L, Right as R};
+use willis::phenotype::{Artery, Circle, Completeness, RING, Scheme, Variant, artery, divide, read_landmarks};
+use willis::units::{Scale, metres};
+
+/// Nodes of a circle in mm: x to the right, y to the front, z up. `i` where carotids come in, `c` the origin of PComm, `t` the end of the
+/// carotid, `m` `a` `p` outlets of M1, A2 and P2, `j` where AComm and `k` where PComm meet A1 and P1.
+const NODES: [(&str, [f64; 3]); 18] = [
+    ("li", [-20.0, 0.0, -60.0]),
+    ("ri", [20.0, 0.0, -60.0]),
+    ("lc", [-9.0, 5.0, -4.0]),
+    ("rc", [9.0, 5.0, -4.0]),
+    ("lt", [-10.0, 6.0, 0.0]),
+    ("rt", [10.0, 6.0, 0.0]),
+    ("lm", [-60.0, 6.0, 10.0]),
+    ("rm", [60.0, 6.0, 10.0]),
+    ("lj", [-2.0, 14.0, 3.0]),
+    ("rj", [2.0, 14.0, 3.0]),
+    ("la", [-4.0, 40.0, 40.0]),
+    ("ra", [4.0, 40.0, 40.0]),
+    ("lk", [-6.0, -7.0, 0.0]),
+    ("rk", [6.0, -7.0, 0.0]),
+    ("lp", [-20.0, -60.0, 5.0]),
+    ("rp", [20.0, -60.0, 5.0]),
+    ("b", [0.0, -9.0, -1.0]),
+    ("v", [0.0, -15.0, -40.0]),
+];
+
+/// Vessels of the complete circle: ends, label, radius in mm.
+const CIRCLE: [(&str, &str, &str, f64); 18] = [
+    ("li", "lc", "L-ICA", 2.0),
+    ("ri", "rc", "R-ICA", 2.0),
+    ("lc", "lt", "L-ICA", 2.0),
+    ("rc", "rt", "R-ICA", 2.0),
+    ("lt", "lm", "L-M1", 1.4),
+    ("rt", "rm", "R-M1", 1.4),
+    ("lt", "lj", "L-A1", 1.2),
+    ("rt", "rj", "R-A1", 1.2),
+    ("lj", "la", "L-A2", 1.2),
+    ("rj", "ra", "R-A2", 1.2),
+    ("lj", "rj", "AComm", 0.7),
+    ("b", "lk", "L-P1", 1.1),
+    ("b", "rk", "R-P1", 1.1),
+    ("lk", "lp", "L-P2", 1.1),
+    ("rk", "rp", "R-P2", 1.1),
+    ("lc", "lk", "L-PComm", 0.7),
+    ("rc", "rk", "R-PComm", 0.7),
+    ("v", "b", "BA", 1.6),
+];
+
+type Edge = (&'static str, &'static str, &'static str, f64);
+
+/// A circle of these vessels, each with points 1 mm apart or so, of one radius.
+fn network(edges: &[Edge]) -> Network {
+    let mut network = Network::new();
+    let position = |id: &str| NODES.iter().find(|(name, _)| *name == id).expect("a node").1.map(metres);
+    for (id, _) in NODES {
+        network.add_node(Node { id: id.to_owned(), position: Some(position(id)), ..Node::default() });
+    }
+    for (a, b, label, radius) in edges {
+        let (from, to) = (position(a), position(b));
+        let point = |i: usize| {
+            let share = i as f64 / 10.0;
+            let position = [0, 1, 2].map(|x| from[x] + share * (to[x] - from[x]));
+            PathPoint { position, radius: metres(*radius), id: None }
+        };
+        let row = |id: &str| NODES.iter().position(|(name, _)| *name == id).expect("a node");
+        let vessel = Vessel::along((0..=10).map(point).collect(), RadiusRule::Mean);
+        network.add_vessel([row(a), row(b)], Vessel { label: (*label).to_owned(), ..vessel });
+    }
+    network
+}
+
+fn without(labels: &[&str]) -> Vec<Edge> {
+    CIRCLE.into_iter().filter(|edge| !labels.contains(&edge.2)).collect()
+}
+
+/// The circle with other radii of some vessels.
+fn with_radii(edges: &[Edge], radii: &[(&str, f64)]) -> Vec<Edge> {
+    let radius = |label: &str, r: f64| radii.iter().find(|(name, _)| *name == label).map_or(r, |(_, r)| *r);
+    edges.iter().map(|(a, b, label, r)| (*a, *b, *label, radius(label, *r))).collect()
+}
+
+const ENDS: [(&str, &str); 9] = [
+    ("L-ICA", "li"),
+    ("R-ICA", "ri"),
+    ("L-M1", "lm"),
+    ("R-M1", "rm"),
+    ("L-A2", "la"),
+    ("R-A2", "ra"),
+    ("L-P2", "lp"),
+    ("R-P2", "rp"),
+    ("BA", "v"),
+];
+
+fn landmarks(ends: &[(&str, &str)]) -> String {
+    let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
+    for (label, id) in ends {
+        let [x, y, z] = NODES.iter().find(|(name, _)| name == id).expect("a node").1;
+        text += &format!("{label},{x},{y},{z}\n");
+    }
+    text
+}
+
+fn by_labels(network: &Network) -> Variant {
+    Circle::labelled(network, Scheme::Names).expect("a circle").0.variant(network, |_| true)
+}
+
+fn by_landmarks(network: &Network, ends: &[(&str, &str)]) -> Variant {
+    let landmarks = read_landmarks(&landmarks(ends), &Scale::default()).expect("landmarks");
+    Circle::at(network, &landmarks).expect("a circle").0.variant(network, |_| true)
+}
+
+fn missing(variant: &Variant) -> Vec<String> {
+    variant.missing().iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn the_complete_circle_lacks_nothing() {
+    let whole = network(&CIRCLE);
+    assert_eq!(by_labels(&whole), Variant::COMPLETE);
+    assert_eq!(by_landmarks(&whole, &ENDS), Variant::COMPLETE);
+}
+
+/// Every set of up to three absent segments, but those after which a landmark hangs on nothing: then labels alone can say it.
+#[test]
+fn absent_segments_are_missing_and_no_others() {
+    let names = RING.map(|segment| segment.to_string());
+    for pattern in 1_u32..128 {
+        let absent: Vec<&str> = (0..7).filter(|bit| pattern >> bit & 1 == 1).map(|bit| names[bit].as_str()).collect();
+        let part = network(&without(&absent));
+        for (how, variant) in [("labels", by_labels(&part)), ("landmarks", by_landmarks(&part, &ENDS))] {
+            assert_eq!(missing(&variant), absent, "{how}");
+            assert_eq!((variant.ica, variant.ba), ([true; 2], true), "{how}: {absent:?}");
+            let full = |p1: &str, pcomm: &str| absent.contains(&p1) && !absent.contains(&pcomm);
+            assert_eq!(variant.fetal, [full("L-P1", "L-PComm"), full("R-P1", "R-PComm")], "{how}: {absent:?}");
+        }
+    }
+}
+
+/// The same patterns as masks over the whole network.
+#[test]
+fn vessels_that_are_not_kept_are_not_there() {
+    let whole = network(&CIRCLE);
+    let (labelled, _) = Circle::labelled(&whole, Scheme::Names).expect("a circle");
+    let (placed, _) =
+        Circle::at(&whole, &read_landmarks(&landmarks(&ENDS), &Scale::default()).expect("landmarks")).expect("a circle");
+    for segment in RING {
+        let kept = |row: usize| whole.vessel(row).label != segment.to_string();
+        assert_eq!(labelled.variant(&whole, kept).missing(), [segment]);
+        assert_eq!(placed.variant(&whole, kept).missing(), [segment]);
+    }
+}
+
+#[test]
+fn a_segment_must_connect_what_it_should() {
+    // A stump of A1 that hangs on the carotid alone, in the place of A1.
+    let mut stump = without(&["L-A1", "L-A2", "AComm"]);
+    stump.push(("lt", "lj", "L-A1", 1.2));
+    stump.push(("rj", "la", "L-A2", 1.2));
+    let variant = by_labels(&network(&stump));
+    assert!(!variant.has(A1(L)) && variant.has(A1(R)), "{variant:?}");
+    // A vessel without a label that bridges the gap of a labelled one is a part of it; one with another name is not.
+    for (name, there) in [("", true), ("perforator", false), ("R-M1", false)] {
+        let mut bridged = without(&["AComm"]);
+        bridged.push(("lj", "rj", name, 0.5));
+        assert_eq!(by_labels(&network(&bridged)).has(AComm), there, "{name}");
+    }
+}
+
+/// Where the carotid ends in nothing, an A1 that fills from AComm and a PComm that fills from P1 are there all the same.
+#[test]
+fn segments_of_an_occluded_carotid_are_there() {
+    // The left carotid stops before its end, and M1 is not seen; A1 and PComm have a free end each.
+    let part: Vec<Edge> = CIRCLE.into_iter().filter(|edge| edge.2 != "L-M1" && edge.2 != "L-ICA").collect();
+    let variant = by_labels(&network(&part));
+    assert_eq!((missing(&variant), variant.ica), (vec![], [false, true]));
+    // Beside a carotid that is whole, the same A1 connects nothing.
+    let mut apart = without(&["L-A1"]);
+    apart.push(("lj", "v", "L-A1", 1.0));
+    assert_eq!(missing(&by_labels(&network(&apart))), ["L-A1"]);
+}
+
+/// Without its outlet in view, a segment is there when the way through both segments that meet there is, or to the bifurcation.
+#[test]
+fn outlets_beyond_the_field_of_view_are_done_without() {
+    for lost in ["L-A2", "R-A2", "L-P2", "R-P2", "L-M1", "R-M1"] {
+        let ends: Vec<(&str, &str)> = ENDS.into_iter().filter(|(label, _)| *label != lost).collect();
+        assert_eq!(missing(&by_landmarks(&network(&without(&[lost])), &ends)), [""; 0], "{lost}");
+        for absent in ["AComm", "L-PComm", "R-P1"] {
+            let part = network(&without(&[lost, absent]));
+            let variant = by_landmarks(&part, &ends);
+            assert!(missing(&variant).iter().any(|name| name == absent), "{lost}, {absent}: {variant:?}");
+        }
+    }
+    let mut ends: Vec<(&str, &str)> = ENDS.into_iter().filter(|(label, _)| !["L-A2", "L-P2"].contains(label)).collect();
+    ends.extend([("L-A1/L-A2/AComm", "lj"), ("L-P1/L-P2/L-PComm", "lk")]);
+    for absent in RING.map(|segment| segment.to_string()) {
+        let part = network(&without(&["L-A2", "L-P2", &absent]));
+        assert_eq!(missing(&by_landmarks(&part, &ends)), [absent]);
+    }
+}
+
+/// A carotid that is interrupted is absent; the way round through the circle does not stand for it.
+#[test]
+fn a_detour_is_no_carotid() {
+    let part: Vec<Edge> = CIRCLE.into_iter().filter(|edge| (edge.0, edge.1) != ("lc", "lt")).collect();
+    let variant = by_landmarks(&network(&part), &ENDS);
+    assert_eq!((variant.ica, missing(&variant)), ([false, true], vec![]), "{variant:?}");
+}
+
+/// Musio et al. 2026: fetal is PComm wider than P1 by more than a twentieth.
+#[test]
+fn a_wide_pcomm_makes_a_fetal_artery() {
+    for (pcomm, p1, fetal) in [(1.0, 1.0, false), (1.04, 1.0, false), (1.06, 1.0, true), (0.7, 1.1, false), (1.5, 0.6, true)] {
+        let changed = network(&with_radii(&CIRCLE, &[("L-PComm", pcomm), ("L-P1", p1)]));
+        for variant in [by_labels(&changed), by_landmarks(&changed, &ENDS)] {
+            assert_eq!(variant.fetal, [fetal, false], "{pcomm} {p1}");
+            assert_eq!(variant.missing(), []);
+        }
+    }
+    let words = by_labels(&network(&with_radii(&CIRCLE, &[("R-PComm", 2.0)]))).words();
+    assert_eq!(words, "complete circle, right fetal-type PCA, partial (PComm wider than P1)");
+}
+
+#[test]
+fn two_channels_are_a_fenestration_and_the_ring_is_none() {
+    let row = |label: &str| ["L-A1", "AComm", "R-A1", "L-P1", "R-P1"].iter().position(|name| *name == label).expect("a segment");
+    for (a, b, label) in
+        [("lt", "lj", "L-A1"), ("rt", "rj", "R-A1"), ("lj", "rj", "AComm"), ("b", "lk", "L-P1"), ("b", "rk", "R-P1")]
+    {
+        let mut edges = CIRCLE.to_vec();
+        edges.push((a, b, label, 0.5));
+        let doubled = network(&edges);
+        for variant in [by_labels(&doubled), by_landmarks(&doubled, &ENDS)] {
+            let found: Vec<usize> = (0..5).filter(|row| variant.fenestration[*row]).collect();
+            assert_eq!(found, [row(label)], "{label}");
+            assert!(variant.missing().is_empty());
+        }
+    }
+}
+
+#[test]
+fn undivided_arteries_are_judged_by_what_they_touch() {
+    let rename = |edges: &[Edge]| -> Vec<Edge> {
+        let name = |label: &'static str| match label {
+            "L-A1" | "L-A2" => "L-ACA",
+            "R-A1" | "R-A2" => "R-ACA",
+            "L-P1" | "L-P2" => "L-PCA",
+            "R-P1" | "R-P2" => "R-PCA",
+            "L-M1" => "L-MCA",
+            "R-M1" => "R-MCA",
+            "AComm" => "Acom",
+            "L-PComm" => "L-Pcom",
+            "R-PComm" => "R-Pcom",
+            other => other,
+        };
+        edges.iter().map(|(a, b, label, r)| (*a, *b, name(label), *r)).collect()
+    };
+    assert_eq!(by_labels(&network(&rename(&CIRCLE))), Variant::COMPLETE);
+    for absent in RING.map(|segment| segment.to_string()) {
+        let variant = by_labels(&network(&rename(&without(&[&absent]))));
+        assert_eq!(missing(&variant), [absent.as_str()]);
+        assert_eq!(variant.fetal, [absent == "L-P1", absent == "R-P1"]);
+    }
+    let wide = rename(&with_radii(&CIRCLE, &[("L-PComm", 1.3)]));
+    assert_eq!(by_labels(&network(&wide)).fetal, [true, false]);
+    let mut third = rename(&CIRCLE);
+    third.push(("lj", "v", "3rd-A2", 0.5));
+    assert!(by_labels(&network(&third)).third_a2);
+}
+
+#[test]
+fn spellings_mean_arteries() {
+    let names: [(&str, Option<Artery>); 56] = [
+        ("L-A1", Some(A1(L))),
+        ("A1 L", Some(A1(L))),
+        ("left A1", Some(A1(L))),
+        ("A1_left", Some(A1(L))),
+        ("lA1", Some(A1(L))),
+        ("LA1", Some(A1(L))),
+        ("A1R", Some(A1(R))),
+        ("right_a1", Some(A1(R))),
+        ("ACA-A1 R", Some(A1(R))),
+        ("L ACA A2", Some(A2(L))),
+        ("left ACA", Some(Aca(L))),
+        ("left anterior cerebral artery", Some(Aca(L))),
+        ("R-A2", Some(A2(R))),
+        ("R-A3", Some(A2(R))),
+        ("ACoA", Some(AComm)),
+        ("Acom", Some(AComm)),
+        ("AComm", Some(AComm)),
+        ("A.Comm", Some(AComm)),
+        ("anterior communicating artery", Some(AComm)),
+        ("L-ICA", Some(Ica(L))),
+        ("L-ICA I", Some(Ica(L))),
+        ("R-ICA II", Some(Ica(R))),
+        ("ICA-T L", Some(Ica(L))),
+        ("right ICA C7", Some(Ica(R))),
+        ("Left internal carotid artery", Some(Ica(L))),
+        ("L-M1", Some(M1(L))),
+        ("MCA M1 right", Some(M1(R))),
+        ("R-M2", Some(M1(R))),
+        ("R-MCA", Some(Mca(R))),
+        ("RMCA", Some(Mca(R))),
+        ("right middle cerebral artery", Some(Mca(R))),
+        ("L-P1", Some(P1(L))),
+        ("P1 segment of the right PCA", Some(P1(R))),
+        ("PCA-P2_L", Some(P2(L))),
+        ("L-P3", Some(P2(L))),
+        ("R-PCA", Some(Pca(R))),
+        ("posterior cerebral artery, left", Some(Pca(L))),
+        ("L-PComm", Some(PComm(L))),
+        ("L-Pcom", Some(PComm(L))),
+        ("PCoA R", Some(PComm(R))),
+        ("rPCoA", Some(PComm(R))),
+        ("left posterior communicating artery", Some(PComm(L))),
+        ("BA", Some(Ba)),
+        ("Basilar artery", Some(Ba)),
+        ("L-VA", Some(Va(L))),
+        ("right vertebral artery", Some(Va(R))),
+        ("3rd-A2", Some(ThirdA2)),
+        ("A1", None),
+        ("PCA", None),
+        ("L-CCA", None),
+        ("L-ECA", None),
+        ("R-SCA", None),
+        ("Aortic arch I", None),
+        ("Thoracic aorta", None),
+        ("left right A1", None),
+        ("L-BA", None),
+    ];
+    for (label, expected) in names {
+        assert_eq!(artery(label, Scheme::Names), expected, "{label}");
+        assert_eq!(artery(&label.to_uppercase(), Scheme::Names), expected, "{label}");
+    }
+    for artery_of in [Ica, M1, A1, A2, P1, P2, PComm, Va, Mca, Aca, Pca] {
+        for side in [L, R] {
+            assert_eq!(artery(&artery_of(side).to_string(), Scheme::Names), Some(artery_of(side)));
+        }
+    }
+}
+
+/// iCafe's `VesselType` as the table of the INSIST tracings states it, TopCoW's classes as CoW_Centerline_Extraction does.
+#[test]
+fn codes_mean_arteries() {
+    let icafe = [
+        Ica(L),
+        Ica(R),
+        M1(L),
+        M1(R),
+        M1(L),
+        M1(R),
+        A1(L),
+        A1(R),
+        A2(L),
+        A2(R),
+        AComm,
+        M1(L),
+        M1(R),
+        Va(L),
+        Va(R),
+        Ba,
+        P1(L),
+        P1(R),
+        P2(L),
+        P2(R),
+        PComm(L),
+        PComm(R),
+    ];
+    for (row, expected) in icafe.into_iter().enumerate() {
+        assert_eq!(artery(&(row + 1).to_string(), Scheme::ICafe), Some(expected));
+    }
+    let topcow = [
+        (1, Ba),
+        (2, Pca(R)),
+        (3, Pca(L)),
+        (4, Ica(R)),
+        (5, Mca(R)),
+        (6, Ica(L)),
+        (7, Mca(L)),
+        (8, PComm(R)),
+        (9, PComm(L)),
+        (10, AComm),
+        (11, Aca(R)),
+        (12, Aca(L)),
+        (15, ThirdA2),
+    ];
+    for (code, expected) in topcow {
+        assert_eq!(artery(&code.to_string(), Scheme::TopCow), Some(expected));
+    }
+    for (code, scheme) in
+        [("0", Scheme::ICafe), ("23", Scheme::ICafe), ("0", Scheme::TopCow), ("13", Scheme::TopCow), ("16", Scheme::TopCow)]
+    {
+        assert_eq!(artery(code, scheme), None, "{code}");
+    }
+    assert_eq!(Scheme::of(["1", "2", "16", "0", ""]), Ok(Scheme::ICafe));
+    assert_eq!(Scheme::of(["L-ICA", "7", ""]), Ok(Scheme::Names));
+    let ambiguous = Scheme::of(["1", "10", "2"]).unwrap_err();
+    assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("--labels icafe|topcow"), "{ambiguous:?}");
+    assert!(Scheme::of(["1", "99"]).is_err());
+}
+
+fn shipped() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/circle-of-willis");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// The segments that a file name says are missing, in the order of the ring.
+fn named_missing(file: &Path) -> Vec<String> {
+    let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
+    let names = RING.map(|segment| segment.to_string());
+    if stem == "complete" {
+        return Vec::new();
+    }
+    let mut rest = stem.strip_prefix("without-").unwrap().to_owned();
+    // PComm first: no name is then within another one.
+    let mut found = BTreeSet::new();
+    for (row, name) in names.iter().enumerate() {
+        if rest.contains(name.as_str()) {
+            rest = rest.replace(name.as_str(), "");
+            found.insert(row);
+        }
+    }
+    assert!(rest.chars().all(|c| c == '-'), "{stem}");
+    found.into_iter().map(|row| names[row].clone()).collect()
+}
+
+#[test]
+fn the_published_variants_are_named_right() {
+    // Alastruey's numbers of the nodes, which are the ids in the files.
+    let ends = [
+        ("L-ICA", "6"),
+        ("R-ICA", "7"),
+        ("R-VA", "8"),
+        ("L-VA", "10"),
+        ("L-M1", "23"),
+        ("R-M1", "24"),
+        ("L-A2", "27"),
+        ("R-A2", "28"),
+        ("L-P2", "29"),
+        ("R-P2", "30"),
+    ];
+    let mut seen = BTreeSet::new();
+    for file in shipped() {
+        let (network, _) = read_graphml(&std::fs::read(&file).unwrap(), &Scale::default()).unwrap();
+        let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
+        for (label, id) in ends {
+            let node = network.nodes().find(|node| node.id == id).unwrap();
+            let [x, y, z] = node.position.unwrap().map(willis::units::millimetres);
+            text += &format!("{label},{x},{y},{z}\n");
+        }
+        let landmarks = read_landmarks(&text, &Scale::default()).unwrap();
+        let (placed, _) = Circle::at(&network, &landmarks).unwrap();
+        for variant in [by_labels(&network), placed.variant(&network, |_| true)] {
+            assert_eq!(missing(&variant), named_missing(&file), "{}", file.display());
+            assert!(variant.is_published() && Variant::published().contains(&variant), "{variant:?}");
+            seen.insert(variant);
+        }
+    }
+    assert_eq!(seen, Variant::published().into_iter().collect());
+    assert_eq!(seen.len(), 11);
+}
+
+#[test]
+fn names_and_words_say_what_is_missing() {
+    let of = |absent: &[&str]| by_labels(&network(&without(absent)));
+    let told = |absent: &[&str]| (of(absent).name(), of(absent).completeness(), of(absent).words());
+    assert_eq!(told(&[]), ("complete".into(), Completeness::Complete, "complete circle".into()));
+    let fetal = (
+        "without L-P1, R-PComm".into(),
+        Completeness::AnteriorComplete,
+        "complete anterior part, left fetal-type PCA, R-PComm absent".into(),
+    );
+    assert_eq!(told(&["R-PComm", "L-P1"]), fetal);
+    assert_eq!(told(&["AComm"]).1, Completeness::PosteriorComplete);
+    assert_eq!(
+        told(&["AComm", "L-PComm"]),
+        ("without AComm, L-PComm".into(), Completeness::Incomplete, "AComm absent, L-PComm absent".into())
+    );
+    assert!(!of(&["AComm", "L-PComm"]).is_published());
+}
+
+#[test]
+fn landmarks_are_refused_with_their_line() {
+    let refused = |text: &str, words: &[&str]| {
+        let whole = network(&CIRCLE);
+        let fault = match read_landmarks(text, &Scale::default()) {
+            Err(fault) => fault,
+            Ok(landmarks) => Circle::at(&whole, &landmarks).expect_err(text),
+        };
+        let said = fault.in_file(Path::new("f")).to_string();
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+    };
+    refused(
+        "label,x_mm,y_mm,z_mm\nL-ICA,-20,0,-60\nL-ICA I,-20,0,-59\n",
+        &["f:3", "\"L-ICA I\", as on line 2", "every label once"],
+    );
+    refused("label,x_mm,y_mm,z_mm\nL-ICA,-20,0,-90\n", &["f:2", "\"L-ICA\" lies 30.0 mm", "within 20 mm"]);
+    refused("label,x_mm,y_mm,z_mm\nL-M1,-60,6,10\n", &["no inlet", "L-ICA, R-ICA, BA"]);
+    refused("label,x_mm,y_mm,z_mm\nfoo,1,2,3\n", &["f:2", "\"foo\"", "expected an inlet"]);
+    refused("label,x_mm,y_mm,z_mm\nL-A1,1,2,3\n", &["f:2", "\"L-A1\"", "expected an inlet"]);
+    refused("label,x_mm,y_mm,z_mm\nL-ICA,1,2\n", &["f:2", "another length"]);
+    refused("label,x_mm,y_mm,z_mm\nL-ICA,1,2,nan\n", &["f:2", "z_mm \"nan\"", "a finite number"]);
+    refused("label,x_mm,y_mm\nL-ICA,1,2\n", &["f:1", "no column z_mm"]);
+    refused("label,x_mm,y_mm,z_mm\n", &["no landmark"]);
+    let nothing = network(&[("lt", "lm", "L-M1", 1.0)]);
+    let fault = Circle::labelled(&nothing, Scheme::Names).expect_err("no inlet");
+    assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("--landmarks"), "{fault:?}");
+    assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), Scheme::TopCow).is_err());
+}
+
+#[test]
+fn exchanged_sides_are_told() {
+    let warned = |notes: &[String]| notes.iter().any(|note| note.contains("left and right look exchanged"));
+    let swap = |label: &str| match label.split_once('-') {
+        Some(("L", stem)) => format!("R-{stem}"),
+        Some(("R", stem)) => format!("L-{stem}"),
+        _ => label.to_owned(),
+    };
+    let right = network(&CIRCLE);
+    let mut wrong = right.clone();
+    for row in 0..wrong.vessel_count() {
+        wrong.vessel_mut(row).label = swap(&right.vessel(row).label);
+    }
+    assert!(!warned(&Circle::labelled(&right, Scheme::Names).unwrap().1));
+    assert!(warned(&Circle::labelled(&wrong, Scheme::Names).unwrap().1));
+    let names: Vec<(String, &str)> = ENDS.into_iter().map(|(label, id)| (swap(label), id)).collect();
+    let swapped: Vec<(&str, &str)> = names.iter().map(|(label, id)| (label.as_str(), *id)).collect();
+    for (ends, exchanged) in [(&ENDS[..], false), (&swapped[..], true)] {
+        let landmarks = read_landmarks(&landmarks(ends), &Scale::default()).unwrap();
+        assert_eq!(warned(&Circle::at(&right, &landmarks).unwrap().1), exchanged);
+    }
+}
+
+/// Of two outlets with the same nearest end the further one was not seen.
+#[test]
+fn an_outlet_that_was_lost_does_not_take_its_neighbours_end() {
+    let part = network(&without(&["L-A2"]));
+    let mut text = landmarks(&ENDS);
+    // Where L-A2 would have been, had it not been cut: nearest to the end of R-A2, 8 mm away.
+    assert!(text.contains("L-A2,-4,40,40"));
+    text = text.replace("R-A2,4,40,40", "R-A2,4,40,41");
+    let (circle, notes) = Circle::at(&part, &read_landmarks(&text, &Scale::default()).unwrap()).unwrap();
+    assert!(notes.iter().any(|note| note.starts_with("L-A2 is taken as not seen")), "{notes:?}");
+    assert_eq!(circle.variant(&part, |_| true), Variant::COMPLETE);
+}
+
+/// Candidates and observed vessels count alike: what is kept is said by the caller.
+#[test]
+fn origin_makes_no_difference_to_a_mask() {
+    let mut whole = network(&CIRCLE);
+    for row in 0..whole.vessel_count() {
+        whole.vessel_mut(row).origin = if row % 2 == 0 { Origin::Candidate } else { Origin::Observed };
+    }
+    assert_eq!(by_labels(&whole), Variant::COMPLETE);
+}
+
+/// The rows of every `VesselType` in Feature_Vessel.csv.
+fn types(folder: &Path) -> BTreeSet<u32> {
+    let text = std::fs::read_to_string(folder.join("Feature_Vessel.csv")).unwrap();
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let at = header.iter().position(|name| *name == "VesselType").unwrap();
+    text.lines().skip(1).filter_map(|line| line.split(',').nth(at)?.trim().parse::<f64>().ok()).map(|code| code as u32).collect()
+}
+
+/// INSIST (Padmos et al. 2021, 2022): tracings of patients, each vessel with its type. What is traced as a segment is there, and what is not
+/// is not.
+#[test]
+fn real_tracings_have_the_segments_of_their_tables() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/insist-cow");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: {} is not there", folder.display());
+        return;
+    };
+    let mut patients: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_dir()).collect();
+    patients.sort();
+    assert!(patients.len() > 20);
+    let mut wrong = Vec::new();
+    for patient in &patients {
+        let options = ReadOptions { radius_optional: true, ..ReadOptions::default() };
+        let document = read(&patient.join("Feature_Vessel.csv"), &options).unwrap();
+        let Content::Centerlines(mut lines) = document.content else { panic!("no centerlines") };
+        lines.weld(WELD_TOLERANCE);
+        let network = contract(&lines, RadiusRule::Mean, Some(0.001)).unwrap().network;
+        let network = divide(&network, &lines, RadiusRule::Mean);
+        let (circle, _) = Circle::labelled(&network, Scheme::Names).unwrap();
+        let variant = circle.variant(&network, |_| true);
+        let types = types(patient);
+        for (segment, code) in RING.into_iter().zip([7, 8, 11, 17, 18, 21, 22]) {
+            if variant.has(segment) != types.contains(&code) {
+                let name = patient.file_name().unwrap().to_string_lossy();
+                wrong.push(format!("{name}: {segment} traced {} found {}", types.contains(&code), variant.has(segment)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} of {} patients:\n{}", wrong.len(), patients.len(), wrong.join("\n"));
+}
