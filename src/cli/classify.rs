@@ -7,18 +7,21 @@ use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::formats::bytes_of;
-use willis::phenotype::{Posterior, Variant, counted};
+use willis::phenotype::{Collateral, Posterior, Variant, counted};
 use willis::report::cohort::{Cell, phenotype_figures};
-use willis::report::{Classified, StagedFolder, classification_record, phenotype_json, write_classified, write_phenotype};
+use willis::report::{
+    Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_classified, write_collaterals,
+    write_phenotype,
+};
 
 use super::circle::{CircleArgs, divided};
 use super::cohort::{Cohort, Work};
 use super::input::ReadingArgs;
 use super::provenance::{command_line, command_line_of};
-use super::run::Run;
+use super::run::{Flow, Run};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
-use super::tell::say_variant;
+use super::tell::{say_collaterals, say_variant};
 use super::terminal::{Terminal, plural};
 
 /// Name the anatomical variant of a Circle of Willis
@@ -53,7 +56,16 @@ struct Answer {
     variant: Variant,
     posterior: Option<Posterior>,
     phenotype: Value,
+    collaterals: Vec<Collateral>,
     record: Value,
+}
+
+impl Answer {
+    fn write(&self, folder: &Path, subject: &str) -> Result<()> {
+        write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.phenotype)?;
+        write_collaterals(folder, &self.collaterals)?;
+        write_classified(folder, &self.record)
+    }
 }
 
 impl ClassifyArgs {
@@ -71,8 +83,7 @@ impl ClassifyArgs {
         StagedFolder::check(&self.output, force)?;
         let answer = self.answer(&input, command_line(), terminal)?;
         let folder = StagedFolder::new(&self.output, force)?;
-        write_classified(&folder.path(), &answer.record)?;
-        write_phenotype(&folder.path(), &Run::subject(&input), &answer.variant, answer.posterior.as_ref(), &answer.phenotype)?;
+        answer.write(&folder.path(), &Run::subject(&input))?;
         folder.commit()?;
         if self.json {
             print_json(&answer.phenotype)?;
@@ -92,22 +103,29 @@ impl ClassifyArgs {
         let network = &loaded.network;
         let found = self.circle.find(path, network, &scale)?;
         let mut notes = found.notes.clone();
-        let (counted, variant, posterior) = match &run {
+        let (kept, variant, posterior) = match &run {
             Some(run) => {
                 let (posterior, how) = run.posterior(network, &found.circle)?;
                 notes.push(how);
-                (network.vessel_count(), posterior.best(), Some(posterior))
+                (posterior.topology.clone(), posterior.best(), Some(posterior))
             }
-            None if loaded.fragments => (network.vessel_count(), found.circle.variant(network, |_| true), None),
             None => {
-                let (kept, note) = counted(network, &bytes_of(path)?);
+                let whole = || (vec![true; network.vessel_count()], None);
+                let (kept, note) = if loaded.fragments { whole() } else { counted(network, &bytes_of(path)?) };
                 notes.extend(note);
-                (kept.iter().filter(|kept| **kept).count(), found.circle.variant(network, |row| kept[row]), None)
+                let variant = found.circle.variant(network, |row| kept[row]);
+                (kept, variant, None)
             }
         };
+        let flow = run.as_ref().map_or(Flow::of_blood(loaded.fragments), Run::flow);
+        let collaterals = flow.collaterals(network, &found.circle, &kept).unwrap_or_else(|why| {
+            notes.push(format!("nothing is told of the loss of a feeder: {why}"));
+            Vec::new()
+        });
         for note in &notes {
             terminal.say("note", note);
         }
+        let counted = kept.iter().filter(|kept| **kept).count();
         terminal.say("counted", format!("{}, arteries by {}", plural(counted, "vessel"), found.known_by));
         say_variant(terminal, &variant, posterior.as_ref());
         let phenotype = phenotype_json(network, &variant, posterior.as_ref());
@@ -120,7 +138,8 @@ impl ClassifyArgs {
             notes: &notes,
         };
         let record = classification_record(&classified, &loaded.provenance);
-        Ok(Answer { variant, posterior, phenotype, record })
+        say_collaterals(terminal, &collaterals);
+        Ok(Answer { variant, posterior, phenotype, collaterals, record })
     }
 }
 
@@ -131,9 +150,7 @@ impl Work for ClassifyArgs {
     }
 
     fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
-        let answer = self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?;
-        write_classified(folder, &answer.record)?;
-        write_phenotype(folder, &subject.name, &answer.variant, answer.posterior.as_ref(), &answer.phenotype)
+        self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?.write(folder, &subject.name)
     }
 
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {

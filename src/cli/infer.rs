@@ -8,11 +8,9 @@ use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::inference::{Keep, Params, ROOT_FACTOR, Solver, Uncertain, Weight, knows_fragments};
-use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, RadiusRule, Role};
-use willis::phenotype::Circle;
+use willis::network::RadiusRule;
 use willis::report::StagedFolder;
 use willis::report::cohort::{Cell, infer_figures};
-use willis::units::pascals;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::circle::{CircleArgs, divided};
@@ -22,6 +20,7 @@ use super::job::Job;
 use super::keep::parse_rule;
 use super::prior::{Prior, PriorArgs};
 use super::provenance::{command_line, command_line_of};
+use super::run::state_inlets;
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 use super::tell::say_built;
@@ -300,16 +299,6 @@ impl Work for Inference<'_> {
 
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
         infer_figures(record)
-    }
-}
-
-/// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
-fn state_inlets(network: &mut Network, circle: &Circle) {
-    for node in circle.inlets() {
-        let node = network.node_mut(node);
-        if node.condition.is_none() {
-            (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))));
-        }
     }
 }
 

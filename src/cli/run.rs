@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use willis::error::{Fault, Result};
 use willis::formats::{bytes_of, checksum};
-use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
+use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
+use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Draw, Keep, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
-use willis::network::Network;
-use willis::phenotype::{Circle, Posterior};
+use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role};
+use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
 use willis::report::GRAPH_FILE;
+use willis::units::{cubic_metres_per_second, pascals};
 
 use super::terminal::is_stopped;
 
@@ -69,6 +72,11 @@ impl Run {
         Ok(Some(Self { graph, params, given: given.map(|node| node as usize).collect() }))
     }
 
+    /// With what blood flowed.
+    pub fn flow(&self) -> Flow {
+        Flow { viscosity: self.params.viscosity, outlets: FoundOutlets::Ground }
+    }
+
     /// What the plausible topologies say of a circle, and how they were drawn.
     pub fn posterior(&self, network: &Network, circle: &Circle) -> Result<(Posterior, String)> {
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
@@ -103,6 +111,38 @@ pub fn posterior(
     let topologies = Topologies::draw(network, boundary, params, draw)?;
     let how = format!("{} plausible topologies, {how}", topologies.samples);
     Ok((Posterior::of(circle, network, &topologies), how))
+}
+
+/// With what blood flows: what the network states, else what is found.
+pub struct Flow {
+    viscosity: f64,
+    outlets: FoundOutlets,
+}
+
+impl Flow {
+    /// Blood as infer takes it; outlets found are those of centerlines, or of a ready graph.
+    pub fn of_blood(centerlines: bool) -> Self {
+        let murray = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
+        Self { viscosity: BLOOD_VISCOSITY, outlets: if centerlines { murray } else { FoundOutlets::Ground } }
+    }
+
+    /// What the loss of each feeder means to the topology of the vessels `kept`.
+    pub fn collaterals(&self, network: &Network, circle: &Circle, kept: &[bool]) -> Result<Vec<Collateral>> {
+        let mut network = network.clone();
+        state_inlets(&mut network, circle);
+        let boundary = Boundary::resolve(&network, &stated(&network), self.outlets)?;
+        collaterals(circle, &network, |row| kept[row], &boundary, self.viscosity)
+    }
+}
+
+/// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
+pub fn state_inlets(network: &mut Network, circle: &Circle) {
+    for node in circle.inlets() {
+        let node = network.node_mut(node);
+        if node.condition.is_none() {
+            (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))));
+        }
+    }
 }
 
 /// The parameters of a record.

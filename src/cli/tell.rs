@@ -3,7 +3,7 @@
 use willis::candidates;
 use willis::inference::{Keep, Weight};
 use willis::network::{Network, Origin};
-use willis::phenotype::{Posterior, RING, Variant};
+use willis::phenotype::{Collateral, Posterior, RING, TERRITORIES, Variant};
 use willis::report::Outcome;
 
 use super::terminal::{Terminal, brief, count, plural};
@@ -93,5 +93,18 @@ pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Pos
         if !words.is_empty() {
             terminal.say("uncertain", words.join(", "));
         }
+    }
+}
+
+/// Says what takes over when a feeder is lost.
+pub fn say_collaterals(terminal: Terminal, collaterals: &[Collateral]) {
+    for collateral in collaterals {
+        let least = TERRITORIES.iter().zip(collateral.residual()).filter_map(|(artery, share)| Some((artery, share?)));
+        let least = least.min_by(|a, b| a.1.total_cmp(&b.1));
+        let least =
+            least.map_or_else(String::new, |(artery, share)| format!("; least is left to {artery}, {:.0} %", 100.0 * share));
+        let over =
+            collateral.takes_over.map_or("no communicating artery takes over".into(), |artery| format!("{artery} takes over"));
+        terminal.detail("collateral", format!("without {}: {over}{least}", collateral.occluded));
     }
 }

@@ -7,8 +7,9 @@
 //! Where the carotid itself does not lead to M1 (it is occluded, or was not traced), A1 and PComm have nothing to come from: they are
 //! there when what is traced under their name hangs on the arteries at their other end, from which they fill.
 
-use super::artery::{Artery, FENESTRATED, Side};
+use super::artery::{Artery, FENESTRATED, RING, Side};
 use super::calibre::is_wider;
+use super::collateral::{Courses, TERRITORIES};
 use super::variant::Variant;
 use super::ways::{Marks, Way, shortest};
 use crate::network::Network;
@@ -85,6 +86,34 @@ pub(super) fn variant(places: &[Place], network: &Network, kept: &impl Fn(usize)
         }
     }
     Solver { network, places, kept, touch, known }.variant()
+}
+
+/// Which vessels the arteries are, by their labels. A carotid is closed where it comes in, so that what leaves it higher up can be fed from
+/// above.
+pub(super) fn courses(places: &[Place], network: &Network) -> Courses {
+    let degree = network.degrees(|_| true);
+    let of = |wanted: &[Artery]| -> Vec<usize> {
+        let is = |row: &usize| matches!(places[*row], Place::Artery(artery) if wanted.contains(&artery));
+        (0..places.len()).filter(is).collect()
+    };
+    let at_its_end = |artery: Artery| -> Vec<usize> {
+        of(&[artery]).into_iter().filter(|row| network.ends(*row).into_iter().any(|node| degree[node] == 1)).collect()
+    };
+    let vertebrals = || Side::BOTH.into_iter().flat_map(|side| at_its_end(Artery::Va(side))).collect();
+    let basilar = Some(of(&[Artery::Ba])).filter(|rows| !rows.is_empty()).unwrap_or_else(vertebrals);
+    let [left, right] = Side::BOTH.map(|side| at_its_end(Artery::Ica(side)));
+    let whole = |artery: Artery| match artery {
+        Artery::A1(side) | Artery::A2(side) => Artery::Aca(side),
+        Artery::P1(side) | Artery::P2(side) => Artery::Pca(side),
+        Artery::M1(side) => Artery::Mca(side),
+        other => other,
+    };
+    let territory = |artery: Artery| of(&[artery, whole(artery)]);
+    Courses {
+        feeders: [left, right, basilar],
+        segments: RING.map(|artery| of(&[artery])),
+        territories: TERRITORIES.map(territory),
+    }
 }
 
 impl<K: Fn(usize) -> bool> Solver<'_, K> {

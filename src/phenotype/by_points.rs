@@ -6,6 +6,7 @@
 
 use super::artery::{Artery, FENESTRATED, Side};
 use super::calibre::is_wider;
+use super::collateral::Courses;
 use super::variant::Variant;
 use super::ways::{Marks, Way, marks, shortest};
 use crate::network::Network;
@@ -57,6 +58,14 @@ impl Points {
         let mut solver = Solver { network, points: self, kept, trunk: [Vec::new(), Vec::new()], whole: [false; 2] };
         solver.find_trunks();
         solver.variant()
+    }
+
+    /// Which vessels the arteries are, all vessels counted.
+    pub fn courses(&self, network: &Network) -> Courses {
+        let all = |_: usize| true;
+        let mut solver = Solver { network, points: self, kept: &all, trunk: [Vec::new(), Vec::new()], whole: [false; 2] };
+        solver.find_trunks();
+        solver.courses()
     }
 }
 
@@ -129,7 +138,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
 
     fn variant(&self) -> Variant {
         let points = self.points;
-        let feeders = if points.feeders.is_empty() { points.tip.into_iter().collect() } else { points.feeders.clone() };
+        let feeders = self.feeders();
         let mut variant =
             Variant { ica: self.whole, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
         let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
@@ -173,6 +182,44 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             variant.fenestration[row] = way.is_some_and(|way| self.has_second_channel(way, &blocked));
         }
         variant
+    }
+
+    fn feeders(&self) -> Vec<usize> {
+        let points = self.points;
+        if points.feeders.is_empty() { points.tip.into_iter().collect() } else { points.feeders.clone() }
+    }
+
+    fn courses(&self) -> Courses {
+        let points = self.points;
+        let feeders = self.feeders();
+        let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
+        let at = |nodes: &[usize]| -> Vec<usize> {
+            let mut rows: Vec<usize> = (0..self.network.vessel_count())
+                .filter(|row| self.network.ends(*row).iter().any(|node| nodes.contains(node)))
+                .collect();
+            rows.dedup();
+            rows
+        };
+        let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
+        // A way to the trunk ends with the segment that leaves it.
+        let last = |way: Option<Way>| way.and_then(|way| way.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
+        let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
+        let between = |way: Way| {
+            let way = a1[0].as_ref().map_or_else(|| way.clone(), |left| way.after(left));
+            a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right)).vessels
+        };
+        let acomm = self.acomm(&posterior).map(between).unwrap_or_default();
+        let [p1, pcomm] = self.posterior_segments(&feeders);
+        let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
+        let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.clone().map(last), pcomm.map(last)];
+        let [l_p1, r_p1] = p1;
+        let [a2, m1, p2] = [points.a2, points.m1, points.p2].map(|pair| pair.map(one));
+        let territories = [a2, m1, p2].into_iter().flatten().collect::<Vec<_>>();
+        Courses {
+            feeders: [one(points.ica[0]), one(points.ica[1]), at(&feeders)],
+            segments: [l_a1, r_a1, acomm, l_p1, r_p1, l_pcomm, r_pcomm],
+            territories: territories.try_into().unwrap_or_default(),
+        }
     }
 
     fn a1(&self, side: Side, posterior: &[usize]) -> Option<Way> {

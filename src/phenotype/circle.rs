@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::artery::Artery;
 use super::by_labels::{self, Place};
 use super::by_points::Points;
+use super::collateral::Courses;
 use super::labels::{Scheme, artery, is_none};
 use super::landmarks::{Landmark, Site, sites};
 use super::place::place;
@@ -128,6 +129,24 @@ impl Circle {
         match &self.place {
             Where::Vessels(places) => by_labels::variant(places, network, &kept),
             Where::Nodes(points) => points.variant(network, &kept),
+        }
+    }
+
+    /// The circle in a network of the same nodes with some of the vessels, whose rows were `rows`.
+    #[must_use]
+    pub fn in_part(&self, rows: &[usize]) -> Self {
+        let place = match &self.place {
+            Where::Vessels(places) => Where::Vessels(rows.iter().map(|row| places[*row]).collect()),
+            Where::Nodes(points) => Where::Nodes(points.clone()),
+        };
+        Self { place }
+    }
+
+    /// Which vessels the arteries are, all vessels of the network counted.
+    pub fn courses(&self, network: &Network) -> Courses {
+        match &self.place {
+            Where::Vessels(places) => by_labels::courses(places, network),
+            Where::Nodes(points) => points.courses(network),
         }
     }
 

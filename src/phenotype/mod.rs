@@ -5,6 +5,7 @@ mod by_labels;
 mod by_points;
 mod calibre;
 mod circle;
+mod collateral;
 mod counted;
 mod divide;
 mod labels;
@@ -18,6 +19,7 @@ mod ways;
 
 pub use artery::{Artery, FENESTRATED, RING, Side};
 pub use circle::Circle;
+pub use collateral::{Collateral, Courses, FEEDERS, TERRITORIES, collaterals};
 pub use counted::counted;
 pub use divide::divide;
 pub use labels::{Scheme, artery, is_none};

@@ -18,6 +18,8 @@ pub struct Posterior {
     pub fetal: [f64; 2],
     /// The candidates on which the most probable variant hangs, those that change its probability most first.
     pub deciding: Vec<Deciding>,
+    /// The heaviest topology with the most probable variant, as whether it holds each vessel.
+    pub topology: Vec<bool>,
     /// How many topologies were drawn.
     pub samples: u64,
 }
@@ -66,7 +68,10 @@ impl Posterior {
         let mut variants: Vec<(Variant, f64)> = shares.into_iter().collect();
         variants.sort_by(|a, b| b.1.total_cmp(&a.1));
         let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best));
-        Self { variants, segments, fetal, deciding, samples: topologies.samples }
+        let best = variants.first().map(|(best, _)| *best);
+        let heaviest = each.iter().position(|variant| Some(*variant) == best);
+        let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
+        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples }
     }
 
     /// The most probable variant; [`Variant::default`], which has nothing, when nothing was drawn.

@@ -81,6 +81,39 @@ const SEGMENTS: [(&str, &str, &str); 7] = [
     ("R-PComm", "R-PComm", "p_R-PComm"),
 ];
 
+/// Per feeder the columns of what takes over when it is closed, and of the shares of flow that the territories keep.
+const COLLATERAL: [(&str, &str, [&str; 6]); 3] = [
+    (
+        "L-ICA",
+        "takes_over_L-ICA",
+        [
+            "L-A2_without_L-ICA",
+            "R-A2_without_L-ICA",
+            "L-M1_without_L-ICA",
+            "R-M1_without_L-ICA",
+            "L-P2_without_L-ICA",
+            "R-P2_without_L-ICA",
+        ],
+    ),
+    (
+        "R-ICA",
+        "takes_over_R-ICA",
+        [
+            "L-A2_without_R-ICA",
+            "R-A2_without_R-ICA",
+            "L-M1_without_R-ICA",
+            "R-M1_without_R-ICA",
+            "L-P2_without_R-ICA",
+            "R-P2_without_R-ICA",
+        ],
+    ),
+    (
+        "BA",
+        "takes_over_BA",
+        ["L-A2_without_BA", "R-A2_without_BA", "L-M1_without_BA", "R-M1_without_BA", "L-P2_without_BA", "R-P2_without_BA"],
+    ),
+];
+
 /// The figures of a Circle of Willis, from the run.json of a subject; none where it was not classified. `margin` is the probability of
 /// the variant less that of the next.
 pub fn phenotype_figures(record: &Value) -> Vec<(&'static str, Cell)> {
@@ -101,6 +134,13 @@ pub fn phenotype_figures(record: &Value) -> Vec<(&'static str, Cell)> {
         let number = |value: &Value| Cell::Number(value.as_f64().unwrap_or(f64::NAN));
         figures.extend([("p_variant", number(&probabilities["variant"])), ("margin", number(&probabilities["margin"]))]);
         figures.extend(SEGMENTS.map(|(segment, _, name)| (name, number(&probabilities["segments"][segment]))));
+    }
+    for (feeder, takes_over, territories) in COLLATERAL {
+        let Some(collateral) = record["collateral"].get(feeder) else { continue };
+        figures.push((takes_over, Cell::Text(collateral["takes_over"].as_str().unwrap_or_default().to_owned())));
+        for (territory, name) in ["L-A2", "R-A2", "L-M1", "R-M1", "L-P2", "R-P2"].into_iter().zip(territories) {
+            figures.push((name, Cell::Number(collateral["residual"][territory].as_f64().unwrap_or(f64::NAN))));
+        }
     }
     figures
 }

@@ -7,8 +7,10 @@ use serde_json::{Value, json};
 use super::staged::{write_file, write_record};
 use super::summary::{Provenance, input};
 use crate::error::Result;
+use crate::formats::{Column, write_csv};
 use crate::network::Network;
-use crate::phenotype::{Artery, Deciding, FENESTRATED, Posterior, RING, Side, Variant};
+use crate::phenotype::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
+use crate::units::ml_per_min;
 
 /// A classification and everything its files are made of.
 #[derive(Debug)]
@@ -23,6 +25,8 @@ pub struct Classified<'a> {
     pub known_by: &'a str,
     /// Path and SHA-256 of the landmarks, where they were given.
     pub landmarks: Value,
+    /// What it makes of the loss of each feeder, as [`collateral_json`] says it; null where no blood can flow.
+    pub collateral: Value,
     /// What a person should know about where the arteries are.
     pub notes: &'a [String],
 }
@@ -129,6 +133,7 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
             "counted": classified.counted,
         },
         "phenotype": classified.phenotype,
+        "collateral": classified.collateral,
         "notes": provenance.notes.iter().chain(classified.notes).collect::<Vec<_>>(),
     })
 }
@@ -171,4 +176,45 @@ pub fn write_phenotype(
         csv.write_record(row)?;
         csv.flush()
     })
+}
+
+/// What the circle makes of the loss of each feeder: per feeder the artery that takes over, per territory the share of its flow that is
+/// left.
+pub fn collateral_json(collaterals: &[Collateral]) -> Value {
+    let each = |collateral: &Collateral| {
+        let shares = TERRITORIES.iter().zip(collateral.residual());
+        let residual: serde_json::Map<String, Value> = shares.map(|(artery, share)| (artery.to_string(), json!(share))).collect();
+        let takes_over = collateral.takes_over.map(|artery| artery.to_string());
+        (collateral.occluded.to_string(), json!({ "takes_over": takes_over, "residual": residual }))
+    };
+    Value::Object(collaterals.iter().map(each).collect())
+}
+
+/// Writes collateral.csv: the flow in every segment and territory with all feeders and without each of them.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()> {
+    let mut rows = Vec::new();
+    for collateral in collaterals {
+        let segments = RING.iter().zip(&collateral.segments).map(|(artery, flows)| ("segment", artery, flows));
+        let territories = TERRITORIES.iter().zip(&collateral.territories).map(|(artery, flows)| ("territory", artery, flows));
+        for (kind, artery, flows) in segments.chain(territories) {
+            let Some([before, after]) = flows else { continue };
+            let takes_over = kind == "segment" && collateral.takes_over == Some(*artery);
+            rows.push((collateral.occluded, kind, *artery, ml_per_min(*before), ml_per_min(*after), takes_over));
+        }
+    }
+    let real = |name, of: fn(f64, f64) -> f64| Column::real(name, rows.iter().map(move |row| of(row.3, row.4)));
+    let columns = [
+        Column::text("occluded", rows.iter().map(|row| row.0.to_string())),
+        Column::text("kind", rows.iter().map(|row| row.1.to_owned())),
+        Column::text("artery", rows.iter().map(|row| row.2.to_string())),
+        real("flow_mL_per_min", |before, _| before),
+        real("flow_occluded_mL_per_min", |_, after| after),
+        real("residual_share", |before, after| if before > 0.0 { after / before } else { f64::NAN }),
+        Column::whole("takes_over", rows.iter().map(|row| usize::from(row.5))),
+    ];
+    write_file(&folder.join("collateral.csv"), |out| write_csv(out, &columns))
 }

@@ -39,6 +39,7 @@ const FILES: &[&str] = &[
     "hypertension.svg",
     "phenotype.json",
     "phenotype.csv",
+    "collateral.csv",
 ];
 const AGREEMENT: &str = "agreement.csv";
 /// The record by which the folder of a cohort is known.

@@ -1,0 +1,36 @@
+"""Which variant: run.py [--only literature|patients|cohort] [--seeds A B] [--seed N] [--work FOLDER]."""
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import cohort
+import literature
+import patients
+import tables
+
+PARTS = {"literature": literature.run, "patients": patients.run, "cohort": cohort.run}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=PARTS)
+    parser.add_argument("--seeds", type=int, nargs=2, default=(0, 20), metavar=("A", "B"), help="of the phantoms' damage, from A to B - 1 [0 20]")
+    parser.add_argument("--seed", type=int, default=101, help="of the patients' damage [101]")
+    parser.add_argument("--work", type=Path, help="a folder to keep cases and answers in [a temporary one]")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="phenotypes-") as scratch:
+        work = (options.work or Path(scratch)).resolve()
+        for name in (options.only,) if options.only else PARTS:
+            (work / name).mkdir(parents=True, exist_ok=True)
+            text = PARTS[name](work / name, options)
+            if text is None:
+                continue
+            print(text)
+            if tuple(options.seeds) == (0, 20) and options.seed == 101:
+                tables.put(name, text)
+
+
+if __name__ == "__main__":
+    main()
