@@ -338,7 +338,7 @@ fn names_are_text_in_the_page() {
     assert!(!html.contains("<img") && !html.contains("http://www.w3.org/1999") && html.contains("default-src 'none'"));
     let words: Vec<&Value> = data["table"]["columns"].as_array().expect("columns").iter().map(|c| &c["words"]).collect();
     // The failed one first.
-    assert_eq!(words[0], &serde_json::json!(["_script_", "_img_src_x_onerror_alert_1____"]));
+    assert_eq!(words[0], &serde_json::json!(["_script_", "_img_src_x_onerror_alert_1_____"]));
     assert_eq!(words[1], &serde_json::json!(["<script>.swc", hostile]));
     assert_eq!(data["failed"], 1);
 }

@@ -87,8 +87,8 @@ fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
     let words: Vec<String> = inputs.iter().map(|path| safe(&word(path))).collect();
     let mut taken: HashSet<String> = ["cohort.json", "cohort.csv", "cohort.html"].map(str::to_owned).into();
     let mut unique = |word: &String| {
-        let numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
-        numbered.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+        let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
+        numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
     };
     let names: Vec<String> = words.iter().map(&mut unique).collect();
     names.into_iter().zip(inputs).map(|(name, input)| Subject { name, input }).collect()
