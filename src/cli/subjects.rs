@@ -68,7 +68,7 @@ fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// A name for each input. The name of the file without its ending; where all files are called the same, the name of their folder; where
+/// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
 fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
