@@ -68,7 +68,7 @@ fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// A name for each input. The name of the file without its ending; where all files are called the same, the name of their folder; where
+/// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
 fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -87,8 +87,8 @@ fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
     let words: Vec<String> = inputs.iter().map(|path| safe(&word(path))).collect();
     let mut taken: HashSet<String> = ["cohort.json", "cohort.csv", "cohort.html"].map(str::to_owned).into();
     let mut unique = |word: &String| {
-        let numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
-        numbered.into_iter().find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
+        let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
+        numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
     };
     let names: Vec<String> = words.iter().map(&mut unique).collect();
     names.into_iter().zip(inputs).map(|(name, input)| Subject { name, input }).collect()

@@ -67,12 +67,10 @@ fn stranger(folder: &Path) -> Option<PathBuf> {
         return if is_ours(MARK) { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
     }
     if folder.join(COHORT_MARK).exists() {
-        let of_cohort = |path: PathBuf| match path.is_dir() {
-            true => stranger(&path),
-            false => (!is_named(&path, COHORT_FILES)).then_some(path),
-        };
-        let rest = paths.into_iter().filter(|path| !is_in_the_making(path));
-        return if is_ours(COHORT_MARK) { rest.into_iter().find_map(of_cohort) } else { Some(folder.join(COHORT_MARK)) };
+        let of_cohort =
+            |path: PathBuf| if path.is_dir() { stranger(&path) } else { (!is_named(&path, COHORT_FILES)).then_some(path) };
+        let mut rest = paths.into_iter().filter(|path| !is_in_the_making(path));
+        return if is_ours(COHORT_MARK) { rest.find_map(of_cohort) } else { Some(folder.join(COHORT_MARK)) };
     }
     paths.into_iter().find_map(|path| {
         if path.is_dir() && path.join(MARK).exists() {
