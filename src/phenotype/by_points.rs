@@ -178,10 +178,9 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     fn a1(&self, side: Side, posterior: &[usize]) -> Option<Way> {
         let (s, o) = (side.row(), side.other().row());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
-        match (self.points.a2[s], self.points.a2[o]) {
-            (Some(a2), _) => self.way(&[a2], own, &[other, posterior]),
-            (None, Some(a2)) => self.way(&[a2], own, &[other, posterior]),
-            (None, None) => self.way(other, own, &[other, posterior]),
+        match self.points.a2[s].or(self.points.a2[o]) {
+            Some(a2) => self.way(&[a2], own, &[other, posterior]),
+            None => self.way(other, own, &[other, posterior]),
         }
     }
 

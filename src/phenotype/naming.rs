@@ -105,8 +105,12 @@ impl Variant {
     pub fn published() -> Vec<Self> {
         let lacking = |missing: &[Artery]| {
             let mut variant = Self::COMPLETE;
-            missing.iter().for_each(|artery| variant.set(*artery, false));
-            Side::BOTH.into_iter().for_each(|side| variant.set_fetal(side, || false));
+            for artery in missing {
+                variant.set(*artery, false);
+            }
+            for side in Side::BOTH {
+                variant.set_fetal(side, || false);
+            }
             variant
         };
         std::iter::once(Self::COMPLETE).chain(PUBLISHED.iter().map(|missing| lacking(missing))).collect()
