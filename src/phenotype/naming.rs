@@ -87,9 +87,9 @@ impl Variant {
         // That P1 is absent is said by the full fetal type.
         let told = |artery: &Artery| matches!(artery, Artery::P1(side) if self.fetal[side.row()]);
         said.extend(self.missing().into_iter().filter(|artery| !told(artery)).map(|artery| format!("{artery} absent")));
-        said.extend(Side::BOTH.into_iter().filter(|s| !self.ica[s.row()]).map(|side| format!("{} absent", Artery::Ica(side))));
+        said.extend(Side::BOTH.into_iter().filter(|s| !self.ica[s.row()]).map(|side| format!("{} not seen", Artery::Ica(side))));
         if !self.ba {
-            said.push("BA absent".to_owned());
+            said.push("BA not seen".to_owned());
         }
         if self.third_a2 {
             said.push("a third A2".to_owned());
