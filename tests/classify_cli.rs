@@ -2,6 +2,7 @@
 
 mod command;
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -56,7 +57,7 @@ fn landmarks_stand_in_for_labels() {
     for (unit, scale) in [("mm", 1.0), ("cm", 0.1)] {
         let mut swc = String::new();
         let mut add = |id: usize, [x, y, z]: [f64; 3], parent: i64| {
-            swc += &format!("{id} 0 {} {} {} {} {parent}\n", x * scale, y * scale, z * scale, scale);
+            writeln!(swc, "{id} 0 {} {} {} {} {parent}", x * scale, y * scale, z * scale, scale).expect("written");
         };
         // A left carotid with M1 and A1 to A2, and nothing else.
         add(1, [-20.0, 0.0, -60.0], -1);
@@ -67,7 +68,7 @@ fn landmarks_stand_in_for_labels() {
         let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
         for (label, at) in [("L-ICA", [-20.0, 0.0, -61.0]), ("L-M1", [-61.0, 6.0, 10.0]), ("L-A2", [-4.0, 41.0, 40.0])] {
             let [x, y, z] = at.map(|x: f64| x * scale);
-            text += &format!("{label},{x},{y},{z}\n");
+            writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
         fs::write(here.path().join("l.csv"), &text).expect("written");
         let arguments = ["classify", "a.swc", "-o", unit, "--landmarks", "l.csv", "--units", unit];
@@ -152,7 +153,7 @@ fn exchanged_sides_are_warned_of() {
         let mut nodes = "node,x_mm,y_mm,z_mm\nv,0,-15,-40\nb,0,-9,0\n".to_owned();
         for (name, [x, y, z]) in [("i", [20, 0, -60]), ("t", [10, 6, 0]), ("m", [60, 6, 10]), ("a", [4, 40, 40])] {
             let x = sign * f64::from(x);
-            nodes += &format!("{name},{x},{y},{z}\n{},{},{y},{z}\n", name.to_uppercase(), -x);
+            writeln!(nodes, "{name},{x},{y},{z}\n{},{},{y},{z}", name.to_uppercase(), -x).expect("written");
         }
         fs::write(here.path().join("nodes.csv"), nodes).expect("written");
         let output = willis(here.path(), &["classify", "edges.csv", "-o", "out", "--force"]);

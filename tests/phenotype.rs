@@ -2,6 +2,7 @@
 //! the table that came with them.
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use willis::centerline::WELD_TOLERANCE;
@@ -106,7 +107,7 @@ fn landmarks(ends: &[(&str, &str)]) -> String {
     let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
     for (label, id) in ends {
         let [x, y, z] = NODES.iter().find(|(name, _)| name == id).expect("a node").1;
-        text += &format!("{label},{x},{y},{z}\n");
+        writeln!(text, "{label},{x},{y},{z}").expect("written");
     }
     text
 }
@@ -459,7 +460,7 @@ fn the_published_variants_are_named_right() {
         for (label, id) in ends {
             let node = network.nodes().find(|node| node.id == id).unwrap();
             let [x, y, z] = node.position.unwrap().map(willis::units::millimetres);
-            text += &format!("{label},{x},{y},{z}\n");
+            writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
         let landmarks = read_landmarks(&text, &Scale::default()).unwrap();
         let (placed, _) = Circle::at(&network, &landmarks).unwrap();

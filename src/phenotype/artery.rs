@@ -91,9 +91,18 @@ impl Artery {
     /// Its side; none in the midline.
     pub fn side(self) -> Option<Side> {
         match self {
-            Self::Ica(s) | Self::M1(s) | Self::A1(s) | Self::A2(s) | Self::P1(s) | Self::P2(s) => Some(s),
-            Self::PComm(s) | Self::Va(s) | Self::Mca(s) | Self::Aca(s) | Self::Pca(s) => Some(s),
             Self::AComm | Self::Ba | Self::ThirdA2 => None,
+            Self::Ica(s)
+            | Self::M1(s)
+            | Self::A1(s)
+            | Self::A2(s)
+            | Self::P1(s)
+            | Self::P2(s)
+            | Self::PComm(s)
+            | Self::Va(s)
+            | Self::Mca(s)
+            | Self::Aca(s)
+            | Self::Pca(s) => Some(s),
         }
     }
 

@@ -81,7 +81,9 @@ pub(super) fn variant(places: &[Place], network: &Network, kept: &impl Fn(usize)
         if let Place::Artery(artery) = place {
             known |= bit(*artery);
             if kept(row) {
-                network.ends(row).into_iter().for_each(|node| touch[node] |= bit(*artery));
+                for node in network.ends(row) {
+                    touch[node] |= bit(*artery);
+                }
             }
         }
     }

@@ -157,7 +157,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let p1 = self.proper_p1(p1, &pcomm);
         for side in Side::BOTH {
             let s = side.row();
-            let proper = |p1: &Way| pcomm[s].as_ref().map(|way| self.from_junction(way, p1, points.posterior[s]));
+            let proper = |p1: &Way| pcomm[s].as_ref().map(|way| beyond(way, p1, points.posterior[s]));
             let wider = || {
                 p1[s].as_ref().is_some_and(|(full, p1)| {
                     proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.vessels, &p1.vessels))
@@ -165,9 +165,8 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             };
             variant.set_fetal(side, wider);
         }
-        let a1_proper = [0, 1].map(|s| {
-            a1[s].as_ref().map(|way| self.from_junction(way, acomm.as_ref().unwrap_or(&Way::default()), points.anterior[s]))
-        });
+        let a1_proper =
+            [0, 1].map(|s| a1[s].as_ref().map(|way| beyond(way, acomm.as_ref().unwrap_or(&Way::default()), points.anterior[s])));
         let acomm = acomm.map(|way| {
             let way = a1[0].as_ref().map_or_else(|| way.clone(), |left| way.after(left));
             a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right))
@@ -225,10 +224,9 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     fn a1(&self, side: Side, posterior: &[usize]) -> Option<Way> {
         let (s, o) = (side.row(), side.other().row());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
-        match (self.points.a2[s], self.points.a2[o]) {
-            (Some(a2), _) => self.way(&[a2], own, &[other, posterior]),
-            (None, Some(a2)) => self.way(&[a2], own, &[other, posterior]),
-            (None, None) => self.way(other, own, &[other, posterior]),
+        match self.points.a2[s].or(self.points.a2[o]) {
+            Some(a2) => self.way(&[a2], own, &[other, posterior]),
+            None => self.way(other, own, &[other, posterior]),
         }
     }
 
@@ -260,19 +258,13 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         [[p1_left, p1_right], [pcomm_left, pcomm_right]]
     }
 
-    /// What is left of a way from its junction on: a landmark, or where it leaves the other way from the same outlet.
-    fn from_junction(&self, way: &Way, other: &Way, junction: Option<usize>) -> Way {
-        let landmark = junction.filter(|node| way.nodes.contains(node));
-        landmark.map_or_else(|| way.after(other), |node| way.after(&Way { nodes: vec![node], vessels: Vec::new() }))
-    }
-
     /// Per side the way of P1 from the outlet of P2, and P1 itself: from PComm to the end of the basilar artery.
     fn proper_p1(&self, p1: [Option<Way>; 2], pcomm: &[Option<Way>; 2]) -> [Option<(Way, Way)>; 2] {
         let empty = Way::default();
         let tip = self.points.tip.map(|node| Way { nodes: vec![node], vessels: Vec::new() });
         let proper = [0, 1].map(|s| {
             let full = p1[s].as_ref()?;
-            let way = self.from_junction(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
+            let way = beyond(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
             let ends = |end: &Way| end.nodes.iter().any(|node| way.nodes.contains(node));
             Some(match [tip.as_ref(), p1[1 - s].as_ref()].into_iter().flatten().find(|end| ends(end)) {
                 Some(end) => way.before(end),
@@ -292,4 +284,10 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             shortest(self.network, [&from, &to, blocked], off, LONGEST_CHANNEL).is_some()
         })
     }
+}
+
+/// What is left of a way from its junction on: a landmark, or where it leaves the other way from the same outlet.
+fn beyond(way: &Way, other: &Way, junction: Option<usize>) -> Way {
+    let landmark = junction.filter(|node| way.nodes.contains(node));
+    landmark.map_or_else(|| way.after(other), |node| way.after(&Way { nodes: vec![node], vessels: Vec::new() }))
 }

@@ -59,8 +59,7 @@ impl Circle {
                 format!("expected {codes}"),
             ));
         }
-        let found = |of: fn(&Artery) -> bool| places.iter().any(|place| matches!(place, Place::Artery(a) if of(a)));
-        if !found(is_inlet) {
+        if !places.iter().any(|place| matches!(place, Place::Artery(artery) if is_inlet(*artery))) {
             return Err(Fault::file(
                 "no vessel is labelled as an internal carotid, basilar or vertebral artery",
                 "expected labels such as L-ICA, R-ICA, BA, L-VA (--labels icafe|topcow for numbers), or give --landmarks FILE",
@@ -85,7 +84,7 @@ impl Circle {
     ///
     /// A landmark too far from every vessel; no inlet of a carotid or basilar artery among them; nodes without positions.
     pub fn at(network: &Network, landmarks: &[Landmark]) -> Result<(Self, Vec<String>), Fault> {
-        if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if is_inlet(&single))) {
+        if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if is_inlet(single))) {
             return Err(Fault::file(
                 "no inlet among the landmarks",
                 "expected one at least of L-ICA, R-ICA, BA, L-VA, R-VA: where it enters the field of view",
@@ -106,11 +105,13 @@ impl Circle {
                 taken.insert(placed.node, first);
                 continue;
             }
-            sites.into_iter().for_each(|site| site.put(&mut points, placed.node));
+            for site in sites {
+                site.put(&mut points, placed.node);
+            }
             let node = &network.node(placed.node).id;
             notes.push(format!("{} at node {node}, {:.3} mm away", landmark.label, millimetres(placed.distance)));
         }
-        for s in 0..2 {
+        for s in [0, 1] {
             points.a2[s] = points.a2[s].or(points.anterior[s]);
             points.p2[s] = points.p2[s].or(points.posterior[s]);
         }
@@ -202,7 +203,7 @@ fn outermost(network: &Network, places: &[Place]) -> Vec<usize> {
     found.into_values().map(|(_, node)| node).collect()
 }
 
-fn is_inlet(artery: &Artery) -> bool {
+fn is_inlet(artery: Artery) -> bool {
     matches!(artery, Artery::Ica(_) | Artery::Ba | Artery::Va(_))
 }
 

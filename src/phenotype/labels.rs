@@ -181,9 +181,9 @@ fn sided(name: &str, side: Side) -> Option<Artery> {
             let part = segment(rest, side);
             match (rest, artery(side), part) {
                 ("", whole, _) => return Some(whole),
-                (_, Artery::Mca(_), Some(part @ Artery::M1(_))) => return Some(part),
-                (_, Artery::Aca(_), Some(part @ (Artery::A1(_) | Artery::A2(_)))) => return Some(part),
-                (_, Artery::Pca(_), Some(part @ (Artery::P1(_) | Artery::P2(_)))) => return Some(part),
+                (_, Artery::Mca(_), Some(part @ Artery::M1(_)))
+                | (_, Artery::Aca(_), Some(part @ (Artery::A1(_) | Artery::A2(_))))
+                | (_, Artery::Pca(_), Some(part @ (Artery::P1(_) | Artery::P2(_)))) => return Some(part),
                 (_, whole @ (Artery::Ica(_) | Artery::Va(_)), None) if is_stage(rest) => return Some(whole),
                 _ => {}
             }

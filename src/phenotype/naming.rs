@@ -87,9 +87,9 @@ impl Variant {
         // That P1 is absent is said by the full fetal type.
         let told = |artery: &Artery| matches!(artery, Artery::P1(side) if self.fetal[side.row()]);
         said.extend(self.missing().into_iter().filter(|artery| !told(artery)).map(|artery| format!("{artery} absent")));
-        said.extend(Side::BOTH.into_iter().filter(|s| !self.ica[s.row()]).map(|side| format!("{} absent", Artery::Ica(side))));
+        said.extend(Side::BOTH.into_iter().filter(|s| !self.ica[s.row()]).map(|side| format!("{} not seen", Artery::Ica(side))));
         if !self.ba {
-            said.push("BA absent".to_owned());
+            said.push("BA not seen".to_owned());
         }
         if self.third_a2 {
             said.push("a third A2".to_owned());
@@ -105,8 +105,12 @@ impl Variant {
     pub fn published() -> Vec<Self> {
         let lacking = |missing: &[Artery]| {
             let mut variant = Self::COMPLETE;
-            missing.iter().for_each(|artery| variant.set(*artery, false));
-            Side::BOTH.into_iter().for_each(|side| variant.set_fetal(side, || false));
+            for artery in missing {
+                variant.set(*artery, false);
+            }
+            for side in Side::BOTH {
+                variant.set_fetal(side, || false);
+            }
             variant
         };
         std::iter::once(Self::COMPLETE).chain(PUBLISHED.iter().map(|missing| lacking(missing))).collect()
