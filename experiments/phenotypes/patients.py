@@ -49,8 +49,27 @@ def landmarks(tree, fragments, path):
         seen = [p for p in points if np.linalg.norm(free - p, axis=1).min() <= SEEN]
         if seen:
             lines.append(f"{label},{','.join(repr(float(x)) for x in seen[0])}\n")
+    # Where the outlet is beyond the field of view or was lost, the vessel is seen to end where the next segment would begin.
+    for side in "LR":
+        for near, far in (("A1", "A2"), ("P1", "P2")):
+            if not any(line.startswith(f"{side}-{far},") for line in lines):
+                point = meeting(tree, f"{near} {side}", f"{far} {side}")
+                if point is not None and np.linalg.norm(free - point, axis=1).min() <= SEEN:
+                    lines.append(f"{side}-{near}/{side}-{far},{','.join(repr(float(x)) for x in point)}\n")
     path.write_text("label,x_mm,y_mm,z_mm\n" + "".join(lines))
     return [line.split(",")[0] for line in lines]
+
+
+def meeting(tree, near, far):
+    """Where a segment hands over to the next, or ends by itself."""
+    nodes = {label: [n for b in tree.branches if b["label"] == label for n in (b["u"], b["v"])] for label in (near, far)}
+    shared = [n for n in nodes[near] if n in nodes[far]]
+    own = [n for n in nodes[near] if len(tree.inc[n]) == 1] or [b["u"] for b in tree.branches if b["label"] == far]
+    for node in shared + own:
+        for b in tree.branches:
+            if node in (b["u"], b["v"]):
+                return b["p"][0] if b["u"] == node else b["p"][-1]
+    return None
 
 
 def case(job):

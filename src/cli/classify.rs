@@ -135,6 +135,7 @@ impl ClassifyArgs {
             phenotype: &phenotype,
             known_by: found.known_by,
             landmarks: found.record(),
+            collateral: collateral_json(&collaterals),
             notes: &notes,
         };
         let record = classification_record(&classified, &loaded.provenance);

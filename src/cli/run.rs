@@ -101,9 +101,8 @@ pub fn posterior(
     above: Option<&[bool]>,
 ) -> Result<(Posterior, String)> {
     let mut known = vec![false; network.node_count()];
-    for node in circle.ends(network).into_iter().chain(given.iter().copied()).filter(|node| *node < known.len()) {
-        known[node] = true;
-    }
+    let ends = circle.ends(network);
+    (0..known.len()).for_each(|node| known[node] = given.contains(&node) || ends.binary_search(&node).is_ok());
     let (draw, how) = match above {
         None => (Draw::Ends(&known), "whose free ends continue by the evidence"),
         Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
