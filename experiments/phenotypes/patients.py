@@ -49,26 +49,35 @@ def landmarks(tree, fragments, path):
         seen = [p for p in points if np.linalg.norm(free - p, axis=1).min() <= SEEN]
         if seen:
             lines.append(f"{label},{','.join(repr(float(x)) for x in seen[0])}\n")
-    # Where the outlet is beyond the field of view or was lost, the vessel is seen to end where the next segment would begin.
+    # Where an outlet is beyond the field of view or was lost, a person marks where the segment is seen to end.
+    have = {line.split(",")[0] for line in lines}
     for side in "LR":
-        for near, far in (("A1", "A2"), ("P1", "P2")):
-            if not any(line.startswith(f"{side}-{far},") for line in lines):
-                point = meeting(tree, f"{near} {side}", f"{far} {side}")
+        other = "LR".replace(side, "")
+        marks = [
+            (f"{side}-A1/{side}-A2", {f"{side}-A2"}, (("A1", "A2"), ("AComm", "A2"), ("AComm", "A1")), ("A1", "A2", "AComm"), f"A1 {other}"),
+            (f"{side}-P1/{side}-P2", {f"{side}-P2"}, (("P1", "P2"), ("PComm", "P2"), ("PComm", "P1")), ("P1", "P2", "PComm"), f"ICA {side}"),
+            (f"{side}-ICA/{side}-A1", {f"{side}-ICA", f"{side}-M1"}, (("ICA", "A1"), ("M1", "A1")), ("A1",), f"A2 {side}"),
+        ]
+        for label, instead, pairs, alone, away in marks:
+            if not have & instead:
+                point = meeting(tree, side, pairs, alone, away)
                 if point is not None and np.linalg.norm(free - point, axis=1).min() <= SEEN:
-                    lines.append(f"{side}-{near}/{side}-{far},{','.join(repr(float(x)) for x in point)}\n")
+                    lines.append(f"{label},{','.join(repr(float(x)) for x in point)}\n")
     path.write_text("label,x_mm,y_mm,z_mm\n" + "".join(lines))
     return [line.split(",")[0] for line in lines]
 
 
-def meeting(tree, near, far):
-    """Where a segment hands over to the next, or ends by itself."""
-    nodes = {label: [n for b in tree.branches if b["label"] == label for n in (b["u"], b["v"])] for label in (near, far)}
-    shared = [n for n in nodes[near] if n in nodes[far]]
-    own = [n for n in nodes[near] if len(tree.inc[n]) == 1] or [b["u"] for b in tree.branches if b["label"] == far]
-    for node in shared + own:
-        for b in tree.branches:
-            if node in (b["u"], b["v"]):
-                return b["p"][0] if b["u"] == node else b["p"][-1]
+def meeting(tree, side, pairs, alone, away):
+    """Where two arteries meet, the first pair that does; else a free end of one of them that `away` does not touch."""
+    name = lambda artery: artery if artery == "AComm" else f"{artery} {side}"
+    nodes = {}
+    for b in tree.branches:
+        nodes.setdefault(b["label"], []).extend((b["u"], b["v"]))
+    shared = [n for a, b in pairs for n in nodes.get(name(a), []) if n in nodes.get(name(b), [])]
+    ends = [n for artery in alone for n in nodes.get(name(artery), []) if len(tree.inc[n]) == 1 and n not in nodes.get(away, [])]
+    for node in shared + ends:
+        b = tree.branches[tree.inc[node][0]]
+        return b["p"][0] if b["u"] == node else b["p"][-1]
     return None
 
 

@@ -36,9 +36,11 @@ pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Placed, Fa
         placed.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
     };
     let all = network.degrees(|_| true);
-    let any = nearest(&|row| all[row] > 0);
+    let observed = network.degrees(|vessel| vessel.origin == Origin::Observed);
+    // A node between two halves of a vessel that a candidate divides is none of the anatomy.
+    let is_divided = |row: usize| observed[row] == 2 && all[row] > 2;
+    let any = nearest(&|row| all[row] > 0 && !is_divided(row)).or_else(|| nearest(&|row| all[row] > 0));
     if sites(&landmark.arteries).iter().any(|site| site.is_end()) && any.is_some_and(|any| any.distance > EXACT) {
-        let observed = network.degrees(|vessel| vessel.origin == Origin::Observed);
         let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { all };
         if let Some(end) = nearest(&|row| degree[row] == 1).filter(|end| end.distance <= REACH) {
             return Ok(end);
