@@ -224,6 +224,8 @@ fn a_cohort_is_classified() {
     }
     let classify = ["classify", "runs/a", "runs/b", "-o", "variants", "--landmarks", "{}.landmarks.csv"];
     run(&classify, 0);
+    run(&["classify", "runs/a", "-o", "alone"], 0);
+    assert_eq!(json(&here.path().join("alone/phenotype.json")), json(&here.path().join("variants/a/phenotype.json")));
     let first = fs::read(here.path().join("variants/cohort.csv")).unwrap();
     run(&classify, 0);
     assert_eq!(first, fs::read(here.path().join("variants/cohort.csv")).unwrap());

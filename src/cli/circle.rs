@@ -93,7 +93,8 @@ impl CircleArgs {
     }
 }
 
-fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
+/// Finds the arteries by a file of landmarks.
+pub fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
     let bytes = bytes_of(file)?;
     let text = std::str::from_utf8(&bytes)
         .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV file of label,x_mm,y_mm,z_mm").in_file(file))?;

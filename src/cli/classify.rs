@@ -14,7 +14,7 @@ use willis::report::{
     write_phenotype,
 };
 
-use super::circle::{CircleArgs, divided};
+use super::circle::{CircleArgs, by_landmarks, divided};
 use super::cohort::{Cohort, Work};
 use super::input::ReadingArgs;
 use super::provenance::{command_line, command_line_of};
@@ -101,7 +101,11 @@ impl ClassifyArgs {
             divided(path, scale, &mut loaded)?;
         }
         let network = &loaded.network;
-        let found = self.circle.find(path, network, &scale)?;
+        let of_run = run.as_ref().and_then(|run| run.landmarks.as_deref()).filter(|_| !self.circle.is_given());
+        let found = match of_run {
+            Some(file) => by_landmarks(file, network, &scale)?,
+            None => self.circle.find(input, network, &scale)?,
+        };
         let mut notes = found.notes.clone();
         let (kept, variant, posterior) = match &run {
             Some(run) => {

@@ -153,7 +153,8 @@ pub fn beside(name: &Path, input: &Path) -> PathBuf {
         if at > 0 {
             path += &folder.to_string_lossy();
         }
-        path += &part.replace("{}", &input.with_extension("").to_string_lossy());
+        let whole = if input.is_dir() { input.to_owned() } else { input.with_extension("") };
+        path += &part.replace("{}", &whole.to_string_lossy());
     }
     path.into()
 }

@@ -23,6 +23,8 @@ pub struct Run {
     /// Its over-connected graph.
     pub graph: PathBuf,
     params: Params,
+    /// The landmarks that it was made with.
+    pub landmarks: Option<PathBuf>,
     /// Nodes whose conditions were stated, not found.
     given: Vec<usize>,
 }
@@ -69,7 +71,8 @@ impl Run {
         let params = parameters(&record).ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
         let conditions = record["boundary_conditions"].as_array().into_iter().flatten();
         let given = conditions.filter(|c| c["found"] == Value::Bool(false)).filter_map(|c| c["node"].as_u64());
-        Ok(Some(Self { graph, params, given: given.map(|node| node as usize).collect() }))
+        let landmarks = record["parameters"]["landmarks"]["path"].as_str().map(PathBuf::from);
+        Ok(Some(Self { graph, params, landmarks, given: given.map(|node| node as usize).collect() }))
     }
 
     /// With what blood flowed.

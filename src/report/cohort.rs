@@ -212,11 +212,15 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
     columns
 }
 
-/// How uncertain a subject is: the errors expected of it, or its undecided connections where there is no evidence; one that failed
-/// is the most uncertain.
+/// How uncertain a subject is: by the probability that its variant is another; without a variant by the errors expected of it, or its
+/// undecided connections where there is no evidence. One that failed is the most uncertain.
 fn uncertainty(row: &Row) -> f64 {
     if row.figures.is_err() {
         return f64::INFINITY;
+    }
+    let variant = row.number("p_variant");
+    if !variant.is_nan() {
+        return 1.0 - variant;
     }
     let expected = row.number("expected_wrong") + row.number("expected_missed");
     let figure = if expected.is_nan() { row.number("undecided") } else { expected };
@@ -269,5 +273,7 @@ mod tests {
         let undecided = row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
         let order = [row("f", Err(String::new())), row("w", sure(3.0)), undecided, row("s", sure(0.0)), row("n", Ok(vec![]))];
         assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
+        let variant = |p: f64| row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
+        assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
     }
 }
