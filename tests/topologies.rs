@@ -112,7 +112,9 @@ fn by_enumeration(
     }
     let all: f64 = weights.values().sum();
     weights.retain(|_, w| *w > 0.0);
-    weights.values_mut().for_each(|w| *w /= all);
+    for w in weights.values_mut() {
+        *w /= all;
+    }
     weights
 }
 

@@ -107,19 +107,16 @@ impl ClassifyArgs {
             None => self.circle.find(input, network, &scale)?,
         };
         let mut notes = found.notes.clone();
-        let (kept, variant, posterior) = match &run {
-            Some(run) => {
-                let (posterior, how) = run.posterior(network, &found.circle)?;
-                notes.push(how);
-                (posterior.topology.clone(), posterior.best(), Some(posterior))
-            }
-            None => {
-                let whole = || (vec![true; network.vessel_count()], None);
-                let (kept, note) = if loaded.fragments { whole() } else { counted(network, &bytes_of(path)?) };
-                notes.extend(note);
-                let variant = found.circle.variant(network, |row| kept[row]);
-                (kept, variant, None)
-            }
+        let (kept, variant, posterior) = if let Some(run) = &run {
+            let (posterior, how) = run.posterior(network, &found.circle)?;
+            notes.push(how);
+            (posterior.topology.clone(), posterior.best(), Some(posterior))
+        } else {
+            let whole = || (vec![true; network.vessel_count()], None);
+            let (kept, note) = if loaded.fragments { whole() } else { counted(network, &bytes_of(path)?) };
+            notes.extend(note);
+            let variant = found.circle.variant(network, |row| kept[row]);
+            (kept, variant, None)
         };
         let flow = run.as_ref().map_or(Flow::of_blood(loaded.fragments), Run::flow);
         let collaterals = flow.collaterals(network, &found.circle, &kept).unwrap_or_else(|why| {

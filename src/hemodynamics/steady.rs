@@ -19,7 +19,7 @@ pub struct Steady<'a> {
 
 #[derive(Debug)]
 enum Solver {
-    Mesh(StarMesh),
+    Mesh(Box<StarMesh>),
     Sparse(Box<Cholesky>),
 }
 
@@ -31,7 +31,7 @@ impl<'a> Steady<'a> {
     /// No memory for the factorisation of a large one.
     pub fn new(circuit: &'a Circuit) -> Result<Self> {
         let solver = match StarMesh::compile(circuit, LANES_LIMIT) {
-            Some(program) => Solver::Mesh(program),
+            Some(program) => Solver::Mesh(Box::new(program)),
             None => Solver::Sparse(Box::new(Cholesky::compile(circuit).ok_or(Error::Breakdown)?)),
         };
         Ok(Self { circuit, solver })

@@ -107,7 +107,7 @@ fn draw_ends(network: &Network, known: &[bool], params: &Params, count: &mut Cou
     let ends = ends(network, known);
     let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
     for first in (0..params.samples).step_by(BLOCK as usize) {
-        let mut rng = block_stream(params.seed, first / BLOCK | ENDS_STREAM);
+        let mut rng = block_stream(params.seed, ENDS_STREAM | (first / BLOCK));
         for _ in first..params.samples.min(first + BLOCK) {
             let mut kept = given.clone();
             for choices in &ends {
@@ -148,9 +148,10 @@ fn draw_flow(network: &Network, boundary: &Boundary, params: &Params, above_medi
     let samples = patterns.samples(params.samples);
     for first in (0..samples).step_by(BLOCK as usize) {
         patterns.fill(first / BLOCK, &mut masks, &mut probability);
-        for sample in 0..(samples - first).min(BLOCK) as usize {
+        let here = (samples - first).min(BLOCK) as usize;
+        for (sample, probability) in probability.iter().enumerate().take(here) {
             let (kept, weight) = vote.of(|row| masks[row] >> sample & 1 == 1)?;
-            count.add(&kept, weight * probability[sample]);
+            count.add(&kept, weight * probability);
         }
     }
     Ok(())
