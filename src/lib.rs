@@ -24,6 +24,8 @@
 //! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`posterior::marginals`] |
 //! | maximum conditional likelihood | [`candidates::prior::fit`] |
 //! | the most probable forest | [`inference::probable()`], [`posterior::arborescence`] |
+//! | whole topologies with their weights | [`inference::Topologies`] |
+//! | the variant of a circle, and its probability | [`phenotype::Circle`], [`phenotype::Posterior`] |
 //!
 //! ```
 //! use willis::hemodynamics::{Boundary, FoundOutlets};

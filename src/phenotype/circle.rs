@@ -125,7 +125,7 @@ impl Circle {
     /// The anatomy over the vessels of the network that `kept` admits; the network must be the one that the circle was found in, or
     /// have its nodes and vessels in the same rows.
     ///
-    /// Nothing but shortest ways: a thousand variants of a network of a thousand vessels take about a second.
+    /// Nothing but shortest ways: the time is in proportion to the network, but for a logarithm.
     pub fn variant(&self, network: &Network, kept: impl Fn(usize) -> bool) -> Variant {
         match &self.place {
             Where::Vessels(places) => by_labels::variant(places, network, &kept),
