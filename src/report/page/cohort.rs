@@ -35,6 +35,7 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
+        "opens": if about.command == "infer" { super::FILE } else { "phenotype.json" },
         "table": encode::table(&table)?,
     });
     fill(out, TEMPLATE, &SCRIPTS, &format!("willis {}: {} subjects", about.command, rows.len()), &data)

@@ -3,7 +3,7 @@ const subjects = table(data.table);
 const names = subjects.find("subject"), status = subjects.find("status");
 const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
-names.address = row => bad(row) ? null : `${encodeURIComponent(names.at(row))}/report.html`;
+names.address = row => bad(row) ? null : `${encodeURIComponent(names.at(row))}/${data.opens}`;
 subjects.mark = row => bad(row) ? "failed" : null;
 // Long texts stand at the end.
 const late = ["input", "error"];
