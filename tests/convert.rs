@@ -149,6 +149,7 @@ fn straight() -> Network {
                 prior: 1.0,
                 certain: false,
                 evidence: None,
+                kept: None,
                 path: Vec::new(),
             },
         );

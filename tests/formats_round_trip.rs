@@ -51,6 +51,7 @@ fn network() -> Network {
         prior: 0.3,
         certain: false,
         evidence: None,
+        kept: None,
         path: Vec::new(),
     };
     network.add_vessel([1, 2], straight(1.1, 0.7 / 3.0, Origin::Observed));

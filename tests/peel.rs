@@ -16,6 +16,7 @@ fn vessel(length: f64, radius: f64, origin: Origin) -> Vessel {
         prior: 1.0,
         certain: false,
         evidence: None,
+        kept: None,
         path: Vec::new(),
     }
 }

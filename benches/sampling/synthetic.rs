@@ -102,6 +102,7 @@ fn network(points: &[[f64; 3]], links: &BTreeSet<[usize; 2]>, terminals: &[usize
                 prior: 1.0,
                 certain: false,
                 evidence: None,
+                kept: None,
                 path: Vec::new(),
             },
         );

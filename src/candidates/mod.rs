@@ -187,6 +187,7 @@ fn candidate(target: &Target, params: &Params) -> Vessel {
         prior: 1.0,
         certain: false,
         evidence: None,
+        kept: None,
         path: [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec(),
     }
 }

@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
-use willis::centerline::WELD_TOLERANCE;
 use willis::error::{Fault, Result};
-use willis::formats::{Content, ReadOptions, bytes_of, checksum, read};
+use willis::formats::{bytes_of, checksum};
 use willis::network::Network;
-use willis::phenotype::{Circle, Scheme, divide, read_landmarks};
+use willis::phenotype::{Circle, Scheme, read_landmarks};
 use willis::units::Scale;
 
-use super::input::{Loaded, beside};
+use super::input::beside;
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -60,6 +59,16 @@ impl CircleArgs {
         self.landmarks.is_some() || self.labels.is_some()
     }
 
+    /// As the record of a run says.
+    pub fn of_record(parameters: &Value) -> Self {
+        let labels = [(Scheme::Names, Labels::Names), (Scheme::ICafe, Labels::Icafe), (Scheme::TopCow, Labels::Topcow)];
+        let known_by = |scheme: &Scheme| parameters["arteries"].as_str() == Some(scheme.name());
+        Self {
+            landmarks: parameters["landmarks"]["path"].as_str().map(PathBuf::from),
+            labels: labels.into_iter().find(|(scheme, _)| known_by(scheme)).map(|(_, labels)| labels),
+        }
+    }
+
     /// Whether they are known by landmarks.
     pub fn is_by_landmarks(&self) -> bool {
         self.landmarks.is_some()
@@ -93,22 +102,11 @@ impl CircleArgs {
     }
 }
 
-/// Finds the arteries by a file of landmarks.
-pub fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
+fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
     let bytes = bytes_of(file)?;
     let text = std::str::from_utf8(&bytes)
         .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV file of label,x_mm,y_mm,z_mm").in_file(file))?;
     let landmarks = read_landmarks(text, scale).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
     Ok(Found { circle, known_by: "landmarks", landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
-}
-
-/// The network of an input with its vessels divided where their labels change, for which centerlines are read once more.
-pub fn divided(input: &Path, scale: Scale, loaded: &mut Loaded) -> Result<()> {
-    let options = ReadOptions { scale, radius_optional: true, ..ReadOptions::default() };
-    if let Content::Centerlines(mut lines) = read(input, &options)?.content {
-        lines.weld(WELD_TOLERANCE);
-        loaded.network = divide(&loaded.network, &lines, loaded.radius_rule);
-    }
-    Ok(())
 }

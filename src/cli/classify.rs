@@ -6,15 +6,14 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::bytes_of;
 use willis::phenotype::{Collateral, Posterior, Variant, counted};
 use willis::report::cohort::{Cell, phenotype_figures};
+use willis::report::staged::write_record;
 use willis::report::{
-    Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_classified, write_collaterals,
-    write_phenotype,
+    Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype,
 };
 
-use super::circle::{CircleArgs, by_landmarks, divided};
+use super::circle::CircleArgs;
 use super::cohort::{Cohort, Work};
 use super::input::ReadingArgs;
 use super::provenance::{command_line, command_line_of};
@@ -64,7 +63,7 @@ impl Answer {
     fn write(&self, folder: &Path, subject: &str) -> Result<()> {
         write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.phenotype)?;
         write_collaterals(folder, &self.collaterals)?;
-        write_classified(folder, &self.record)
+        write_record(folder, &self.record)
     }
 }
 
@@ -96,14 +95,20 @@ impl ClassifyArgs {
         let run = Run::of(input)?;
         let path = run.as_ref().map_or(input, |run| &run.graph);
         let mut loaded = self.reading.load(path, command, terminal)?;
+        if let Some(run) = &run {
+            run.check_graph(&loaded.provenance.sha256)?;
+        }
         let scale = self.reading.scale()?;
         if run.is_none() && loaded.fragments && !self.circle.is_by_landmarks() {
-            divided(path, scale, &mut loaded)?;
+            loaded.divide_by_labels();
         }
         let network = &loaded.network;
-        let of_run = run.as_ref().and_then(|run| run.landmarks.as_deref()).filter(|_| !self.circle.is_given());
-        let found = match of_run {
-            Some(file) => by_landmarks(file, network, &scale)?,
+        let found = match run.as_ref().filter(|run| run.circle.is_given() && !self.circle.is_given()) {
+            Some(run) => {
+                let found = run.circle.find(input, network, &scale)?;
+                run.check_landmarks(&found)?;
+                found
+            }
             None => self.circle.find(input, network, &scale)?,
         };
         let mut notes = found.notes.clone();
@@ -112,9 +117,8 @@ impl ClassifyArgs {
             notes.push(how);
             (posterior.topology.clone(), posterior.best(), Some(posterior))
         } else {
-            let whole = || (vec![true; network.vessel_count()], None);
-            let (kept, note) = if loaded.fragments { whole() } else { counted(network, &bytes_of(path)?) };
-            notes.extend(note);
+            let (kept, note) = counted(network);
+            notes.extend(note.map(str::to_owned));
             let variant = found.circle.variant(network, |row| kept[row]);
             (kept, variant, None)
         };
@@ -147,8 +151,8 @@ impl ClassifyArgs {
 
 impl Work for ClassifyArgs {
     fn files(&self, input: &Path) -> Vec<PathBuf> {
-        let of_run = if input.is_dir() { Run::files(input) } else { Vec::new() };
-        [self.reading.loops(input), self.circle.file(input)].into_iter().flatten().chain(of_run).collect()
+        let record = Some(Run::record(input)).filter(|path| path.is_file());
+        [self.reading.loops(input), self.circle.file(input), record].into_iter().flatten().collect()
     }
 
     fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {

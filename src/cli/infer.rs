@@ -13,7 +13,7 @@ use willis::report::StagedFolder;
 use willis::report::cohort::{Cell, infer_figures};
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::circle::{CircleArgs, divided};
+use super::circle::CircleArgs;
 use super::cohort::{Cohort, Work};
 use super::input::{CandidateArgs, ReadingArgs, viscosity};
 use super::job::Job;
@@ -223,7 +223,7 @@ impl Inference<'_> {
         let mut loaded = args.reading.load(input, command, terminal)?;
         let scale = args.reading.scale()?;
         if args.circle.is_given() && !args.circle.is_by_landmarks() && loaded.fragments {
-            divided(input, scale, &mut loaded)?;
+            loaded.divide_by_labels();
         }
         // Landmarks are found before candidates make new nodes; labels after, when every vessel has its row.
         let mut circle = None;

@@ -6,10 +6,11 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use willis::candidates::evidence::Search;
 use willis::candidates::{self, Attach, CandidateRadius};
-use willis::centerline::WELD_TOLERANCE;
+use willis::centerline::{Centerlines, WELD_TOLERANCE};
 use willis::error::{Error, Result};
 use willis::formats::{Content, ReadOptions, read};
 use willis::network::{Network, Origin, RadiusRule, contract, fragments};
+use willis::phenotype::divide;
 use willis::quantity::Dimension;
 use willis::report::Provenance;
 use willis::units::{LengthUnit, Scale, millimetres};
@@ -115,10 +116,21 @@ pub struct CandidateArgs {
 /// An input that has been read.
 pub struct Loaded {
     pub network: Network,
+    /// The centerlines that it was made of.
+    lines: Option<Centerlines>,
     pub provenance: Provenance,
     /// Whether candidates are to be built around its vessels.
     pub fragments: bool,
     pub radius_rule: RadiusRule,
+}
+
+impl Loaded {
+    /// Divides the vessels where their labels change along the centerlines.
+    pub fn divide_by_labels(&mut self) {
+        if let Some(lines) = &self.lines {
+            self.network = divide(&self.network, lines, self.radius_rule);
+        }
+    }
 }
 
 /// A length given as an option, m.
@@ -239,7 +251,7 @@ impl ReadingArgs {
         let assumed = if self.units.is_none() { " assumed" } else { "" };
         let heading = format!("{}, {}{assumed}", document.format.name(), scale.unit.symbol());
         let ready = matches!(document.content, Content::Graph(_));
-        let network = network(input, document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
+        let (network, lines) = network(input, document.content, &heading, (radius_rule, default_radius), terminal, &mut notes)?;
         if network.vessel_count() == 0 {
             return Err(willis::error::Fault::file(
                 "no vessel",
@@ -259,7 +271,7 @@ impl ReadingArgs {
             units: scale.unit.symbol().to_owned(),
             notes,
         };
-        Ok(Loaded { network, provenance, fragments: !ready || self.observed, radius_rule })
+        Ok(Loaded { network, lines, provenance, fragments: !ready || self.observed, radius_rule })
     }
 }
 
@@ -271,7 +283,7 @@ fn network(
     (radius_rule, default_radius): (RadiusRule, Option<f64>),
     terminal: Terminal,
     notes: &mut Vec<String>,
-) -> Result<Network> {
+) -> Result<(Network, Option<Centerlines>)> {
     match content {
         Content::Centerlines(mut lines) => {
             let points = lines.points.len();
@@ -305,7 +317,7 @@ fn network(
             if made.default_radii > 0 {
                 notes.push(format!("{} without any radius: took --default-radius", plural(made.default_radii, "vessel")));
             }
-            Ok(made.network)
+            Ok((made.network, Some(lines)))
         }
         Content::Vessels(mut network) => {
             let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
@@ -322,7 +334,7 @@ fn network(
                 radii(&network)
             );
             terminal.say("read", format!("{}: {heading}: {size}", input.display()));
-            Ok(network)
+            Ok((network, None))
         }
         Content::Graph(network) => {
             let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
@@ -338,7 +350,7 @@ fn network(
                     radii(&network)
                 ),
             );
-            Ok(network)
+            Ok((network, None))
         }
     }
 }

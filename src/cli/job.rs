@@ -9,7 +9,7 @@ use willis::error::{Error, Result};
 use willis::formats::write_csv;
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Answer, Keep, Params, Topology, decide, expected_errors, has_evidence, infer, infer_until_stable};
-use willis::network::{Network, Role};
+use willis::network::Network;
 use willis::report::staged::{write_file, write_record};
 use willis::report::summary::Built;
 use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
@@ -113,10 +113,8 @@ impl Job {
             terminal.say("note", note);
         }
         if let Some(found) = &self.circle {
-            let roles = self.boundary.roles.iter().enumerate().filter(|(_, role)| **role != Role::Inner);
-            let stated = roles
-                .filter(|(node, _)| !self.boundary.found_inlets.contains(node) && !self.boundary.found_outlets.contains(node));
-            let given: Vec<usize> = stated.map(|(node, _)| node).collect();
+            let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
+            let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&answer.above_median[..]);
             let (posterior, how) = posterior(&self.graph, &self.boundary, params, &found.circle, &given, above)?;
             let variant = posterior.best();
@@ -124,7 +122,7 @@ impl Job {
             say_variant(terminal, &variant, Some(&posterior));
             let phenotype = phenotype_json(&self.graph, &variant, Some(&posterior));
             write_phenotype(folder, &Run::subject(Path::new(&self.provenance.input)), &variant, Some(&posterior), &phenotype)?;
-            summary.state_phenotype(phenotype, found.record());
+            summary.state_phenotype(phenotype, found.known_by, found.record());
         }
         // Known only once all else is written.
         summary.time["wall_s"] = json!(seconds());

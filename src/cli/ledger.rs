@@ -11,6 +11,7 @@ use willis::formats::{bytes_of, checksum};
 use willis::report::StagedFile;
 use willis::report::staged::{COHORT_MARK, write_file};
 
+use super::run::Run;
 use super::subjects::Subject;
 
 /// Files that readers look for beside an input; an edges table may have `nodes` or `vertices` for `edges` in its name too.
@@ -43,7 +44,7 @@ pub struct Entry {
 impl Entry {
     /// The entry of a subject as the files are now: its input, those beside it, and `others`.
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
-        let input = &subject.input;
+        let input = &Run::source(&subject.input);
         let name = input.file_name().unwrap_or_default().to_string_lossy();
         let tables = ["nodes", "vertices"].map(|word| name.replace("edges", word));
         let beside = BESIDE.into_iter().map(str::to_owned).chain(tables).map(|name| input.with_file_name(name));

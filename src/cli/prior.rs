@@ -134,7 +134,7 @@ impl Prior {
         let mut graph = match self {
             _ if !loaded.fragments => network,
             Self::Evidence { weights, .. } => {
-                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !boundary.found_inlets.contains(node);
+                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !boundary.is_found(*node);
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
                 build_probable(&network, &inlets, params, weights)?
             }

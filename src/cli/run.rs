@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use willis::error::{Fault, Result};
-use willis::formats::{bytes_of, checksum};
+use willis::formats::bytes_of;
 use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::{Boundary, FoundOutlets};
@@ -14,6 +14,7 @@ use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
 use willis::report::GRAPH_FILE;
 use willis::units::{cubic_metres_per_second, pascals};
 
+use super::circle::{CircleArgs, Found};
 use super::terminal::is_stopped;
 
 const RECORD: &str = "run.json";
@@ -22,17 +23,31 @@ const RECORD: &str = "run.json";
 pub struct Run {
     /// Its over-connected graph.
     pub graph: PathBuf,
+    /// The SHA-256 of that graph as it was sampled.
+    sha256: String,
+    /// How it knew where the arteries are.
+    pub circle: CircleArgs,
+    /// The SHA-256 of its landmarks.
+    landmarks: Option<String>,
     params: Params,
-    /// The landmarks that it was made with.
-    pub landmarks: Option<PathBuf>,
     /// Nodes whose conditions were stated, not found.
     given: Vec<usize>,
 }
 
 impl Run {
-    /// The files that it is made of.
-    pub fn files(folder: &Path) -> Vec<PathBuf> {
-        [RECORD, GRAPH_FILE].map(|name| folder.join(name)).into()
+    /// Whether a path is the folder of a run.
+    pub fn stands_in(path: &Path) -> bool {
+        path.join(RECORD).is_file()
+    }
+
+    /// The file that says how a run in a folder was made.
+    pub fn record(folder: &Path) -> PathBuf {
+        folder.join(RECORD)
+    }
+
+    /// The file that is read for an input: of a folder the graph.
+    pub fn source(input: &Path) -> PathBuf {
+        if input.is_dir() { input.join(GRAPH_FILE) } else { input.to_owned() }
     }
 
     /// What to call the subject of an input, file or folder.
@@ -45,34 +60,52 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// A folder that is none of infer, or whose graph is not the one that was sampled.
+    /// A folder that is none of infer.
     pub fn of(input: &Path) -> Result<Option<Self>> {
         if !input.is_dir() {
             return Ok(None);
         }
-        let path = input.join(RECORD);
         let wrong = |found: &str| {
             Fault::file(found, "expected a folder that willis infer wrote for one occlusion probability").in_file(input)
         };
-        if !path.is_file() {
+        if !Self::stands_in(input) {
             return Err(wrong("a folder without run.json"));
         }
+        let path = Self::record(input);
         let record: Value = serde_json::from_slice(&bytes_of(&path)?)
             .map_err(|e| Fault::file(e.to_string(), "expected the record of willis infer").in_file(&path))?;
-        let graph = input.join(GRAPH_FILE);
-        let Some(sum) = record["graph"]["sha256"].as_str() else { return Err(wrong("a run without a graph of candidates")) };
-        if checksum(&bytes_of(&graph)?) != sum {
-            return Err(Fault::file(
-                "not the graph that was sampled: its SHA-256 is not that of run.json",
-                "expected it unedited",
-            )
-            .in_file(&graph));
-        }
+        let Some(sha256) = record["graph"]["sha256"].as_str() else { return Err(wrong("a run without a graph of candidates")) };
         let params = parameters(&record).ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
         let conditions = record["boundary_conditions"].as_array().into_iter().flatten();
-        let given = conditions.filter(|c| c["found"] == Value::Bool(false)).filter_map(|c| c["node"].as_u64());
-        let landmarks = record["parameters"]["landmarks"]["path"].as_str().map(PathBuf::from);
-        Ok(Some(Self { graph, params, landmarks, given: given.map(|node| node as usize).collect() }))
+        let given = conditions.filter(|c| c["found"] == false).filter_map(|c| c["node"].as_u64());
+        Ok(Some(Self {
+            graph: Self::source(input),
+            sha256: sha256.to_owned(),
+            circle: CircleArgs::of_record(&record["parameters"]),
+            landmarks: record["parameters"]["landmarks"]["sha256"].as_str().map(str::to_owned),
+            params,
+            given: given.map(|node| node as usize).collect(),
+        }))
+    }
+
+    /// Refuses a graph that is not the one that was sampled.
+    pub fn check_graph(&self, sha256: &str) -> Result<()> {
+        if sha256 == self.sha256 {
+            return Ok(());
+        }
+        let found = "not the graph that was sampled: its SHA-256 is not that of run.json";
+        Err(Fault::file(found, "expected it unedited").in_file(&self.graph))
+    }
+
+    /// Refuses landmarks of the run that have changed since.
+    pub fn check_landmarks(&self, found: &Found) -> Result<()> {
+        match &found.landmarks {
+            Some((path, sha256)) if Some(sha256) != self.landmarks.as_ref() => {
+                let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
+                Err(Fault::file(why, "expected them unedited, or --landmarks FILE").in_file(Path::new(path)))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// With what blood flowed.
@@ -104,8 +137,10 @@ pub fn posterior(
     above: Option<&[bool]>,
 ) -> Result<(Posterior, String)> {
     let mut known = vec![false; network.node_count()];
-    let ends = circle.ends(network);
-    (0..known.len()).for_each(|node| known[node] = given.contains(&node) || ends.binary_search(&node).is_ok());
+    let rows = circle.ends(network).into_iter().chain(given.iter().copied());
+    for node in rows.filter(|node| *node < network.node_count()) {
+        known[node] = true;
+    }
     let (draw, how) = match above {
         None => (Draw::Ends(&known), "whose free ends continue by the evidence"),
         Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
@@ -154,18 +189,9 @@ fn parameters(record: &Value) -> Option<Params> {
         epsilon: p["epsilon"].as_f64()?,
         samples: p["samples"].as_u64()?,
         seed: record["seed"].as_u64()?,
-        uncertain: match p["uncertain"].as_str()? {
-            "candidates" => Uncertain::Candidates,
-            "all" => Uncertain::All,
-            _ => return None,
-        },
-        weight: match p["weight"].as_str()? {
-            "resilience" => Weight::Resilience,
-            "count" => Weight::Count,
-            "global" => Weight::Global,
-            _ => return None,
-        },
-        uniform_prior: p["prior"] == Value::String("uniform".into()),
+        uncertain: Uncertain::ALL.into_iter().find(|u| p["uncertain"] == u.name())?,
+        weight: Weight::ALL.into_iter().find(|w| p["weight"] == w.name())?,
+        uniform_prior: p["prior"] == "uniform",
         viscosity: p["viscosity_cP"].as_f64()? / 1e3,
         exact: p["exact"].as_bool()?,
         ..Params::default()

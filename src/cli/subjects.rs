@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Result};
 
+use super::run::Run;
+
 /// The longest name of a folder, in characters.
 const LONGEST: usize = 80;
 
@@ -57,7 +59,7 @@ fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in glob_with(&text, options).map_err(|e| refused(format!("no pattern of file names: {e}")))? {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
-        if path.is_file() || path.join("run.json").is_file() {
+        if path.is_file() || Run::stands_in(&path) {
             files.push(path);
         }
     }

@@ -82,7 +82,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
 /// Says what a Circle of Willis has, and how probable that is.
 pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {
     let likely = posterior.map_or_else(String::new, |posterior| {
-        let [p, margin] = [posterior.variants.first().map_or(0.0, |(_, p)| *p), posterior.margin()].map(brief);
+        let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
         format!(", probability {p}, {margin} before the next")
     });
     terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));

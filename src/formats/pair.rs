@@ -103,8 +103,18 @@ pub(super) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
         return None;
     }
     let (label, origin) = (label.to_owned(), Origin::Observed);
-    let vessel =
-        Vessel { length, radius, resistance: None, label, origin, prior: 1.0, certain: false, evidence: None, path: Vec::new() };
+    let vessel = Vessel {
+        length,
+        radius,
+        resistance: None,
+        label,
+        origin,
+        prior: 1.0,
+        certain: false,
+        evidence: None,
+        kept: None,
+        path: Vec::new(),
+    };
     network.add_vessel(ends, vessel);
     Some(())
 }

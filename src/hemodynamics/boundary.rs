@@ -142,6 +142,11 @@ impl Boundary {
         network
     }
 
+    /// Whether the condition of a node was found, not stated.
+    pub fn is_found(&self, node: usize) -> bool {
+        self.found_inlets.contains(&node) || self.found_outlets.contains(&node)
+    }
+
     /// How many nodes have a role.
     pub fn count(&self, role: Role) -> usize {
         self.roles.iter().filter(|r| **r == role).count()

@@ -15,6 +15,17 @@ pub enum Uncertain {
 }
 
 impl Uncertain {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Candidates, Self::All];
+
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Candidates => "candidates",
+            Self::All => "all",
+        }
+    }
+
     /// Per vessel whether it is on trial; one marked certain never is.
     pub fn vessels(self, network: &Network) -> Vec<bool> {
         network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin == Origin::Candidate)).collect()
@@ -34,6 +45,18 @@ pub enum Weight {
 }
 
 impl Weight {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Resilience, Self::Count, Self::Global];
+
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Resilience => "resilience",
+            Self::Count => "count",
+            Self::Global => "global",
+        }
+    }
+
     /// The contribution of a vessel with resilience ρ in a sample with ρ_G, W/m³ or one.
     pub fn of(self, resilience: f64, global: f64) -> f64 {
         match self {

@@ -61,6 +61,7 @@ impl Vessel {
             prior: 1.0,
             certain: false,
             evidence: None,
+            kept: None,
             path,
         }
     }

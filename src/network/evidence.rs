@@ -1,8 +1,7 @@
 //! What the evidence says of a candidate: how probable it is before any flow.
 
 /// The odds by which a free end that nobody knows for an inlet or outlet ends where it is, where a bridge of weight w has the odds
-/// w: e⁻². On circles whose answer is known it explains what the free ends do best, of e⁻³, e⁻², e⁻¹ and 1
-/// (`experiments/phenotypes`).
+/// w: e⁻², between a price that leaves gaps open and one that bridges every end.
 const ENDS: f64 = 0.135_335_283_236_612_7;
 
 /// The evidence for a candidate vessel between two nodes.

@@ -143,6 +143,8 @@ pub struct Vessel {
     pub certain: bool,
     /// What the evidence says of a candidate.
     pub evidence: Option<Evidence>,
+    /// Whether an earlier run kept the vessel, where the input says so.
+    pub kept: Option<bool>,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,
 }

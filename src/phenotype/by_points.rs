@@ -167,10 +167,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         }
         let a1_proper =
             [0, 1].map(|s| a1[s].as_ref().map(|way| beyond(way, acomm.as_ref().unwrap_or(&Way::default()), points.anterior[s])));
-        let acomm = acomm.map(|way| {
-            let way = a1[0].as_ref().map_or_else(|| way.clone(), |left| way.after(left));
-            a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right))
-        });
+        let acomm = acomm.map(|way| between(&way, &a1));
         let blocked = marks(self.network, self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
             let way = match segment {
@@ -192,32 +189,22 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let points = self.points;
         let feeders = self.feeders();
         let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
-        let at = |nodes: &[usize]| -> Vec<usize> {
-            let mut rows: Vec<usize> = (0..self.network.vessel_count())
-                .filter(|row| self.network.ends(*row).iter().any(|node| nodes.contains(node)))
-                .collect();
-            rows.dedup();
-            rows
-        };
+        let touches = |row: &usize, nodes: &[usize]| self.network.ends(*row).iter().any(|node| nodes.contains(node));
+        let at = |nodes: &[usize]| (0..self.network.vessel_count()).filter(|row| touches(row, nodes)).collect::<Vec<usize>>();
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
         // A way to the trunk ends with the segment that leaves it.
         let last = |way: Option<Way>| way.and_then(|way| way.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
         let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
-        let between = |way: Way| {
-            let way = a1[0].as_ref().map_or_else(|| way.clone(), |left| way.after(left));
-            a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right)).vessels
-        };
-        let acomm = self.acomm(&posterior).map(between).unwrap_or_default();
+        let acomm = self.acomm(&posterior).map(|way| between(&way, &a1).vessels).unwrap_or_default();
         let [p1, pcomm] = self.posterior_segments(&feeders);
         let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
-        let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.clone().map(last), pcomm.map(last)];
+        let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
-        let [a2, m1, p2] = [points.a2, points.m1, points.p2].map(|pair| pair.map(one));
-        let territories = [a2, m1, p2].into_iter().flatten().collect::<Vec<_>>();
+        let [[l_a2, r_a2], [l_m1, r_m1], [l_p2, r_p2]] = [points.a2, points.m1, points.p2].map(|pair| pair.map(one));
         Courses {
             feeders: [one(points.ica[0]), one(points.ica[1]), at(&feeders)],
             segments: [l_a1, r_a1, acomm, l_p1, r_p1, l_pcomm, r_pcomm],
-            territories: territories.try_into().unwrap_or_default(),
+            territories: [l_a2, r_a2, l_m1, r_m1, l_p2, r_p2],
         }
     }
 
@@ -284,6 +271,12 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
             shortest(self.network, [&from, &to, blocked], off, LONGEST_CHANNEL).is_some()
         })
     }
+}
+
+/// What is left of the way from A2 to A2 between the two A1.
+fn between(acomm: &Way, a1: &[Option<Way>; 2]) -> Way {
+    let way = a1[0].as_ref().map_or_else(|| acomm.clone(), |left| acomm.after(left));
+    a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right))
 }
 
 /// What is left of a way from its junction on: a landmark, or where it leaves the other way from the same outlet.

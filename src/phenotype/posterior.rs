@@ -79,10 +79,14 @@ impl Posterior {
         self.variants.first().map_or_else(Variant::default, |(variant, _)| *variant)
     }
 
+    /// The probability of the most probable variant.
+    pub fn probability(&self) -> f64 {
+        self.variants.first().map_or(0.0, |(_, p)| *p)
+    }
+
     /// The probability of the most probable variant less that of the next.
     pub fn margin(&self) -> f64 {
-        let probability = |at: usize| self.variants.get(at).map_or(0.0, |(_, p)| *p);
-        probability(0) - probability(1)
+        self.probability() - self.variants.get(1).map_or(0.0, |(_, p)| *p)
     }
 }
 

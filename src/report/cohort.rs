@@ -70,15 +70,15 @@ pub fn infer_figures(record: &Value) -> Vec<(&'static str, Cell)> {
     phenotype_figures(record).into_iter().chain(numbers).collect()
 }
 
-/// The columns of the segments' probabilities, or of whether they are there.
-const SEGMENTS: [(&str, &str, &str); 7] = [
-    ("L-A1", "L-A1", "p_L-A1"),
-    ("R-A1", "R-A1", "p_R-A1"),
-    ("AComm", "AComm", "p_AComm"),
-    ("L-P1", "L-P1", "p_L-P1"),
-    ("R-P1", "R-P1", "p_R-P1"),
-    ("L-PComm", "L-PComm", "p_L-PComm"),
-    ("R-PComm", "R-PComm", "p_R-PComm"),
+/// The segments, and the columns of their probabilities.
+const SEGMENTS: [(&str, &str); 7] = [
+    ("L-A1", "p_L-A1"),
+    ("R-A1", "p_R-A1"),
+    ("AComm", "p_AComm"),
+    ("L-P1", "p_L-P1"),
+    ("R-P1", "p_R-P1"),
+    ("L-PComm", "p_L-PComm"),
+    ("R-PComm", "p_R-PComm"),
 ];
 
 /// Per feeder the columns of what takes over when it is closed, and of the shares of flow that the territories keep.
@@ -119,21 +119,15 @@ const COLLATERAL: [(&str, &str, [&str; 6]); 3] = [
 pub fn phenotype_figures(record: &Value) -> Vec<(&'static str, Cell)> {
     let Some(phenotype) = record.get("phenotype").filter(|p| p.is_object()) else { return Vec::new() };
     let text = |key: &str| Cell::Text(phenotype[key].as_str().unwrap_or_default().to_owned());
+    let flag = |value: &Value| Cell::Number(value.as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there))));
     let mut figures = vec![("variant", text("variant")), ("completeness", text("completeness"))];
-    for (segment, name, _) in SEGMENTS {
-        figures.push((
-            name,
-            Cell::Number(phenotype["segments"][segment].as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there)))),
-        ));
-    }
-    for (side, name) in [("L-PCA", "fetal_L-PCA"), ("R-PCA", "fetal_R-PCA")] {
-        figures
-            .push((name, Cell::Number(phenotype["fetal"][side].as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there))))));
-    }
+    figures.extend(SEGMENTS.map(|(segment, _)| (segment, flag(&phenotype["segments"][segment]))));
+    figures
+        .extend([("L-PCA", "fetal_L-PCA"), ("R-PCA", "fetal_R-PCA")].map(|(side, name)| (name, flag(&phenotype["fetal"][side]))));
     if let Some(probabilities) = phenotype.get("probabilities") {
         let number = |value: &Value| Cell::Number(value.as_f64().unwrap_or(f64::NAN));
         figures.extend([("p_variant", number(&probabilities["variant"])), ("margin", number(&probabilities["margin"]))]);
-        figures.extend(SEGMENTS.map(|(segment, _, name)| (name, number(&probabilities["segments"][segment]))));
+        figures.extend(SEGMENTS.map(|(segment, name)| (name, number(&probabilities["segments"][segment]))));
     }
     for (feeder, takes_over, territories) in COLLATERAL {
         let Some(collateral) = record["collateral"].get(feeder) else { continue };

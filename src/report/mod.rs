@@ -19,8 +19,8 @@ pub use flow_record::{FlowRecord, MOST_COLLATERALS};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
 pub use phenotype::{
-    Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_classified,
-    write_collaterals, write_phenotype,
+    Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,
+    write_phenotype,
 };
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};

@@ -1,5 +1,6 @@
 //! The output folder of an inference.
 
+use std::io::Write;
 use std::path::Path;
 
 use super::page::{self, Figure, infer_page, write_page};
@@ -9,7 +10,7 @@ use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::Result;
 use crate::formats::{
-    Column, bytes_of, checksum, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Column, checksum, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use crate::hemodynamics::{Boundary, Circuit, steady};
 use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
@@ -86,8 +87,12 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
         (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
     }
     let (nodes, vessels) = graph_columns(&graph);
-    write_file(path, |out| write_graphml(out, &graph, &nodes, &vessels))?;
-    Ok(checksum(&bytes_of(path)?))
+    let mut bytes = Vec::new();
+    write_file(path, |out| {
+        write_graphml(&mut bytes, &graph, &nodes, &vessels)?;
+        out.write_all(&bytes)
+    })?;
+    Ok(checksum(&bytes))
 }
 
 /// Writes a kept graph in every format that can hold it and returns its node columns.
@@ -141,8 +146,13 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
     let traces = convergence(&samples, &series, &threshold, &kept)?;
     traces.write(folder, dpi)?;
-    let says = "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
-                lines that are still moving at the right end call for more samples.";
+    let says = if threshold.iter().any(|cut| !cut.is_nan()) {
+        "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
+         lines that are still moving at the right end call for more samples."
+    } else {
+        "The mean contribution per sample of every vessel on trial against the number of samples; \
+         lines that are still moving at the right end call for more samples."
+    };
     Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::staged::{write_file, write_record};
+use super::staged::write_file;
 use super::summary::{Provenance, input};
 use crate::error::Result;
 use crate::formats::{Column, write_csv};
@@ -57,7 +57,7 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     let segments: serde_json::Map<String, Value> =
         RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
     json!({
-        "variant": posterior.variants.first().map_or(0.0, |(_, p)| *p),
+        "variant": posterior.probability(),
         "margin": posterior.margin(),
         "segments": segments,
         "fetal": { "L-PCA": posterior.fetal[0], "R-PCA": posterior.fetal[1] },
@@ -138,15 +138,6 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
     })
 }
 
-/// Writes run.json into the folder of a classification.
-///
-/// # Errors
-///
-/// A file that cannot be written.
-pub fn write_classified(folder: &Path, record: &Value) -> Result<()> {
-    write_record(folder, record)
-}
-
 /// Writes phenotype.json and phenotype.csv into a folder.
 ///
 /// # Errors
@@ -166,7 +157,7 @@ pub fn write_phenotype(
     let (mut columns, mut row) = (phenotype_columns(), phenotype_row(subject, variant));
     if let Some(posterior) = posterior {
         columns.push("p_variant".to_owned());
-        row.push(posterior.variants.first().map_or(0.0, |(_, p)| *p).to_string());
+        row.push(posterior.probability().to_string());
         columns.extend(RING.iter().map(|artery| format!("p_{artery}")));
         row.extend(posterior.segments.iter().map(f64::to_string));
     }

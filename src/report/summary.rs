@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use crate::candidates::{self, Attach, CandidateRadius};
 use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
-use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z, Uncertain, Weight};
+use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
@@ -100,10 +100,9 @@ fn candidate_parameters(built: Built<'_>) -> Value {
 
 /// The boundary conditions that were used, by node.
 pub(super) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
-    let found = |node: &usize| boundary.found_inlets.contains(node) || boundary.found_outlets.contains(node);
     let each = boundary.conditions.iter().map(|(node, condition)| {
         let mut value =
-            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found(node) });
+            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": boundary.is_found(*node) });
         match condition {
             Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
             Condition::Resistance { resistance, venous } => {
@@ -130,9 +129,10 @@ impl Summary {
         self.graph = json!({ "path": name, "sha256": sha256 });
     }
 
-    /// States the phenotype of a Circle of Willis, and where its landmarks come from.
-    pub fn state_phenotype(&mut self, phenotype: Value, landmarks: Value) {
+    /// States the phenotype of a Circle of Willis, what its arteries were known by, and where landmarks come from.
+    pub fn state_phenotype(&mut self, phenotype: Value, known_by: &str, landmarks: Value) {
         self.phenotype = phenotype;
+        self.parameters["arteries"] = json!(known_by);
         self.parameters["landmarks"] = landmarks;
     }
 
@@ -162,8 +162,8 @@ impl Summary {
                 "epsilon": params.epsilon,
                 "samples": result.samples,
                 "exact": params.exact,
-                "uncertain": match params.uncertain { Uncertain::Candidates => "candidates", Uncertain::All => "all" },
-                "weight": match params.weight { Weight::Resilience => "resilience", Weight::Count => "count", Weight::Global => "global" },
+                "uncertain": params.uncertain.name(),
+                "weight": params.weight.name(),
                 "keep": word_of_keep(outcome.rule),
                 "viscosity_cP": params.viscosity * 1e3,
                 "outlets_found": outlets_found(outlets),

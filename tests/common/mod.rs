@@ -59,6 +59,7 @@ pub fn tube(length_mm: f64, radius_mm: f64) -> Vessel {
         prior: 1.0,
         certain: false,
         evidence: None,
+        kept: None,
         path: Vec::new(),
     }
 }

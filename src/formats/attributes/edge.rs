@@ -65,6 +65,7 @@ pub(in super::super) fn vessels(
             prior: prior(&item)?,
             certain: item.boolean("certain")?.unwrap_or(false),
             evidence: evidence(&item)?,
+            kept: item.boolean("kept")?,
             path,
         };
         network.add_vessel(*ends, vessel);

@@ -77,14 +77,11 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
     sheet.frame([left, top], [right - left, bottom - top])?;
     let stay = kept.iter().filter(|kept| **kept).count();
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
-    legend(
-        sheet,
-        &[
-            (count("kept", stay), WIDTH[1], KEPT),
-            (count("pruned", kept.len() - stay), WIDTH[1], PRUNED),
-            ("threshold".to_owned(), WIDTH[2], INK),
-        ],
-    )
+    let mut keys = vec![(count("kept", stay), WIDTH[1], KEPT), (count("pruned", kept.len() - stay), WIDTH[1], PRUNED)];
+    if threshold.iter().any(|cut| !cut.is_nan()) {
+        keys.push(("threshold".to_owned(), WIDTH[2], INK));
+    }
+    legend(sheet, &keys)
 }
 
 fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {

@@ -59,15 +59,4 @@ function showRun() {
     [make("dt", { text: name.replaceAll("_", " ") }), make("dd", { text: Array.isArray(value) ? value.join(", ") : shown(value, 7) })])));
 }
 
-try {
-  showSummary();
-  showFailures();
-  byId("sheet").append(sheet.element);
-  showDistribution();
-  showRun();
-  document.documentElement.dataset.ready = "yes";
-} catch (error) {
-  byId("failure").textContent = `A part of this page could not be shown: ${error.message}`;
-  byId("failure").hidden = false;
-  throw error;
-}
+showAll(showSummary, showFailures, () => byId("sheet").append(sheet.element), showDistribution, showRun);

@@ -28,3 +28,15 @@ const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/
 const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
 const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;
+
+// Shows the parts of a page one after another; says which fault stops it.
+function showAll(...parts) {
+  try {
+    for (const part of parts) part();
+    document.documentElement.dataset.ready = "yes";
+  } catch (error) {
+    byId("failure").textContent = `A part of this page could not be shown: ${error.message}`;
+    byId("failure").hidden = false;
+    throw error;
+  }
+}

@@ -204,16 +204,4 @@ function showScene() {
   dress();
 }
 
-try {
-  showFacts();
-  showTables();
-  showScene();
-  showTrial();
-  showFigures();
-  showRun();
-  document.documentElement.dataset.ready = "yes";
-} catch (error) {
-  byId("failure").textContent = `A part of this page could not be shown: ${error.message}`;
-  byId("failure").hidden = false;
-  throw error;
-}
+showAll(showFacts, showTables, showScene, showTrial, showFigures, showRun);
