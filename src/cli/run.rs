@@ -8,7 +8,7 @@ use willis::formats::{bytes_of, checksum};
 use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Draw, Keep, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
+use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
 use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role};
 use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
 use willis::report::GRAPH_FILE;
@@ -106,8 +106,12 @@ pub fn posterior(
     let mut known = vec![false; network.node_count()];
     let ends = circle.ends(network);
     (0..known.len()).for_each(|node| known[node] = given.contains(&node) || ends.binary_search(&node).is_ok());
+    let mut inlets = circle.inlets();
+    if !inlets.is_empty() {
+        inlets.extend(given.iter().filter(|node| boundary.roles[**node] == Role::Inlet));
+    }
     let (draw, how) = match above {
-        None => (Draw::Ends(&known), "whose free ends continue by the evidence"),
+        None => (Draw::Ends(Known { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
         Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
     };
     let topologies = Topologies::draw(network, boundary, params, draw)?;
