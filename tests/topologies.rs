@@ -52,7 +52,9 @@ fn assert_shares(inlets: &[usize], weight_unfed: f64) {
         }
     }
     let all: f64 = expected.values().sum();
-    expected.values_mut().for_each(|p| *p /= all);
+    for p in expected.values_mut() {
+        *p /= all;
+    }
     let drawn = shares(&drawn);
     assert_eq!(drawn.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
     for (kept, p) in &expected {

@@ -101,11 +101,10 @@ impl Circle {
             let sites = sites(&landmark.arteries);
             let is_end = sites.iter().any(|site| site.is_end() && *site != Site::Feeder);
             if is_end && let Some(first) = taken.get(&placed.node) {
-                match free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
-                    Some(next) => found.push((landmark, next)),
-                    None => {
-                        notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label))
-                    }
+                if let Some(next) = free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
+                    found.push((landmark, next));
+                } else {
+                    notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label));
                 }
                 continue;
             }

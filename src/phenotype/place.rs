@@ -53,10 +53,12 @@ pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Placed, Fa
     // A node between two halves of a vessel that a candidate divides is none of the anatomy.
     let is_divided = |row: usize| observed[row] == 2 && all[row] > 2;
     let any = nearest(&|row| all[row] > 0 && !is_divided(row)).or_else(|| nearest(&|row| all[row] > 0));
-    if sites(&landmark.arteries).iter().any(|site| site.is_end()) && any.is_some_and(|any| any.distance > EXACT) {
-        if let Some(end) = free_end(network, at, &|_| false) {
-            return Ok(end);
-        }
+    let is_end = sites(&landmark.arteries).iter().any(|site| site.is_end());
+    if is_end
+        && any.is_some_and(|any| any.distance > EXACT)
+        && let Some(end) = free_end(network, at, &|_| false)
+    {
+        return Ok(end);
     }
     any.ok_or_else(|| Fault::file("the nodes have no coordinates", "expected positions, or vessels with labels and no landmarks"))
 }
