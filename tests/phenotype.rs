@@ -558,6 +558,19 @@ fn an_outlet_that_was_lost_does_not_take_its_neighbours_end() {
     assert_eq!(circle.variant(&part, |_| true), Variant::COMPLETE);
 }
 
+/// Of two outlets with the same nearest end, both of which are there, the further one has the next end.
+#[test]
+fn an_outlet_that_is_cut_short_has_the_end_that_is_left() {
+    let whole = network(&CIRCLE);
+    // R-A2 would have ended 3 mm from where L-A2 does; what is left of it ends 5 mm away.
+    let text = landmarks(&ENDS);
+    assert!(text.contains("R-A2,4,40,40") && text.contains("L-A2,-4,40,40"));
+    let text = text.replace("R-A2,4,40,40", "R-A2,-1,40,40");
+    let (circle, notes) = Circle::at(&whole, &read_landmarks(&text, &Scale::default()).unwrap()).unwrap();
+    assert!(notes.iter().any(|note| note.starts_with("R-A2 at node ") && note.ends_with("5.000 mm away")), "{notes:?}");
+    assert_eq!(circle.variant(&whole, |_| true), Variant::COMPLETE);
+}
+
 /// Candidates and observed vessels count alike: what is kept is said by the caller.
 #[test]
 fn origin_makes_no_difference_to_a_mask() {

@@ -11,7 +11,7 @@ use command::{data, folder, refused, stderr, willis};
 use common::tube;
 use willis::formats::read_graphml;
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::inference::{Draw, Params, Topologies};
+use willis::inference::{Draw, Known, Params, Topologies};
 use willis::network::{Evidence, Network, Origin, Vessel};
 use willis::phenotype::{Artery, Circle, Posterior, RING, Scheme, Side, Variant, collaterals};
 use willis::units::Scale;
@@ -67,7 +67,11 @@ fn posterior(network: &Network, samples: u64) -> Posterior {
     circle.ends(network).into_iter().for_each(|node| known[node] = true);
     let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground).unwrap();
     let params = Params { samples, seed: 4, ..Params::default() };
-    Posterior::of(&circle, network, &Topologies::draw(network, &boundary, &params, Draw::Ends(&known)).unwrap())
+    Posterior::of(
+        &circle,
+        network,
+        &Topologies::draw(network, &boundary, &params, Draw::Ends(Known { ends: &known, inlets: &[] })).unwrap(),
+    )
 }
 
 fn missing(variant: &Variant) -> String {

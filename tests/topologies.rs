@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use common::textbook::{Sample, best_of_all_forests};
 use common::{Draw as Random, boundary, network, radii, random_conditions, random_network, run, tube};
-use willis::inference::{Draw, Keep, Params, Topologies, Uncertain, Weight, decide};
+use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide};
 use willis::network::{Condition, Evidence, Network, Origin, Vessel};
 
 fn candidate(continues: [f64; 2]) -> Vessel {
@@ -32,14 +32,14 @@ fn shares(topologies: &Topologies) -> BTreeMap<Vec<bool>, f64> {
     topologies.weighted.iter().cloned().collect()
 }
 
-/// End 1 takes candidate 2 with 3/6, 3 with 2/6, none with 1/6; end 2 takes 2 with 1/7, 4 with 5/7, none with 1/7. End 0 is a known
-/// inlet, end 3 has nowhere to go.
-#[test]
-fn free_ends_continue_by_their_odds_whatever_the_others_do() {
+/// End 1 takes candidate 2 with 3/6, 3 with 2/6, none with 1/6; end 2 takes 2 with 1/7, 4 with 5/7, none with 1/7. Ends 0 and 3 are
+/// known. Where 0 is known for an inlet, the topology that leaves 3 without blood, the one without any candidate, weighs e⁻² of that.
+fn assert_shares(inlets: &[usize], weight_unfed: f64) {
     let network = broken();
-    let known = [true, false, false, false];
+    let known = [true, false, false, true];
     let params = Params { samples: 70_000, seed: 3, ..Params::default() };
-    let drawn = Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(&known)).unwrap();
+    let draw = Draw::Ends(Known { ends: &known, inlets });
+    let drawn = Topologies::draw(&network, &boundary(&network, &[]), &params, draw).unwrap();
     assert_eq!(drawn.samples, 70_000);
     let one = [(Some(2), 3.0 / 6.0), (Some(3), 2.0 / 6.0), (None, 1.0 / 6.0)];
     let two = [(Some(2), 1.0 / 7.0), (Some(4), 5.0 / 7.0), (None, 1.0 / 7.0)];
@@ -47,8 +47,13 @@ fn free_ends_continue_by_their_odds_whatever_the_others_do() {
     for (a, p) in one {
         for (b, q) in two {
             let kept = (0..5).map(|row| row < 2 || a == Some(row) || b == Some(row)).collect();
-            *expected.entry(kept).or_default() += p * q;
+            let weight = if a.or(b).is_none() { weight_unfed } else { 1.0 };
+            *expected.entry(kept).or_default() += weight * p * q;
         }
+    }
+    let all: f64 = expected.values().sum();
+    for p in expected.values_mut() {
+        *p /= all;
     }
     let drawn = shares(&drawn);
     assert_eq!(drawn.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
@@ -58,13 +63,29 @@ fn free_ends_continue_by_their_odds_whatever_the_others_do() {
     }
 }
 
+#[test]
+fn free_ends_continue_by_their_odds_whatever_the_others_do() {
+    assert_shares(&[], 1.0);
+}
+
+#[test]
+fn a_topology_weighs_less_for_every_outlet_that_it_leaves_without_blood() {
+    assert_shares(&[0], (-2.0_f64).exp());
+}
+
 /// A candidate that is certain is there and closes its ends; a vessel at a known outlet goes nowhere.
 #[test]
 fn what_is_known_stays_as_it_is() {
     let mut network = broken();
     network.vessel_mut(2).certain = true;
     let all = |known: [bool; 4]| {
-        let drawn = Topologies::draw(&network, &boundary(&network, &[]), &Params::default(), Draw::Ends(&known)).unwrap();
+        let drawn = Topologies::draw(
+            &network,
+            &boundary(&network, &[]),
+            &Params::default(),
+            Draw::Ends(Known { ends: &known, inlets: &[] }),
+        )
+        .unwrap();
         shares(&drawn)
     };
     assert_eq!(all([true; 4]), BTreeMap::from([(vec![true, true, true, false, false], 1.0)]));
@@ -79,7 +100,8 @@ fn a_sample_does_not_depend_on_how_many_are_drawn() {
     let network = broken();
     let draw = |samples| {
         let params = Params { samples, seed: 9, ..Params::default() };
-        Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(&[false; 4])).unwrap()
+        Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(Known { ends: &[false; 4], inlets: &[] }))
+            .unwrap()
     };
     let count = |t: &Topologies, kept: &Vec<bool>| shares(t).get(kept).map_or(0.0, |p| (p * t.samples as f64).round());
     let (few, many) = (draw(100), draw(101));

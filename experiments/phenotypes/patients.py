@@ -162,7 +162,7 @@ def weights_for(subject):
     """Weights that have not seen the subject, from the folder that WILLIS_FOLD_WEIGHTS names; the shipped ones without it."""
     import tomllib
     folder = os.environ.get("WILLIS_FOLD_WEIGHTS")
-    for path in sorted(Path(folder).glob("*.fold-*.toml")) if folder else []:
+    for path in sorted(Path(folder).glob("weights.fold-*.toml")) if folder else []:
         if subject in tomllib.loads(path.read_text())["provenance"]["held_out"]:
             return path
     return None

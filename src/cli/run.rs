@@ -8,7 +8,7 @@ use willis::formats::bytes_of;
 use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Draw, Keep, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
+use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
 use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role};
 use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
 use willis::report::GRAPH_FILE;
@@ -141,8 +141,12 @@ pub fn posterior(
     for node in rows.filter(|node| *node < network.node_count()) {
         known[node] = true;
     }
+    let mut inlets = circle.inlets();
+    if !inlets.is_empty() {
+        inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
+    }
     let (draw, how) = match above {
-        None => (Draw::Ends(&known), "whose free ends continue by the evidence"),
+        None => (Draw::Ends(Known { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
         Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
     };
     let topologies = Topologies::draw(network, boundary, params, draw)?;

@@ -5,32 +5,29 @@
 //!
 //! - [`Draw::Ends`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that is
 //!   neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
-//!   ([`Evidence::continues`](crate::network::Evidence)) against 1 for ending there, whatever the others do. Loops are allowed. A topology weighs 1.
+//!   ([`Evidence::continues`](crate::network::Evidence)) against 1 for ending there, whatever the others do. Loops are allowed. A
+//!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
 //! - [`Draw::Flow`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
 //!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
 
 use std::collections::BTreeMap;
 
-use rand::RngExt;
-
+use super::ends::{Known, draw_ends};
 use super::forest::{Forest, key};
 use super::params::{Params, Weight};
 use super::patterns::Patterns;
 use crate::error::Result;
 use crate::hemodynamics::steady::Steady;
 use crate::hemodynamics::{Boundary, Circuit, Tube};
-use crate::network::{Network, Origin};
-use crate::rng::{BLOCK, block_stream};
+use crate::network::Network;
+use crate::rng::BLOCK;
 use crate::state::State;
-
-/// The streams of the free ends are none of the occlusion's.
-const ENDS_STREAM: u64 = 1 << 63;
 
 /// How a topology is drawn.
 #[derive(Debug, Clone, Copy)]
 pub enum Draw<'a> {
-    /// Free ends continue by the evidence; per node whether it is known for an inlet or outlet.
-    Ends(&'a [bool]),
+    /// Free ends continue by the evidence.
+    Ends(Known<'a>),
     /// Samples vote; per vessel whether its L is above the median.
     Flow(&'a [bool]),
 }
@@ -53,11 +50,16 @@ impl Topologies {
     pub fn draw(network: &Network, boundary: &Boundary, params: &Params, draw: Draw<'_>) -> Result<Self> {
         params.validate()?;
         let mut count = Count::default();
-        match draw {
-            Draw::Ends(known) => draw_ends(network, known, params, &mut count),
-            Draw::Flow(above_median) => draw_flow(network, boundary, params, above_median, &mut count)?,
-        }
-        Ok(count.finish())
+        Ok(match draw {
+            Draw::Ends(known) => {
+                draw_ends(network, known, params, |kept| count.add(kept, 1.0));
+                count.finish(|kept| known.supply(network, kept))
+            }
+            Draw::Flow(above_median) => {
+                draw_flow(network, boundary, params, above_median, &mut count)?;
+                count.finish(|_| 1.0)
+            }
+        })
     }
 }
 
@@ -77,54 +79,21 @@ impl Count {
         *self.weight.entry(words.collect()).or_default() += weight;
     }
 
-    fn finish(self) -> Topologies {
-        let total: f64 = self.weight.values().sum();
-        let vessels = self.vessels;
-        let open = |words: &[u64]| (0..vessels).map(|row| words[row / 64] >> (row % 64) & 1 == 1).collect();
-        let share = |weight: f64| if total > 0.0 { weight / total } else { 0.0 };
-        let mut weighted: Vec<(Vec<bool>, f64)> = self.weight.iter().map(|(words, w)| (open(words), share(*w))).collect();
+    /// The shares of the weight, that of each topology multiplied by its `factor`.
+    fn finish(self, factor: impl Fn(&[bool]) -> f64) -> Topologies {
+        let open = |words: &[u64]| (0..self.vessels).map(|row| words[row / 64] >> (row % 64) & 1 == 1).collect();
+        let weigh = |(words, weight): (&Vec<u64>, &f64)| {
+            let kept: Vec<bool> = open(words);
+            let weight = weight * factor(&kept);
+            (kept, weight)
+        };
+        let mut weighted: Vec<(Vec<bool>, f64)> = self.weight.iter().map(weigh).collect();
+        let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+        for (_, weight) in &mut weighted {
+            *weight = if total > 0.0 { *weight / total } else { 0.0 };
+        }
         weighted.sort_by(|a, b| b.1.total_cmp(&a.1));
         Topologies { weighted, samples: self.samples }
-    }
-}
-
-/// Per free end that may continue, its candidates with their odds.
-fn ends(network: &Network, known: &[bool]) -> Vec<Vec<(usize, f64)>> {
-    let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
-    let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
-    for (row, (ends, vessel)) in network.vessels().enumerate() {
-        let Some(evidence) = vessel.evidence.filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else { continue };
-        for (node, odds) in ends.into_iter().zip(evidence.continues) {
-            if odds > 0.0 && degree[node] <= 1 && !known[node] {
-                at.entry(node).or_default().push((row, odds));
-            }
-        }
-    }
-    at.into_values().collect()
-}
-
-fn draw_ends(network: &Network, known: &[bool], params: &Params, count: &mut Count) {
-    let ends = ends(network, known);
-    let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
-    for first in (0..params.samples).step_by(BLOCK as usize) {
-        let mut rng = block_stream(params.seed, ENDS_STREAM | (first / BLOCK));
-        for _ in first..params.samples.min(first + BLOCK) {
-            let mut kept = given.clone();
-            for choices in &ends {
-                let total: f64 = 1.0 + choices.iter().map(|(_, odds)| odds).sum::<f64>();
-                let mut left = total * rng.random::<f64>() - 1.0;
-                for (row, odds) in choices {
-                    if left < 0.0 {
-                        break;
-                    }
-                    left -= odds;
-                    if left < 0.0 {
-                        kept[*row] = true;
-                    }
-                }
-            }
-            count.add(&kept, 1.0);
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::by_points::Points;
 use super::collateral::Courses;
 use super::labels::{Scheme, artery, is_none};
 use super::landmarks::{Landmark, Site, sites};
-use super::place::place;
+use super::place::{Placed, free_end, place};
 use super::sides::are_exchanged;
 use super::variant::Variant;
 use crate::error::Fault;
@@ -78,7 +78,8 @@ impl Circle {
 
     /// The circle of a network with landmarks, each at its nearest node, and what a person should know.
     ///
-    /// Where two in- or outlets have the same nearest node, the nearer one is there and the other was not seen.
+    /// Where two in- or outlets have the same nearest node, the nearer one is there and the other at its next free end; without one
+    /// within reach it was not seen.
     ///
     /// # Errors
     ///
@@ -95,15 +96,20 @@ impl Circle {
         for landmark in landmarks {
             found.push((landmark, place(network, landmark)?));
         }
-        found.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line)));
         let (mut points, mut taken) = (Points::default(), BTreeMap::new());
-        for (landmark, placed) in &found {
+        while let Some((landmark, placed)) = nearest_of(&mut found) {
             let sites = sites(&landmark.arteries);
             let is_end = sites.iter().any(|site| site.is_end() && *site != Site::Feeder);
-            if is_end && let Some(first) = taken.insert(placed.node, &landmark.label) {
-                notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label));
-                taken.insert(placed.node, first);
+            if is_end && let Some(first) = taken.get(&placed.node) {
+                if let Some(next) = free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
+                    found.push((landmark, next));
+                } else {
+                    notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label));
+                }
                 continue;
+            }
+            if is_end {
+                taken.insert(placed.node, &landmark.label);
             }
             for site in sites {
                 site.put(&mut points, placed.node);
@@ -177,6 +183,14 @@ impl Circle {
         nodes.dedup();
         nodes
     }
+}
+
+/// Takes out the landmark that is nearest to its place, the first in the file of several.
+fn nearest_of<'a>(found: &mut Vec<(&'a Landmark, Placed)>) -> Option<(&'a Landmark, Placed)> {
+    let order =
+        |a: &(&Landmark, Placed), b: &(&Landmark, Placed)| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line));
+    let first = (0..found.len()).min_by(|a, b| order(&found[*a], &found[*b]))?;
+    Some(found.swap_remove(first))
 }
 
 /// Of every artery that enters or leaves the circle, its free end farthest from the mean of all ends of labelled vessels.

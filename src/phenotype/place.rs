@@ -19,6 +19,23 @@ pub(super) struct Placed {
     pub distance: f64,
 }
 
+/// The nearest free end (of the observed vessels, where there are any) within reach, but for those that are `taken`.
+pub(super) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Placed> {
+    let observed = observed_degrees(network);
+    let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { network.degrees(|_| true) };
+    nearest(network, at, &|row| degree[row] == 1 && !taken(row)).filter(|end| end.distance <= REACH)
+}
+
+fn nearest(network: &Network, at: Point, admit: &dyn Fn(usize) -> bool) -> Option<Placed> {
+    let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
+    let placed = nodes.filter_map(|(node, n)| Some(Placed { node, distance: distance(n.position?, at) }));
+    placed.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
+}
+
+fn observed_degrees(network: &Network) -> Vec<usize> {
+    network.degrees(|vessel| vessel.origin == Origin::Observed)
+}
+
 /// The nearest node: of an in- or outlet a free end (of the observed vessels, where there are any) when one is near.
 pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Placed, Fault> {
     let at = landmark.position;
@@ -30,21 +47,18 @@ pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Placed, Fa
             format!("expected a position within {} mm, in the axes and the unit of the network's file", millimetres(REACH)),
         ));
     }
-    let nearest = |admit: &dyn Fn(usize) -> bool| {
-        let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
-        let placed = nodes.filter_map(|(node, n)| Some(Placed { node, distance: distance(n.position?, at) }));
-        placed.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
-    };
+    let nearest = |admit: &dyn Fn(usize) -> bool| nearest(network, at, admit);
     let all = network.degrees(|_| true);
-    let observed = network.degrees(|vessel| vessel.origin == Origin::Observed);
+    let observed = observed_degrees(network);
     // A node between two halves of a vessel that a candidate divides is none of the anatomy.
     let is_divided = |row: usize| observed[row] == 2 && all[row] > 2;
     let any = nearest(&|row| all[row] > 0 && !is_divided(row)).or_else(|| nearest(&|row| all[row] > 0));
-    if sites(&landmark.arteries).iter().any(|site| site.is_end()) && any.is_some_and(|any| any.distance > EXACT) {
-        let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { all };
-        if let Some(end) = nearest(&|row| degree[row] == 1).filter(|end| end.distance <= REACH) {
-            return Ok(end);
-        }
+    let is_end = sites(&landmark.arteries).iter().any(|site| site.is_end());
+    if is_end
+        && any.is_some_and(|any| any.distance > EXACT)
+        && let Some(end) = free_end(network, at, &|_| false)
+    {
+        return Ok(end);
     }
     any.ok_or_else(|| Fault::file("the nodes have no coordinates", "expected positions, or vessels with labels and no landmarks"))
 }
