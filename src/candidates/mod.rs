@@ -4,6 +4,7 @@ mod attach;
 mod ends;
 pub mod evidence;
 mod knn;
+mod nearest;
 pub mod prior;
 mod probable;
 mod split;
@@ -16,6 +17,7 @@ use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::as_stored;
 use attach::{Surroundings, Target};
 use ends::free_ends;
+pub use nearest::join_nearest;
 pub use probable::build_probable;
 use split::{Cuts, split};
 
