@@ -73,7 +73,7 @@ impl PhantomArgs {
         let network = self.anatomy(kind, &recipe, terminal)?;
         match (self.broken, kind.gaps(&recipe)) {
             (false, _) => self.write_whole(kind, network, &target, terminal, force),
-            (true, Some(gaps)) if graph => self.write_over_connected(&network, &gaps, &target, terminal, force),
+            (true, Some(gaps)) if graph => self.write_over_connected(network, &gaps, &target, terminal, force),
             (true, Some(gaps)) => {
                 let (lines, truth) = with_gaps(&network, &gaps)?;
                 drop(network);
@@ -134,7 +134,7 @@ impl PhantomArgs {
     /// The broken graph with its candidates, and the truth.
     fn write_over_connected(
         &self,
-        network: &Network,
+        network: Network,
         gaps: &Gaps,
         target: &Target,
         terminal: Terminal,

@@ -80,28 +80,29 @@ pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)>
 /// # Errors
 ///
 /// A share out of its range, a node without position or with another id.
-pub fn over_connected(network: &Network, gaps: &Gaps, k: usize) -> Result<(Network, Truth)> {
-    let chosen = gaps.choose(network)?;
+pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Network, Truth)> {
+    let chosen = gaps.choose(&network)?;
     if let Some((row, node)) = network.nodes().enumerate().find(|(row, node)| node.id.parse() != Ok(row + 1)) {
         return Err(Error::parameter("node", &node.id, format!("expected {} as its id", row + 1)));
     }
     let mut truth = Truth {
         vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),
         inlets: (1..).zip(network.nodes()).filter(|(_, n)| n.role == Some(Role::Inlet)).map(|(id, _)| id).collect(),
-        points: of_widest(network),
+        points: of_widest(&network),
         ..Truth::default()
     };
-    let mut graph = Network::new();
-    for node in network.nodes() {
-        graph.add_node(node.clone());
+    let (complete, mut graph) = (network.node_count(), Network::new());
+    let drawn: Vec<Sampled> = chosen.iter().map(|row| gaps.sampled(&network, *row, true)).collect();
+    let (nodes, vessels) = network.into_parts();
+    for node in nodes {
+        graph.add_node(node);
     }
-    let mut interrupted = chosen.into_iter().peekable();
-    for (row, (ends, vessel)) in network.vessels().enumerate() {
-        if interrupted.next_if_eq(&row).is_none() {
-            graph.add_vessel(ends, vessel.clone());
+    let mut interrupted = chosen.into_iter().zip(drawn).peekable();
+    for (row, (ends, vessel)) in vessels.enumerate() {
+        let Some((_, sampled)) = interrupted.next_if(|(next, _)| *next == row) else {
+            graph.add_vessel(ends, vessel);
             continue;
-        }
-        let sampled = gaps.sampled(network, row, true);
+        };
         let [near, far] = [sampled.pieces[0], sampled.pieces[1]];
         let loose = [near[1], far[0]].map(|at| {
             let (position, radius) = sampled.points[at];
@@ -123,7 +124,7 @@ pub fn over_connected(network: &Network, gaps: &Gaps, k: usize) -> Result<(Netwo
         truth.breaks.push(Break { ids: loose.map(|node| node as u64 + 1), kind: BreakKind::Vessel, vessel: row, stretch });
     }
     truth.spurious = vec![false; fragments(&graph, |_, _| true).count];
-    let ends: Vec<usize> = (network.node_count()..graph.node_count()).collect();
+    let ends: Vec<usize> = (complete..graph.node_count()).collect();
     join_nearest(&mut graph, &ends, k);
     Ok((graph, truth))
 }
