@@ -87,7 +87,9 @@ impl Mesh {
             let ends = lattice.ends(link);
             if ends.iter().all(|place| degree[*place] < DEGREE) {
                 taken[link as usize] = true;
-                ends.iter().for_each(|place| degree[*place] += 1);
+                for place in ends {
+                    degree[place] += 1;
+                }
             }
         }
         let (kept, links) = largest_part(lattice, &taken);
@@ -125,7 +127,9 @@ fn largest_part(lattice: Lattice, taken: &[bool]) -> (Vec<bool>, Vec<u32>) {
     }
     let part = parts.into_labeling();
     let mut size = vec![0_usize; lattice.places];
-    part.iter().for_each(|label| size[*label as usize] += 1);
+    for label in &part {
+        size[*label as usize] += 1;
+    }
     let largest = (0..size.len()).fold(0, |largest, label| if size[label] > size[largest] { label } else { largest });
     let kept: Vec<bool> = part.iter().map(|label| *label as usize == largest).collect();
     let links = links().filter(|link| kept[lattice.ends(*link)[0]]).collect();
