@@ -109,11 +109,11 @@ impl Centerlines {
 
     /// Replaces every point by the first one of its class, with the largest radius in it; drops links that became void or double.
     fn merge(&mut self, class: &[usize]) -> usize {
-        let mut first_of = HashMap::new();
+        let mut first_of = vec![None; class.len()];
         let mut new_index = vec![0_u32; class.len()];
         let mut kept = Vec::new();
         for (point, label) in class.iter().enumerate() {
-            new_index[point] = *first_of.entry(*label).or_insert_with(|| {
+            new_index[point] = *first_of[*label].get_or_insert_with(|| {
                 kept.push(point);
                 kept.len() as u32 - 1
             });
@@ -146,25 +146,38 @@ pub fn is_radius(r: f64) -> bool {
     r.is_finite() && r > 0.0
 }
 
-/// All pairs (a < b) of points no further apart than `reach`, by a grid of cells of that size.
+/// All pairs (a < b) of points no further apart than `reach`, by b, then a.
+///
+/// A grid of cells several times as wide: few points lie so near to a side that the next cell counts too.
 fn pairs_within(points: &[Point], reach: f64) -> Vec<(usize, usize)> {
-    let cell = |p: Point| p.map(|x| if reach > 0.0 { (x / reach).floor() as i64 } else { (x + 0.0).to_bits() as i64 });
-    let mut grid: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    const WIDTH: f64 = 8.0;
+    const NONE: u32 = u32::MAX;
+    // A little more than the reach, for coordinates that are rounded.
+    let margin = 1.125 * reach;
+    let cell = |x: f64| if reach > 0.0 { (x / (WIDTH * reach)).floor() as i64 } else { (x + 0.0).to_bits() as i64 };
+    let mut last_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(points.len());
+    let mut before = vec![NONE; points.len()];
     let mut pairs = Vec::new();
+    let mut near = Vec::new();
     for (b, p) in points.iter().enumerate() {
-        let home = cell(*p);
-        let mut near = Vec::new();
-        for shift in 0..27_i64 {
-            let key = [
-                home[0].wrapping_add(shift % 3 - 1),
-                home[1].wrapping_add(shift / 3 % 3 - 1),
-                home[2].wrapping_add(shift / 9 - 1),
-            ];
-            near.extend(grid.get(&key).into_iter().flatten().filter(|a| distance(points[**a], *p) <= reach));
+        let (low, high) = (p.map(|x| cell(x - margin)), p.map(|x| cell(x + margin)));
+        for corner in 0..8 {
+            let side = |axis: usize| corner >> axis & 1 == 1;
+            if (0..3).any(|axis| side(axis) && low[axis] == high[axis]) {
+                continue;
+            }
+            let mut at =
+                last_in.get(&[0, 1, 2].map(|axis| if side(axis) { high[axis] } else { low[axis] })).copied().unwrap_or(NONE);
+            while at != NONE {
+                if distance(points[at as usize], *p) <= reach {
+                    near.push(at as usize);
+                }
+                at = before[at as usize];
+            }
         }
         near.sort_unstable();
-        pairs.extend(near.into_iter().map(|a| (a, b)));
-        grid.entry(home).or_default().push(b);
+        pairs.extend(near.drain(..).map(|a| (a, b)));
+        before[b] = last_in.insert(p.map(cell), b as u32).unwrap_or(NONE);
     }
     pairs
 }
@@ -215,5 +228,13 @@ mod tests {
         }
         assert!(expected.len() > 50);
         assert_eq!(pairs_within(&points, 1.3), expected);
+        // The same far away, where coordinates are whole 1/64ths: a margin of the grid's cells.
+        let far: Vec<Point> = points.iter().map(|p| p.map(|x| (x * 64.0).round() / 64.0 - 1e14)).collect();
+        let mut expected = Vec::new();
+        for b in 0..far.len() {
+            expected.extend((0..b).filter(|a| distance(far[*a], far[b]) <= 1.3).map(|a| (a, b)));
+        }
+        assert!(expected.len() > 50);
+        assert_eq!(pairs_within(&far, 1.3), expected);
     }
 }

@@ -7,13 +7,14 @@ use willis::centerline::Centerlines;
 use willis::geometry::distance;
 use willis::network::{Condition, Network, Role, cycles, fragments};
 use willis::phantom::alastruey::TABLE;
-use willis::phantom::{BreakKind, Breaks, Kind, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis};
+use willis::phantom::{BreakKind, Breaks, Kind, Recipe, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis};
 use willis::units::pascals;
 
 const SPACING: f64 = 5e-4;
 
 fn bases() -> [Network; 3] {
-    Kind::ALL.map(|kind| kind.network(SPACING).unwrap())
+    [Kind::CircleOfWillis, Kind::Cerebral, Kind::Tree]
+        .map(|kind| kind.network(&Recipe { spacing: Some(SPACING), ..Recipe::default() }).unwrap())
 }
 
 fn arc_length(network: &Network, row: usize) -> f64 {
@@ -381,6 +382,6 @@ fn kinds_are_read_by_name() {
         assert_eq!(kind.name().parse::<Kind>().unwrap(), kind);
     }
     let error = "circle".parse::<Kind>().unwrap_err();
-    assert_eq!(error.to_string(), "phantom circle: expected circle-of-willis, cerebral, tree");
-    assert!(error.is_usage() && Kind::Tree.network(0.1).unwrap_err().is_usage());
+    assert_eq!(error.to_string(), "phantom circle: expected circle-of-willis, cerebral, tree, arterial, capillary");
+    assert!(error.is_usage() && Kind::Tree.network(&Recipe { spacing: Some(0.1), ..Recipe::default() }).unwrap_err().is_usage());
 }

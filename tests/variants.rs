@@ -7,7 +7,7 @@ use std::process::Command;
 
 use willis::formats::read_graphml;
 use willis::network::{Condition, Network, Role, cycles, fragments};
-use willis::phantom::{Kind, without};
+use willis::phantom::{Kind, Recipe, without};
 use willis::units::{Scale, metres};
 
 /// The ten published variants by what they lack.
@@ -25,7 +25,7 @@ const VARIANTS: [&[&str]; 10] = [
 ];
 
 fn complete() -> Network {
-    Kind::Cerebral.network(metres(5.0)).unwrap()
+    Kind::Cerebral.network(&Recipe { spacing: Some(metres(5.0)), ..Recipe::default() }).unwrap()
 }
 
 fn name(missing: &[&str]) -> String {

@@ -1,17 +1,21 @@
 //! The targets of a free end: the nearest branches, each at the point that is close and straight ahead, and the nearest
 //! free ends.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::ends::{FreeEnd, point_spacing};
 use super::knn::PointIndex;
 use super::{Attach, Params, Place, Site};
-use crate::geometry::{Point, distance, dot, sub};
+use crate::geometry::{Point, distance, dot, norm_squared, sub};
 use crate::network::{Network, Origin};
 
 /// Reach in point spacings and in end diameters: independent of any unit.
 const REACH_SPACINGS: f64 = 20.0;
 const REACH_DIAMETERS: f64 = 5.0;
+/// The search for targets begins this far away, in point spacings, or at this share of the reach, and widens by this factor.
+const FIRST_SPACINGS: f64 = 2.0;
+const FIRST_SHARE: f64 = 0.02;
+const WIDENING: f64 = 1.5;
 /// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
 const BEND: f64 = 1.3;
 /// A meeting point so many spacings from its branch's free end is moved there.
@@ -32,6 +36,8 @@ pub struct Surroundings<'a> {
     /// The nodes in order, then the inner points of the observed vessels.
     sites: Vec<Site>,
     index: PointIndex,
+    /// Per vessel the site of its first inner point.
+    first_inner: Vec<usize>,
     /// Per node its observed vessels.
     incident: Vec<Vec<usize>>,
     /// The median distance between consecutive points, m.
@@ -43,24 +49,46 @@ impl<'a> Surroundings<'a> {
     pub fn new(network: &'a Network) -> Self {
         let sites = sites(network);
         let index = PointIndex::new(sites.iter().map(|s| s.position).collect());
+        let mut first_inner = Vec::with_capacity(network.vessel_count());
+        let mut next = network.node_count();
+        for (_, vessel) in network.vessels() {
+            first_inner.push(next);
+            next += if vessel.origin == Origin::Observed { vessel.path.len().saturating_sub(2) } else { 0 };
+        }
         let mut incident = vec![Vec::new(); network.node_count()];
         for (vessel, (ends, _)) in network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed) {
             incident[ends[0]].push(vessel);
             incident[ends[1]].push(vessel);
         }
-        Self { network, sites, index, incident, spacing: point_spacing(network) }
+        Self { network, sites, index, first_inner, incident, spacing: point_spacing(network) }
     }
 
     /// The k nearest targets of a free end, nearest first, ties in the order of the sites.
+    ///
+    /// The search widens until k targets are nearer than anything beyond it, so that its cost goes with k and not with
+    /// the reach. The nearest site of a branch settles where the branch comes, and every target is the nearest of its branches.
     pub fn targets(&self, end: &FreeEnd, params: &Params) -> Vec<Target> {
         let reach = REACH_SPACINGS * self.spacing + REACH_DIAMETERS * 2.0 * end.radius;
         let reach = params.max_gap.map_or(reach, |most| reach.min(most));
+        let mut radius = reach.min(FIRST_SPACINGS * self.spacing).max(FIRST_SHARE * reach);
+        let mut order = self.found(end, radius, reach, params.attach);
+        while order.len() < params.k && radius < reach {
+            radius = reach.min(WIDENING * radius);
+            order = self.found(end, radius, reach, params.attach);
+        }
+        order.truncate(params.k);
+        let from = Site { place: Place::Node(end.node), position: end.position, radius: end.radius };
+        order.into_iter().map(|(_, site)| Target { from, site: self.with_end_radius(self.sites[site]) }).collect()
+    }
+
+    /// The targets no further than `radius`, by distance and site.
+    fn found(&self, end: &FreeEnd, radius: f64, reach: f64, attach: Attach) -> Vec<(f64, usize)> {
         let own = self.network.ends(end.vessel);
         let is_own = |place: Place| match place {
             Place::Node(node) => own.contains(&node),
             Place::Along { vessel, .. } => vessel == end.vessel,
         };
-        let mut hits = self.index.within(end.position, reach);
+        let mut hits = self.index.within(end.position, radius);
         hits.retain(|(_, site)| !is_own(self.sites[*site].place));
         let mut found: BTreeMap<usize, f64> = BTreeMap::new();
         for (distance, site) in &hits {
@@ -68,34 +96,33 @@ impl<'a> Surroundings<'a> {
                 found.insert(*site, *distance);
             }
         }
-        if params.attach == Attach::Centerline {
-            for (vessel, branch) in self.branches(&hits, end.vessel) {
-                let site = self.snapped(self.meet(&branch, end), vessel, end, reach);
-                let nearest = found.entry(site).or_insert(branch[0].0);
-                *nearest = nearest.min(branch[0].0);
+        if attach == Attach::Centerline {
+            for (vessel, nearest) in self.branches(&hits, end.vessel) {
+                let site = self.snapped(self.meet(vessel, nearest.1, end, reach), vessel, end, reach);
+                let distance = found.entry(site).or_insert(nearest.0);
+                *distance = distance.min(nearest.0);
             }
         }
         let mut order: Vec<(f64, usize)> = found.into_iter().map(|(site, distance)| (distance, site)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        order.truncate(params.k);
-        let from = Site { place: Place::Node(end.node), position: end.position, radius: end.radius };
-        order.into_iter().map(|(_, site)| Target { from, site: self.with_end_radius(self.sites[site]) }).collect()
+        order
     }
 
     fn is_free(&self, node: usize) -> bool {
         self.incident[node].len() == 1
     }
 
-    /// The hits by vessel, nearest first.
-    fn branches(&self, hits: &[(f64, usize)], own: usize) -> BTreeMap<usize, Vec<(f64, usize)>> {
-        let mut branches: BTreeMap<usize, Vec<(f64, usize)>> = BTreeMap::new();
+    /// The vessels that were hit, each with its nearest hit.
+    fn branches(&self, hits: &[(f64, usize)], own: usize) -> BTreeMap<usize, (f64, usize)> {
+        let mut branches = BTreeMap::new();
         for hit in hits {
             match self.sites[hit.1].place {
-                Place::Along { vessel, .. } => branches.entry(vessel).or_default().push(*hit),
+                Place::Along { vessel, .. } => {
+                    branches.entry(vessel).or_insert(*hit);
+                }
                 Place::Node(node) => {
-                    let vessels: BTreeSet<usize> = self.incident[node].iter().copied().filter(|v| *v != own).collect();
-                    for vessel in vessels {
-                        branches.entry(vessel).or_default().push(*hit);
+                    for vessel in self.incident[node].iter().filter(|vessel| **vessel != own) {
+                        branches.entry(*vessel).or_insert(*hit);
                     }
                 }
             }
@@ -103,11 +130,24 @@ impl<'a> Surroundings<'a> {
         branches
     }
 
-    /// The site of a branch that makes d (1.3 - cos) least.
-    fn meet(&self, branch: &[(f64, usize)], end: &FreeEnd) -> usize {
-        let cost = |(d, site): &(f64, usize)| BEND * d - dot(sub(self.sites[*site].position, end.position), end.direction);
-        let best = branch.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)).then(a.1.cmp(&b.1)));
-        best.unwrap_or(&branch[0]).1
+    /// The site of a branch within reach that makes d (1.3 - cos) least; none of the nodes of the end's own vessel.
+    fn meet(&self, branch: usize, nearest: usize, end: &FreeEnd, reach: f64) -> usize {
+        let own = self.network.ends(end.vessel);
+        let first = self.first_inner[branch];
+        let inner = first..first + self.network.vessel(branch).path.len().saturating_sub(2);
+        let nodes = self.network.ends(branch).into_iter().filter(|node| !own.contains(node));
+        let mut best = (f64::INFINITY, nearest);
+        for site in nodes.chain(inner) {
+            let ahead = sub(self.sites[site].position, end.position);
+            let squared = norm_squared(ahead);
+            if squared <= reach * reach {
+                let cost = BEND * squared.sqrt() - dot(ahead, end.direction);
+                if cost.total_cmp(&best.0).then(site.cmp(&best.1)).is_lt() {
+                    best = (cost, site);
+                }
+            }
+        }
+        best.1
     }
 
     /// The free end of the branch when the meeting point is near it.

@@ -1,5 +1,7 @@
 //! Neighbours in space, by kiddo's k-d tree, in an order that depends on nothing but distance and point number.
 
+use std::num::NonZero;
+
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use crate::geometry::{Point, norm_squared, sub};
@@ -47,6 +49,18 @@ impl PointIndex {
         hits.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect()
     }
 
+    /// The `count` points nearest to `p`, as (distance, number), nearest first, ties to the lower number.
+    pub fn first(&self, p: Point, count: usize) -> Vec<(f64, usize)> {
+        let Some(count) = NonZero::new(count) else { return Vec::new() };
+        let numbers = self.tree.as_ref().map(|tree| tree.query(&p).nearest_n::<SquaredEuclidean<f64>>(count).execute());
+        let farthest = numbers.into_iter().flatten().map(|hit| norm_squared(sub(self.points[hit.item as usize], p)));
+        // As many may lie at that distance, of which the tree took any.
+        let reach = farthest.fold(0.0, f64::max).sqrt() * (1.0 + 1e-9);
+        let mut hits = self.within(p, reach);
+        hits.truncate(count.get());
+        hits
+    }
+
     /// The points nearest to `p` of those no further than `reach`; those that only rounding parts are all nearest.
     pub fn nearest(&self, p: Point, reach: f64) -> Nearest {
         let first = self.tree.as_ref().map(|tree| tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute());
@@ -78,6 +92,8 @@ mod tests {
                     .collect();
                 expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
                 assert_eq!(index.within(*p, reach), expected);
+                assert_eq!(index.first(*p, expected.len()), expected);
+                assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
             }
         }
     }

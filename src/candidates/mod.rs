@@ -4,6 +4,7 @@ mod attach;
 mod ends;
 pub mod evidence;
 mod knn;
+mod nearest;
 pub mod prior;
 mod probable;
 mod split;
@@ -16,6 +17,7 @@ use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::as_stored;
 use attach::{Surroundings, Target};
 use ends::free_ends;
+pub use nearest::join_nearest;
 pub use probable::build_probable;
 use split::{Cuts, split};
 
@@ -129,10 +131,9 @@ pub fn build(network: &Network, params: &Params) -> Result<Network> {
         ));
     }
     let around = Surroundings::new(network);
-    let mut found = Vec::new();
-    for end in free_ends(network, around.spacing) {
-        found.extend(around.targets(&end, params).into_iter().map(|target| (target, None)));
-    }
+    let ends = free_ends(network, around.spacing);
+    let targets = prior::in_order(&ends, |_, end| around.targets(end, params));
+    let found = targets.into_iter().flatten().map(|target| (target, None)).collect();
     Ok(with_candidates(network, found, params).0)
 }
 

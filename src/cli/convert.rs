@@ -1,12 +1,14 @@
 //! `willis convert`: a network from one format into another.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, BufWriter};
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use willis::error::Result;
-use willis::formats::convert::{Target, losses, write};
+use willis::error::{Error, Result};
+use willis::formats::convert::{Target, Written, losses, refusal, write_into};
+use willis::formats::write_loops;
 use willis::network::Network;
 use willis::report::{StagedFile, staged::write_file};
 
@@ -65,21 +67,39 @@ pub fn check(target: &Target, force: bool) -> Result<()> {
 /// Writes the files of a target, says what is lost, and returns their names and what is lost.
 pub fn put(network: &Network, target: &Target, terminal: Terminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
     let lost = losses(network, target.format);
-    let (files, notes) = write(network, target)?;
-    let mut staged = Vec::new();
-    for (path, bytes) in &files {
-        let file = StagedFile::new(path, force)?;
-        write_file(&file.path(), |out| out.write_all(bytes))?;
-        staged.push(file);
+    let file = StagedFile::new(&target.path, force)?;
+    let nodes = target.nodes.as_ref().map(|path| StagedFile::new(path, force)).transpose()?;
+    let mut written = Written::default();
+    let made = write_file(&file.path(), |out| {
+        let Some(nodes) = &nodes else {
+            written = write_into(network, target, out, io::sink())?;
+            return Ok(());
+        };
+        let mut table = BufWriter::new(File::create(nodes.path())?);
+        written = write_into(network, target, out, &mut table)?;
+        table.into_inner()?.sync_all()
+    });
+    made.map_err(|error| match error {
+        Error::Write { source, .. } if source.kind() == io::ErrorKind::InvalidInput => refusal(target, &source),
+        other => other,
+    })?;
+    let mut staged = vec![(target.path.clone(), file)];
+    staged.extend(target.nodes.clone().zip(nodes));
+    if !written.loops.is_empty() {
+        let file = StagedFile::new(&target.loops(), force)?;
+        write_file(&file.path(), |out| write_loops(out, &written.loops))?;
+        staged.push((target.loops(), file));
     }
-    for file in staged {
+    let mut names = Vec::new();
+    for (path, file) in staged {
         file.commit()?;
+        names.push(path.display().to_string());
     }
-    for note in &notes {
+    for note in &written.notes {
         terminal.say("note", note);
     }
     for what in &lost {
         terminal.say("lost", what);
     }
-    Ok((files.iter().map(|(path, _)| path.display().to_string()).collect(), lost))
+    Ok((names, lost))
 }

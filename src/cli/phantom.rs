@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
+use willis::candidates;
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
 use willis::formats::convert::Target;
 use willis::formats::{Format, write_centerlines_swc, write_loops};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::network::fragments;
-use willis::phantom::{Breaks, Kind, Truth, break_up, landmarks, without, write_landmarks};
+use willis::network::{Network, Origin, fragments};
+use willis::phantom::{
+    Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without, write_landmarks,
+};
 use willis::report::{StagedFile, staged::write_file};
 
 use super::convert::{check, put};
@@ -24,9 +27,13 @@ use super::terminal::{Terminal, count, plural};
 /// that an angiogram of the head shows, `tree` bifurcates by Murray's law. --break makes an uncertain extraction of it:
 /// gaps at junctions and midway, jitter, noisy radii, spurious bits; the truth is written beside it as FILE.truth.json, and of
 /// `cerebral` the in- and outlets that it shows as FILE.landmarks.csv, for willis classify.
+///
+/// `arterial` and `capillary` have any size, --edges: twelve trees that fill a brain, and a block of capillaries. --break cuts gaps
+/// into 2.5 and 2 % of their vessels, nothing else; as .graphml or .csv it writes the broken graph with its candidates, the 6
+/// nearest nodes of every loose end.
 #[derive(Debug, Args)]
 pub struct PhantomArgs {
-    /// circle-of-willis, cerebral or tree
+    /// circle-of-willis, cerebral, tree, arterial or capillary
     kind: String,
     /// The file to write; its ending says the format, as for willis convert
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
@@ -34,15 +41,18 @@ pub struct PhantomArgs {
     /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1
     #[arg(long, value_name = "LABEL[,LABEL]", value_delimiter = ',')]
     without: Vec<String>,
-    /// Break it up as an extraction would (.swc only)
+    /// How many vessels, 100 to 10000000; for arterial and capillary
+    #[arg(long, value_name = "N")]
+    edges: Option<usize>,
+    /// Break it up as an extraction would (.swc; arterial and capillary also .graphml and .csv)
     #[arg(long = "break")]
     broken: bool,
-    /// The seed of the damage
-    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "broken")]
-    seed: u64,
-    /// Distance of centerline points
-    #[arg(long, value_name = "LENGTH", default_value = "0.5mm")]
-    spacing: String,
+    /// The seed of the damage, of arterial and capillary also of the anatomy: a broken one is the whole one of its seed [default: 0]
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+    /// Distance of centerline points [default: 0.5mm; arterial and capillary: straight from node to node]
+    #[arg(long, value_name = "LENGTH")]
+    spacing: Option<String>,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
@@ -51,33 +61,109 @@ pub struct PhantomArgs {
 impl PhantomArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
-        let spacing = length("--spacing", Some(&self.spacing))?.unwrap_or_default();
-        let network = without(&kind.network(spacing)?, &self.without)?;
+        let recipe = self.recipe(kind)?;
+        let target = Target::new(&self.output, None)?;
+        check(&target, force)?;
+        let graph = matches!(target.format, Format::GraphMl | Format::Csv) && kind.has_any_size();
+        if self.broken && target.format != Format::Swc && !graph {
+            let or = if kind.has_any_size() { ", .graphml or .csv" } else { "" };
+            let accepted = format!("expected an ending .swc{or} for a broken extraction");
+            return Err(Error::parameter("--output", self.output.display(), accepted));
+        }
+        let network = self.anatomy(kind, &recipe, terminal)?;
+        match (self.broken, kind.gaps(&recipe)) {
+            (false, _) => self.write_whole(kind, network, &target, terminal, force),
+            (true, Some(gaps)) if graph => self.write_over_connected(network, &gaps, &target, terminal, force),
+            (true, Some(gaps)) => {
+                let (lines, truth) = with_gaps(&network, &gaps)?;
+                drop(network);
+                self.write_broken(&lines, &truth, terminal, force)
+            }
+            (true, None) => {
+                let defaults = Breaks { seed: recipe.seed, ..Breaks::default() };
+                let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
+                let (lines, truth) = break_up(&network, &params)?;
+                if kind == Kind::Cerebral {
+                    let file = StagedFile::new(&beside(&self.output, "landmarks.csv"), force)?;
+                    write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth)))?;
+                    file.commit()?;
+                }
+                self.write_broken(&lines, &truth, terminal, force)
+            }
+        }
+    }
+
+    /// What the options ask for, where they go with the kind.
+    fn recipe(&self, kind: Kind) -> Result<Recipe> {
+        if self.seed.is_some() && !self.broken && !kind.has_any_size() {
+            let accepted = format!("{kind} is always the same; expected with --break, arterial or capillary");
+            return Err(Error::parameter("--seed", self.seed.unwrap_or_default(), accepted));
+        }
+        if kind.has_any_size() && !self.without.is_empty() {
+            let accepted = format!("the vessels of {kind} have no labels; expected with another phantom");
+            return Err(Error::parameter("--without", self.without.join(","), accepted));
+        }
+        let spacing = length("--spacing", self.spacing.as_ref())?;
+        Ok(Recipe { spacing, edges: self.edges, seed: self.seed.unwrap_or_default() })
+    }
+
+    /// The complete network, or what --without leaves of it.
+    fn anatomy(&self, kind: Kind, recipe: &Recipe, terminal: Terminal) -> Result<Network> {
+        let network = kind.network(recipe)?;
+        if self.without.is_empty() {
+            return Ok(network);
+        }
+        let network = without(&network, &self.without)?;
         let parts = fragments(&network, |_, _| true).count;
         if parts > 1 {
             let missing = self.without.join(", ");
             terminal.say("note", format!("without {missing} the network falls into {parts} parts"));
         }
-        let target = Target::new(&self.output, None)?;
-        check(&target, force)?;
-        if !self.broken {
-            let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
-            let (names, _) = put(&boundary.stated_in(network.clone()), &target, terminal, force)?;
-            terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
-            let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
-            return self.print(json!({ "counts": counts }));
-        }
-        if target.format != Format::Swc {
-            return Err(Error::parameter("--output", self.output.display(), "expected an ending .swc for a broken extraction"));
-        }
-        let params = Breaks { seed: self.seed, spacing, ..Breaks::default() };
-        let (lines, truth) = break_up(&network, &params)?;
-        let loops = write_extraction(&self.output, &lines, &truth, force, terminal)?;
-        if kind == Kind::Cerebral {
-            let file = StagedFile::new(&beside(&self.output, "landmarks.csv"), force)?;
-            write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth)))?;
-            file.commit()?;
-        }
+        Ok(network)
+    }
+
+    fn write_whole(&self, kind: Kind, network: Network, target: &Target, terminal: Terminal, force: bool) -> Result<()> {
+        let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
+        let network = boundary.stated_in(network);
+        let (names, _) = put(&network, target, terminal, force)?;
+        terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
+        let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
+        self.print(json!({ "counts": counts }))
+    }
+
+    /// The broken graph with its candidates, and the truth.
+    fn write_over_connected(
+        &self,
+        network: Network,
+        gaps: &Gaps,
+        target: &Target,
+        terminal: Terminal,
+        force: bool,
+    ) -> Result<()> {
+        let (graph, truth) = over_connected(network, gaps, candidates::Params::default().k)?;
+        let answer = StagedFile::new(&beside(&self.output, "truth.json"), force)?;
+        write_file(&answer.path(), |out| truth.write_json(out))?;
+        let (names, _) = put(&graph, target, terminal, force)?;
+        answer.commit()?;
+        let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
+        let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+        let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
+        terminal.say("written", format!("{}: {size}, {made}", names.join(", ")));
+        terminal.say("truth", beside(&self.output, "truth.json").display().to_string());
+        self.print(json!({
+            "truth": beside(&self.output, "truth.json").display().to_string(),
+            "counts": {
+                "nodes": graph.node_count(),
+                "vessels": graph.vessel_count(),
+                "candidates": candidates,
+                "gaps": truth.breaks.len(),
+            },
+        }))
+    }
+
+    /// The broken centerlines, and the truth.
+    fn write_broken(&self, lines: &Centerlines, truth: &Truth, terminal: Terminal, force: bool) -> Result<()> {
+        let loops = write_extraction(&self.output, lines, truth, force, terminal)?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({
             "truth": beside(&self.output, "truth.json").display().to_string(),

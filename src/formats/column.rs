@@ -1,5 +1,6 @@
 //! Named columns over the nodes or vessels of a network: what every writer of tables and attributes is given.
 
+use std::fmt::Write;
 use std::io;
 
 /// A column with one value a row.
@@ -56,22 +57,38 @@ impl Values {
 
     /// The value of a row as text; empty for a missing number.
     pub(super) fn text(&self, row: usize) -> String {
-        match self {
-            Self::Real(values) => real(values[row]),
-            Self::Integer(values) => values[row].to_string(),
-            Self::Text(values) => values[row].clone(),
-        }
+        let mut text = String::new();
+        self.put(row, &mut text);
+        text
+    }
+
+    /// Puts the value of a row in place of `text`, which is reused.
+    pub(super) fn put(&self, row: usize, text: &mut String) {
+        text.clear();
+        // A string takes whatever is written to it.
+        let _ = match self {
+            Self::Real(values) => put_real(values[row], text),
+            Self::Integer(values) => write!(text, "{}", values[row]),
+            Self::Text(values) => text.write_str(&values[row]),
+        };
     }
 }
 
 /// The shortest text that brings the same number back; empty for NaN.
 pub(super) fn real(x: f64) -> String {
+    let mut text = String::new();
+    let _ = put_real(x, &mut text);
+    text
+}
+
+/// Adds the text that [`real`] gives.
+fn put_real(x: f64, text: &mut String) -> std::fmt::Result {
     if x.is_nan() {
-        String::new()
+        Ok(())
     } else if x == 0.0 || x.is_infinite() || (1e-5..1e16).contains(&x.abs()) {
-        format!("{x}")
+        write!(text, "{x}")
     } else {
-        format!("{x:e}")
+        write!(text, "{x:e}")
     }
 }
 

@@ -1,5 +1,7 @@
 //! What the XML formats share: the name of the root element, parse errors in one line, escaping.
 
+use std::borrow::Cow;
+
 use crate::error::Fault;
 
 /// The local name of the root element and the text of its start tag, if the bytes look like XML.
@@ -49,7 +51,11 @@ pub(super) fn utf8(bytes: &[u8]) -> Result<&str, Fault> {
 }
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
-pub(super) fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> Cow<'_, str> {
+    let stands = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
+    if text.chars().all(stands) {
+        return text.into();
+    }
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -64,5 +70,5 @@ pub(super) fn escape(text: &str) -> String {
             c => out.push(c),
         }
     }
-    out
+    out.into()
 }

@@ -187,6 +187,13 @@ impl Network {
         self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
     }
 
+    /// The nodes and the vessels with their ends, by row, for a network that is made of this one.
+    pub fn into_parts(self) -> (impl ExactSizeIterator<Item = Node>, impl ExactSizeIterator<Item = ([usize; 2], Vessel)>) {
+        let (nodes, edges) = self.graph.into_nodes_edges();
+        let vessel = |e: petgraph::graph::Edge<Vessel>| ([e.source().index(), e.target().index()], e.weight);
+        (nodes.into_iter().map(|n| n.weight), edges.into_iter().map(vessel))
+    }
+
     /// How many nodes there are.
     pub fn node_count(&self) -> usize {
         self.graph.node_count()

@@ -23,8 +23,14 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// The vessel of a row at steps of about `spacing`; a vessel without path is straight between its nodes.
+    /// The vessel of a row at steps of about `spacing`.
     pub fn of(network: &Network, row: usize, spacing: f64) -> Self {
+        Self::at(network, row, |length| ((length / spacing).round() as usize).max(LEAST - 1))
+    }
+
+    /// The vessel of a row at as many equal steps as its length (m) asks for, one at least; without path it is straight between its
+    /// nodes.
+    pub fn at(network: &Network, row: usize, steps: impl FnOnce(f64) -> usize) -> Self {
         let vessel = network.vessel(row);
         let mut path: Vec<(Point, f64)> = vessel.path.iter().map(|p| (p.position, p.radius)).collect();
         if path.len() < 2 {
@@ -36,7 +42,7 @@ impl Sampled {
             arc.push(arc[arc.len() - 1] + distance(pair[0].0, pair[1].0));
         }
         let length = arc[arc.len() - 1];
-        let steps = ((length / spacing).round() as usize).max(LEAST - 1);
+        let steps = steps(length);
         let mut at = 0;
         let points: Vec<_> = (0..=steps)
             .map(|i| {

@@ -1,9 +1,9 @@
 //! The uncertain extraction of a complete network, and its answer.
 
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::damage::damage;
+use super::damage::{Sampled, damage};
 use super::draft::{Draft, Drawn};
 use super::spurious::spurious;
 use super::{Break, Breaks, Truth};
@@ -27,6 +27,11 @@ pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Trut
     }
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     let vessels = damage(network, params, &mut rng);
+    Ok(extract(network, &vessels, params, &mut rng))
+}
+
+/// The centerlines of what is left of the vessels, in random order, noisy and with spurious bits, and the answer.
+pub(super) fn extract(network: &Network, vessels: &[Sampled], params: &Breaks, rng: &mut impl Rng) -> (Centerlines, Truth) {
     let mut draft = Draft::default();
     let mut node_point = vec![None; network.node_count()];
     let mut sides = Vec::new();
@@ -37,16 +42,17 @@ pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Trut
         draft.add_gaps(row, vessel, &sides[row], network.ends(row).map(|node| node_point[node]));
     }
     let true_fragments = draft.fragments().len();
-    let lumens: Vec<_> = vessels.iter().flat_map(|vessel| vessel.points.iter().copied()).collect();
     let wanted = (params.spurious * true_fragments as f64).round() as usize;
-    for bit in spurious(&lumens, wanted, params, &mut rng) {
+    let seen = if wanted > 0 { vessels } else { &[] };
+    let lumens: Vec<_> = seen.iter().flat_map(|vessel| vessel.points.iter().copied()).collect();
+    for bit in spurious(&lumens, wanted, params, rng) {
         let first = draft.points.len();
         draft.points.extend(bit.into_iter().map(|(position, radius)| Drawn { position, radius, vessel: None }));
         draft.links.extend((first + 1..draft.points.len()).map(|point| [point - 1, point]));
     }
     let inlets = (0..network.node_count()).filter(|row| network.node(*row).role == Some(Role::Inlet));
     let inlets: Vec<usize> = inlets.filter_map(|row| node_point[row]).collect();
-    let (lines, number) = draft.centerlines(params, &mut rng);
+    let (lines, number) = draft.centerlines(params, rng);
 
     let mut truth = Truth {
         vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),
@@ -64,5 +70,5 @@ pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Trut
         truth.points[number[point]] = drawn.vessel;
         truth.spurious[lines.strand[number[point]] as usize] = drawn.vessel.is_none();
     }
-    Ok((lines, truth))
+    (lines, truth)
 }

@@ -3,11 +3,15 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Tree, branching_tree, cerebral, circle_of_willis};
+use super::large::EDGES;
+use super::{Gaps, Large, Tree, arterial, branching_tree, capillary, cerebral, circle_of_willis};
 use crate::error::{Error, Result};
 use crate::network::Network;
 use crate::suggestion::did_you_mean;
 use crate::units::{metres, millimetres};
+
+/// The distance of centerline points where none is asked for, m.
+const SPACING: f64 = 0.0005;
 
 /// Which test anatomy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,11 +22,27 @@ pub enum Kind {
     Cerebral,
     /// A bifurcating tree with the default parameters ([`branching_tree`]).
     Tree,
+    /// Twelve trees of any size that fill a volume ([`arterial()`]).
+    Arterial,
+    /// A mesh of capillaries of any size ([`capillary()`]).
+    Capillary,
+}
+
+/// What a phantom is made by.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recipe {
+    /// Distance of centerline points, m, from 0.01 to 10 mm; none for 0.5 mm, and for vessels known by their two nodes alone where
+    /// the kind has any size.
+    pub spacing: Option<f64>,
+    /// How many vessels, 100 to 10 000 000: what the kinds of any size need, and the others do not take.
+    pub edges: Option<usize>,
+    /// The seed of the anatomy, for kinds of any size; the others are always the same.
+    pub seed: u64,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::CircleOfWillis, Self::Cerebral, Self::Tree];
+    pub const ALL: [Self; 5] = [Self::CircleOfWillis, Self::Cerebral, Self::Tree, Self::Arterial, Self::Capillary];
 
     /// The word on the command line.
     pub fn name(self) -> &'static str {
@@ -30,22 +50,54 @@ impl Kind {
             Self::CircleOfWillis => "circle-of-willis",
             Self::Cerebral => "cerebral",
             Self::Tree => "tree",
+            Self::Arterial => "arterial",
+            Self::Capillary => "capillary",
         }
     }
 
-    /// The complete network, sampled at about `spacing`, in m, from 0.01 to 10 mm.
+    /// Whether it has as many vessels as one asks for; it is drawn by its seed then.
+    pub fn has_any_size(self) -> bool {
+        matches!(self, Self::Arterial | Self::Capillary)
+    }
+
+    /// The gaps that break a kind of any size: in 2.5 % of the arteries, 2 % of the capillaries; none for the others, which
+    /// [`super::break_up`] breaks.
+    pub fn gaps(self, recipe: &Recipe) -> Option<Gaps> {
+        let share = match self {
+            Self::Arterial => 0.025,
+            Self::Capillary => 0.02,
+            _ => return None,
+        };
+        Some(Gaps { share, seed: recipe.seed, spacing: recipe.spacing })
+    }
+
+    /// The complete network.
     ///
     /// # Errors
     ///
-    /// A spacing out of that range.
-    pub fn network(self, spacing: f64) -> Result<Network> {
+    /// A field of the recipe out of its range, a number of vessels missing or not taken.
+    pub fn network(self, recipe: &Recipe) -> Result<Network> {
+        let spacing = recipe.spacing.unwrap_or(SPACING);
         if !(metres(0.01)..=metres(10.0)).contains(&spacing) {
             return Err(Error::parameter("spacing", millimetres(spacing), "expected 0.01 to 10 mm"));
         }
-        match self {
-            Self::CircleOfWillis => Ok(circle_of_willis(spacing)),
-            Self::Cerebral => Ok(cerebral(&circle_of_willis(spacing))),
-            Self::Tree => branching_tree(&Tree { spacing, ..Tree::default() }),
+        let large = |edges| Large { edges, seed: recipe.seed, spacing: recipe.spacing };
+        match (self, recipe.edges) {
+            (Self::CircleOfWillis, None) => Ok(circle_of_willis(spacing)),
+            (Self::Cerebral, None) => Ok(cerebral(&circle_of_willis(spacing))),
+            (Self::Tree, None) => branching_tree(&Tree { spacing, ..Tree::default() }),
+            (Self::Arterial, Some(edges)) => arterial(&large(edges)),
+            (Self::Capillary, Some(edges)) => capillary(&large(edges)),
+            (_, None) => {
+                let [least, most] = EDGES;
+                let accepted = format!("expected a number of vessels, {least} to {most}: {self} may have any size");
+                Err(Error::parameter("edges", "missing", accepted))
+            }
+            (_, Some(edges)) => Err(Error::parameter(
+                "edges",
+                edges,
+                format!("{self} has a size of its own; expected with arterial or capillary"),
+            )),
         }
     }
 }

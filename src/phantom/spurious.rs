@@ -17,6 +17,9 @@ const TURN: f64 = 0.25;
 
 /// Up to `wanted` bits (points with radii), clear of the complete vessels in `lumens` and of each other.
 pub(super) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, rng: &mut impl Rng) -> Vec<Vec<(Point, f64)>> {
+    if wanted == 0 {
+        return Vec::new();
+    }
     let mut taken = lumens.to_vec();
     let mut bits = Vec::new();
     for _ in 0..ATTEMPTS * wanted {

@@ -90,16 +90,21 @@ pub fn branching_tree(params: &Tree) -> Result<Network> {
     while let Some(shoot) = shoots.pop_front() {
         let tip = shoot.grow(&mut network, params);
         if shoot.generation == params.generations {
-            let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (shoot.radius / metres(2.0)).powi(3);
-            let node = network.node_mut(tip);
-            node.role = Some(Role::Outlet);
-            node.condition = Some(Condition::Resistance { resistance: pascals(INLET_MMHG) / flow, venous: 0.0 });
+            make_terminal(&mut network, tip, shoot.radius);
         } else {
             let share = 0.5 * (1.0 + params.asymmetry * rng.random::<f64>());
             shoots.extend(shoot.daughters(tip, share));
         }
     }
     Ok(network)
+}
+
+/// Makes a node an outlet with the terminal resistance of a vessel of this radius (m): Murray's flow at 100 mmHg.
+pub(super) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
+    let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
+    let node = network.node_mut(row);
+    node.role = Some(Role::Outlet);
+    node.condition = Some(Condition::Resistance { resistance: pascals(INLET_MMHG) / flow, venous: 0.0 });
 }
 
 /// A vessel about to be added: where from, which way, and the side to which it will branch.

@@ -77,6 +77,11 @@ impl Target {
         };
         Ok(Self { format, path: path.to_owned(), nodes })
     }
+
+    /// The file of links that a tree cannot hold.
+    pub fn loops(&self) -> PathBuf {
+        self.path.with_extension("loops.csv")
+    }
 }
 
 /// The files of a conversion with their bytes, and what a person should know about them.
@@ -88,47 +93,77 @@ pub type Files = (Vec<(PathBuf, Vec<u8>)>, Vec<String>);
 ///
 /// A network that the format cannot hold at all: without positions where the format consists of them.
 pub fn write(network: &Network, target: &Target) -> Result<Files> {
-    let refuse = |error: io::Error| {
-        let accepted = format!("{} cannot hold the network: {error}", target.format.name());
-        Error::parameter("output", target.path.display(), accepted)
-    };
-    let mut notes = Vec::new();
+    let (mut vessels, mut nodes) = (Vec::new(), Vec::new());
+    let refuse = |error: io::Error| refusal(target, &error);
+    let written = write_into(network, target, io::Cursor::new(&mut vessels), &mut nodes).map_err(refuse)?;
+    let mut files = vec![(target.path.clone(), vessels)];
+    files.extend(target.nodes.clone().map(|path| (path, nodes)));
+    if !written.loops.is_empty() {
+        let mut table = Vec::new();
+        write_loops(&mut table, &written.loops).map_err(refuse)?;
+        files.push((target.loops(), table));
+    }
+    Ok((files, written.notes))
+}
+
+/// That a target cannot hold a network, for an error of the kind `InvalidInput` that [`write_into`] gives.
+pub fn refusal(target: &Target, error: &io::Error) -> Error {
+    Error::parameter("output", target.path.display(), format!("{} cannot hold the network: {error}", target.format.name()))
+}
+
+/// What is left to do and say after a network was written.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Pairs of point ids for the file [`Target::loops`], where there are any.
+    pub loops: Vec<[u64; 2]>,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// Writes a network as the file of a target, and as its table of nodes where it has one.
+///
+/// # Errors
+///
+/// A network that the format cannot hold at all (`InvalidInput`, see [`refusal`]), or the writers' own.
+pub fn write_into(
+    network: &Network,
+    target: &Target,
+    mut vessels: impl io::Write + io::Seek,
+    nodes: impl io::Write,
+) -> io::Result<Written> {
+    let mut written = Written::default();
     let drawn;
     let network = if consists_of_lines(target.format, network) {
-        drawn = with_lines(network).map_err(refuse)?;
+        drawn = with_lines(network)?;
         if drawn.made > 0 {
-            notes.push(format!("{} straight vessels got points of their own, which keep their radius", drawn.made));
+            written.notes.push(format!("{} straight vessels got points of their own, which keep their radius", drawn.made));
         }
         &drawn.network
     } else {
         network
     };
-    let (mut vessels, mut nodes, mut loops) = (Vec::new(), Vec::new(), Vec::new());
-    let (node_columns, vessel_columns) = graph_columns(network);
     match target.format {
-        Format::Swc | Format::ICafe => write_swc(&mut vessels, network).map(|closing| loops = closing),
-        Format::Vtp => write_vtp(&mut vessels, network, &vessel_columns),
-        Format::Vtk => write_vtk(&mut vessels, network, &vessel_columns, Digits::Ascii),
-        Format::GraphMl => write_graphml(&mut vessels, network, &node_columns, &vessel_columns),
-        Format::Csv => write_csv_graph(&mut nodes, &mut vessels, network),
-        Format::Points => write_points(&mut vessels, network),
-        Format::Voreen => write_voreen(&mut nodes, &mut vessels, network),
-        Format::VesselVio => write_vesselvio(&mut nodes, &mut vessels, network),
-        Format::Markups => write_markups(&mut vessels, network),
-        Format::Tre => write_tre(&mut vessels, network),
-        Format::Npz => write_skeleton_npz(io::Cursor::new(&mut vessels), network),
-        Format::VTrails => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
+        Format::Swc | Format::ICafe => written.loops = write_swc(&mut vessels, network)?,
+        Format::Vtp => write_vtp(&mut vessels, network, &graph_columns(network).1)?,
+        Format::Vtk => write_vtk(&mut vessels, network, &graph_columns(network).1, Digits::Ascii)?,
+        Format::GraphMl => {
+            let (of_nodes, of_vessels) = graph_columns(network);
+            write_graphml(&mut vessels, network, &of_nodes, &of_vessels)?;
+        }
+        Format::Csv => write_csv_graph(nodes, &mut vessels, network)?,
+        Format::Points => write_points(&mut vessels, network)?,
+        Format::Voreen => write_voreen(nodes, &mut vessels, network)?,
+        Format::VesselVio => write_vesselvio(nodes, &mut vessels, network)?,
+        Format::Markups => write_markups(&mut vessels, network)?,
+        Format::Tre => write_tre(&mut vessels, network)?,
+        Format::Npz => write_skeleton_npz(&mut vessels, network)?,
+        Format::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
     }
-    .map_err(refuse)?;
-    let mut files = vec![(target.path.clone(), vessels)];
-    files.extend(target.nodes.clone().map(|path| (path, nodes)));
-    if !loops.is_empty() {
-        let (path, mut table) = (target.path.with_extension("loops.csv"), Vec::new());
-        write_loops(&mut table, &loops).map_err(refuse)?;
-        notes.push(format!("the links that close loops are in {}: give it with --loops", path.display()));
-        files.push((path, table));
+    if !written.loops.is_empty() {
+        let path = target.loops();
+        written.notes.push(format!("the links that close loops are in {}: give it with --loops", path.display()));
     }
-    Ok((files, notes))
+    Ok(written)
 }
 
 /// Whether a format holds vessels as lines of points, so that a vessel without any needs some.

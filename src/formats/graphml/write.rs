@@ -32,15 +32,16 @@ pub fn write_graphml(
         writeln!(out, r#"  <key id="points" for="edge" attr.name="points" attr.type="string"/>"#)?;
     }
     writeln!(out, r#"  <graph edgedefault="undirected">"#)?;
+    let (mut of_node, mut of_vessel) = (Data::new("node", node_columns), Data::new("edge", vessel_columns));
     for (row, node) in network.nodes().enumerate() {
         writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
-        data(&mut out, "node", node_columns, row)?;
+        of_node.write(&mut out, row)?;
         writeln!(out, "    </node>")?;
     }
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let [a, b] = ends.map(|end| escape(&network.node(end).id));
         writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
-        data(&mut out, "edge", vessel_columns, row)?;
+        of_vessel.write(&mut out, row)?;
         if with_points && !vessel.path.is_empty() {
             writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
         }
@@ -62,12 +63,28 @@ fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
     Ok(())
 }
 
-fn data(out: &mut impl Write, on: &str, columns: &[Column], row: usize) -> io::Result<()> {
-    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
-        let text = column.values.text(row);
-        if !text.is_empty() {
-            writeln!(out, r#"      <data key="{on}{n}">{}</data>"#, escape(&text))?;
-        }
+/// The attributes of one kind of item, with what begins the element of each.
+struct Data<'a> {
+    columns: Vec<(String, &'a Values)>,
+    text: String,
+}
+
+impl<'a> Data<'a> {
+    fn new(on: &str, columns: &'a [Column]) -> Self {
+        let written = columns.iter().enumerate().filter(|(_, c)| c.name != "id");
+        let start = |(n, c): (usize, &'a Column)| (format!(r#"      <data key="{on}{n}">"#), &c.values);
+        Self { columns: written.map(start).collect(), text: String::new() }
     }
-    Ok(())
+
+    fn write(&mut self, out: &mut impl Write, row: usize) -> io::Result<()> {
+        for (start, values) in &self.columns {
+            values.put(row, &mut self.text);
+            if !self.text.is_empty() {
+                out.write_all(start.as_bytes())?;
+                out.write_all(escape(&self.text).as_bytes())?;
+                out.write_all(b"</data>\n")?;
+            }
+        }
+        Ok(())
+    }
 }
