@@ -5,6 +5,7 @@
 
 use crate::hemodynamics::StarMesh;
 use crate::hemodynamics::cholesky::Cholesky;
+use crate::hemodynamics::conjugate_gradients::ConjugateGradients;
 
 /// ns a join of star-mesh elimination takes, a sample.
 const JOIN: f64 = 0.30;
@@ -12,6 +13,9 @@ const JOIN: f64 = 0.30;
 const FACTOR_ENTRY: f64 = 17.0;
 /// ns a vessel takes in the sparse path more than in the lanes, a sample.
 const SPARSE_VESSEL: f64 = 19.0;
+/// Steps of conjugate gradients that a mesh of vessels takes, and ns a ray of the core takes in one, a sample.
+const STEPS: f64 = 50.0;
+const STEP_RAY: f64 = 0.5;
 /// Joins of a forest program, per vessel, above which Kruskal's algorithm is faster.
 const BOTTLENECK_JOINS_PER_VESSEL: usize = 40;
 /// Joins below which the sparse solver is not even considered.
@@ -22,6 +26,12 @@ pub const SURELY_SPARSE: usize = 8_000_000;
 /// ns of a solution by star-mesh elimination.
 pub fn lanes(program: &StarMesh) -> f64 {
     JOIN * program.updates() as f64
+}
+
+/// Joins of star-mesh elimination up to which it is expected to be faster than conjugate gradients.
+pub fn lanes_limit(gradients: &ConjugateGradients) -> usize {
+    let nanoseconds = JOIN * gradients.joins() as f64 + STEPS * STEP_RAY * gradients.rays() as f64;
+    (nanoseconds / JOIN) as usize
 }
 
 /// ns of a solution by sparse factorisation, more than what both solvers take.
