@@ -7,7 +7,7 @@ use super::bottleneck::Bottleneck;
 use super::cost;
 use super::likelihood::Sums;
 use super::params::{Params, Solver, Weight};
-use super::reduced_group::{self, Core, InLanes, LinkFlow, TreeFlow};
+use super::reduced_group::{Core, InLanes, LinkFlow, TreeFlow};
 use super::sampler::{Block, Method};
 use super::ties::Ties;
 use crate::error::{Error, Result};
@@ -15,6 +15,7 @@ use crate::hemodynamics::cholesky::Cholesky;
 use crate::hemodynamics::conjugate_gradients::ConjugateGradients;
 use crate::hemodynamics::floating::stranded;
 use crate::hemodynamics::reduction::Reduction;
+use crate::hemodynamics::steady::MOST_BACKWARD;
 use crate::hemodynamics::{Circuit, StarMesh};
 use crate::network::Network;
 use crate::resilience::resilience_per_square_flow;
@@ -180,8 +181,8 @@ impl Reduced {
         let stranded = stranded(&self.core.circuit, &work.masks, block.samples);
         let residual =
             self.instructions.run(InLanes { core: &self.core, block, stranded: &stranded, weight: self.weight, work, sums })?;
-        self.residual.fetch_max(residual.to_bits(), Ordering::Relaxed);
-        if residual > reduced_group::MOST_RESIDUAL {
+        self.residual.fetch_max(residual.relative.to_bits(), Ordering::Relaxed);
+        if residual.backward > MOST_BACKWARD {
             return Err(Error::Breakdown);
         }
         let accounts = &work.accounts;
@@ -205,8 +206,11 @@ fn compile(core: &Circuit, solver: Solver) -> Result<Solve> {
         Solver::Gradients | Solver::Auto => {}
     }
     let gradients = ConjugateGradients::compile(core).ok_or(Error::Breakdown)?;
-    let limit = if solver == Solver::Gradients { 0 } else { cost::lanes_limit(&gradients) };
-    Ok(match StarMesh::compile(core, limit) {
+    let lanes = match solver {
+        Solver::Auto if gradients.core() <= cost::SMALL_CORE => StarMesh::compile(core, cost::lanes_limit(&gradients)),
+        _ => None,
+    };
+    Ok(match lanes {
         Some(program) => Solve::Lanes(program),
         None => Solve::Gradients(gradients),
     })

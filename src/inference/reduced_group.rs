@@ -12,6 +12,7 @@ use super::sampler::Block;
 use super::tally::{Samples, expectation};
 use super::ties::{self, Ties};
 use crate::error::{Error, Result};
+use crate::hemodynamics::circuit::Residual;
 use crate::hemodynamics::{Circuit, cholesky, conjugate_gradients, star_mesh};
 use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
@@ -21,9 +22,6 @@ use crate::simd::{Kernel, Lanes, Simd, map, masked, plus_product, splat, zip};
 const B: usize = 8;
 /// Resiliences are cut here, so that their keys stay finite as doubles.
 const MOST: f64 = f64::MAX / 8.0;
-/// A relative residual beyond this means that pressures were not found.
-pub const MOST_RESIDUAL: f64 = 1e-9;
-
 /// A reduced graph.
 #[derive(Debug)]
 pub struct Core {
@@ -118,7 +116,7 @@ impl Workspace {
     }
 }
 
-/// A block whose samples are taken in groups of eight; the largest relative residual found.
+/// A block whose samples are taken in groups of eight; how well the first is solved.
 pub struct InLanes<'a> {
     pub core: &'a Core,
     pub block: Block<'a>,
@@ -131,13 +129,13 @@ pub struct InLanes<'a> {
 }
 
 impl Kernel for InLanes<'_> {
-    type Output = Result<f64>;
+    type Output = Result<Residual>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Result<f64> {
+    fn with_simd<S: Simd>(self, simd: S) -> Result<Residual> {
         let Self { core, block, stranded, weight, work, sums } = self;
         let present = open_vessels(simd, block.masks);
-        let (mut global, mut residual) = (Samples::ZERO, 0.0_f64);
+        let (mut global, mut residual) = (Samples::ZERO, Residual::default());
         work.accounts.clear();
         for first in (0..block.samples).step_by(B) {
             let lanes = (block.samples - first).min(B);
@@ -160,7 +158,9 @@ impl Kernel for InLanes<'_> {
                 _ => return Err(Error::Breakdown),
             };
             if first == 0 {
-                residual = residual.max(core.residual(&work.masks, stranded, pressure));
+                let open = |link: usize| work.masks[link] & 1 == 1;
+                let is_stranded = |node| stranded.iter().any(|(at, samples)| *at == node && samples & 1 == 1);
+                residual = core.circuit.residual(open, is_stranded, |node| pressure[core.slot(node)][0]);
             }
             let group = Group { core, pressure, level: core.circuit.level, masks: &work.masks, first };
             group.resiliences(simd, &mut work.resilience);
@@ -300,31 +300,6 @@ impl Core {
             }
             forest.grow(self.circuit.node_count(), &self.circuit.ends, |row| taken[links - row][lane] = TAKEN);
         }
-    }
-
-    /// ‖b - A P‖/‖b‖ of the first sample: how far Kirchhoff's law is from being met at the free nodes.
-    fn residual(&self, masks: &[u64], stranded: &[(usize, u64)], pressure: &[Lanes<B>]) -> f64 {
-        let circuit = &self.circuit;
-        let mut net = circuit.source.clone();
-        stranded.iter().filter(|(_, samples)| samples & 1 == 1).for_each(|(node, _)| net[*node] = 0.0);
-        let mut driven = net.clone();
-        for (row, link) in self.links.iter().enumerate().filter(|(row, _)| masks[*row] & 1 == 1) {
-            let [a, b] = link.slots.map(|slot| pressure[slot as usize][0]);
-            let flow = link.conductance * (a - b);
-            let ends = circuit.ends[row];
-            net[ends[0]] -= flow;
-            net[ends[1]] += flow;
-            for (here, there) in [(0, 1), (1, 0)] {
-                driven[ends[here]] += link.conductance * circuit.fixed[ends[there]].unwrap_or(0.0);
-            }
-        }
-        let (mut error, mut all) = (0.0, 0.0);
-        for node in (0..net.len()).filter(|node| circuit.fixed[*node].is_none()) {
-            let p = pressure[self.slot(node)][0];
-            error += (net[node] - circuit.shunt[node] * p).powi(2);
-            all += driven[node].powi(2);
-        }
-        if all > 0.0 { (error / all).sqrt() } else { 0.0 }
     }
 
     fn slot(&self, node: usize) -> usize {

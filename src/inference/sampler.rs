@@ -14,6 +14,8 @@ use crate::rng::BLOCK;
 
 /// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
 const MANY: usize = 4096;
+/// Joins of star-mesh elimination above which other solvers are considered.
+const MOST_JOINS: usize = 200_000;
 
 /// How a run computed its samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,10 +80,16 @@ impl Sampler {
         let circuit = Circuit::new(network, boundary, params.viscosity)?;
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
-        let how = if network.vessel_count() > MANY || params.solver == Solver::Gradients {
-            How::Reduced(Box::new(Reduced::new(network, &circuit, &certain, params)?))
-        } else {
-            How::Whole(Box::new(Whole::new(network, &circuit, &certain, params)?))
+        let limit = match params.solver {
+            _ if network.vessel_count() > MANY => None,
+            Solver::Auto => Some(MOST_JOINS),
+            Solver::Lanes => Some(usize::MAX),
+            Solver::Gradients | Solver::Cholesky => None,
+        };
+        let whole = limit.map(|limit| Whole::new(network, &circuit, &certain, params, limit)).transpose()?.flatten();
+        let how = match whole {
+            Some(whole) => How::Whole(Box::new(whole)),
+            None => How::Reduced(Box::new(Reduced::new(network, &circuit, &certain, params)?)),
         };
         Ok(Self { patterns: Patterns::new(keep, params)?, how })
     }
@@ -123,8 +131,9 @@ impl Sampler {
         let block = Block { masks: &work.masks, probability, samples: samples as usize };
         match (&self.how, &mut work.how) {
             (How::Whole(whole), Memory::Whole(memory)) => whole.block(block, memory, sums),
-            (How::Reduced(reduced), Memory::Reduced(memory)) => reduced.block(block, memory, sums),
-            _ => Ok(()),
+            (How::Reduced(reduced), Memory::Reduced(memory)) => reduced.block(block, memory, sums)?,
+            _ => {}
         }
+        Ok(())
     }
 }
