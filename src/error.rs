@@ -120,8 +120,8 @@ pub enum Error {
         /// The file or folder.
         path: PathBuf,
     },
-    /// The sparse factorisation broke down.
-    #[error("the conductances lie too far apart for the cholesky solver; use --solver lanes")]
+    /// No pressures were found that meet Kirchhoff's law.
+    #[error("the conductances lie too far apart for the solver; try another --solver: lanes, gradients or cholesky")]
     Breakdown,
     /// Some subjects of a cohort failed; the rest stands.
     #[error("{failed} of {total} subjects failed")]

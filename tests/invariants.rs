@@ -11,7 +11,7 @@ use willis::network::{Condition, Network, Role, Vessel};
 use willis::perturbation::Occlusion;
 use willis::resilience::{is_diffused, resilience};
 
-const SOLVERS: [Solver; 2] = [Solver::Lanes, Solver::Cholesky];
+const SOLVERS: [Solver; 3] = [Solver::Lanes, Solver::Gradients, Solver::Cholesky];
 
 fn wide(seed: u64, nodes: usize, vessels: usize) -> (Network, Vec<(usize, Condition)>) {
     let mut draw = Draw::new(seed);

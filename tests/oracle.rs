@@ -43,7 +43,7 @@ fn every_figure_is_within_five_standard_errors_of_enumeration() {
             let epsilon = [0.5, 0.3, 0.2][seed as usize % 3];
             let exact = enumerate(&network, &conditions, &keep(&network, epsilon, uncertain));
             for weight in [Weight::Resilience, Weight::Count, Weight::Global] {
-                for solver in [Solver::Lanes, Solver::Cholesky] {
+                for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
                     let params = Params { epsilon, samples: SAMPLES, seed, uncertain, weight, solver, ..Params::default() };
                     let result = run(&network, &conditions, &params);
                     let moments = exact.moments(weight);
@@ -109,7 +109,7 @@ fn every_sample_has_the_flow_and_forest_of_the_textbook() {
                 count[row] += 1;
             }
         }
-        for solver in [Solver::Lanes, Solver::Cholesky] {
+        for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
             let params = Params { epsilon: 0.3, samples, seed, uncertain: Uncertain::All, solver, ..Params::default() };
             let result = run(&network, &conditions, &params);
             for row in 0..36 {

@@ -1,4 +1,4 @@
-//! Star-mesh lanes and sparse Cholesky, two algorithms with nothing in common, against each other.
+//! Star-mesh lanes, sparse Cholesky and conjugate gradients, three algorithms against each other, on whole and on reduced graphs.
 
 mod common;
 
@@ -30,7 +30,25 @@ fn on_two_hundred_random_graphs() {
             let params = Params { solver, seed, samples: 200, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
             run(&network, &conditions, &params)
         };
-        agree(&format!("graph {seed}"), &of(Solver::Lanes), &of(Solver::Cholesky));
+        let lanes = of(Solver::Lanes);
+        agree(&format!("graph {seed}"), &lanes, &of(Solver::Cholesky));
+        agree(&format!("graph {seed}"), &lanes, &of(Solver::Gradients));
+    }
+}
+
+/// Of so many vessels a node that elimination leaves a core for conjugate gradients.
+#[test]
+fn on_dense_random_graphs() {
+    for seed in 0..20 {
+        let mut draw = Draw::new(7000 + seed);
+        let nodes = 60 + draw.below(60);
+        let network = random_network(&mut draw, nodes, 8 * nodes, radii(0.3, 2.0));
+        let conditions = random_conditions(&mut draw, nodes);
+        let of = |solver| {
+            let params = Params { solver, seed, samples: 100, uncertain: Uncertain::All, epsilon: 0.2, ..Params::default() };
+            run(&network, &conditions, &params)
+        };
+        agree(&format!("graph {seed}"), &of(Solver::Lanes), &of(Solver::Gradients));
     }
 }
 
@@ -48,7 +66,9 @@ fn on_the_benchmark_graphs() {
             let params = Params { solver, samples: 2000, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
             infer(&network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled").0
         };
-        agree(name, &of(Solver::Lanes), &of(Solver::Cholesky));
+        let lanes = of(Solver::Lanes);
+        agree(name, &lanes, &of(Solver::Cholesky));
+        agree(name, &lanes, &of(Solver::Gradients));
     }
 }
 
@@ -62,8 +82,11 @@ fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
     );
     let conditions = [(0, common::pressure(100.0)), (3, common::pressure(0.0)), (4, common::pressure(10.0))];
     let boundary = common::boundary(&weak, &conditions);
-    let of = |solver| infer(&weak, &boundary, &Params { solver, ..Params::default() }, &mut |_: u64, _: u64| true);
+    let of = |solver| {
+        let params = Params { solver, uncertain: Uncertain::All, ..Params::default() };
+        infer(&weak, &boundary, &params, &mut |_: u64, _: u64| true)
+    };
     let refused = of(Solver::Cholesky).expect_err("sixteen orders").to_string();
-    assert!(refused.contains("--solver lanes"), "{refused}");
+    assert!(refused.contains("--solver: lanes"), "{refused}");
     assert!(of(Solver::Lanes).is_ok());
 }

@@ -62,8 +62,13 @@ enum Preset {
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum SolverName {
+    /// By the structure of the graph
     Auto,
+    /// Star-mesh elimination, many samples at a time
     Lanes,
+    /// Preconditioned conjugate gradients, many samples at a time, for large meshes
+    Gradients,
+    /// Sparse Cholesky factorisation, a sample at a time
     Cholesky,
 }
 
@@ -200,6 +205,7 @@ impl InferArgs {
             solver: match self.solver {
                 SolverName::Auto => Solver::Auto,
                 SolverName::Lanes => Solver::Lanes,
+                SolverName::Gradients => Solver::Gradients,
                 SolverName::Cholesky => Solver::Cholesky,
             },
             exact: self.exact,

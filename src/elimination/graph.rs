@@ -104,6 +104,13 @@ impl Lists {
     }
 }
 
+impl Lists {
+    /// Per node its neighbours; none of a node that was taken out.
+    pub fn into_lists(self) -> Vec<Vec<usize>> {
+        self.0
+    }
+}
+
 impl Remaining for Lists {
     fn degree(&self, node: usize) -> usize {
         self.0[node].len()

@@ -5,11 +5,14 @@
 //! least fill, whichever needs fewer joins) and the fill are worked out once.
 
 mod graph;
+mod incomplete;
 mod order;
+
+pub use incomplete::Incomplete;
 
 pub use order::{Star, least_degree};
 
-use order::least_fill;
+use order::{least_fill, low_degrees, reverse_cuthill_mckee};
 
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;
@@ -26,6 +29,8 @@ pub struct Elimination {
     ray_to: Vec<u32>,
     mesh_start: Vec<u32>,
     mesh: Vec<u32>,
+    /// How many nodes are eliminated; the others are the core.
+    eliminated: usize,
 }
 
 impl Elimination {
@@ -34,22 +39,38 @@ impl Elimination {
         let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
-        Some(Self::flatten(nodes, &filled.unwrap_or(stars)))
+        Some(Self::flatten(nodes, &filled.unwrap_or(stars), nodes))
     }
 
-    fn flatten(nodes: usize, stars: &[Star]) -> Self {
+    /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The core that is left stands behind them in
+    /// the order of Cuthill and McKee, with its rays but without meshes; `None` when indices cannot count the joins.
+    pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
+        let (mut stars, left) = low_degrees(nodes, links, most);
+        let eliminated = stars.len();
+        let mut gone = vec![false; nodes];
+        stars.iter().for_each(|star| gone[star.center] = true);
+        let core = reverse_cuthill_mckee(&left, |node| !gone[node]);
+        let mut place = vec![0; nodes];
+        core.iter().enumerate().for_each(|(at, node)| place[*node] = at);
+        let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
+        stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
+        let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
+        (pairs <= u32::MAX as usize / 2).then(|| Self::flatten(nodes, &stars, eliminated))
+    }
+
+    fn flatten(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
         let mut place = vec![NOWHERE; nodes];
         for (at, star) in stars.iter().enumerate() {
             place[star.center] = at as u32;
         }
-        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
+        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new(), eliminated };
         for star in stars {
             let mut to: Vec<u32> = star.neighbours.iter().map(|node| program.place[*node]).collect();
             to.sort_unstable();
             program.ray_to.extend(to);
             program.star.push(program.ray_to.len() as u32);
         }
-        for k in 0..stars.len() {
+        for k in 0..eliminated {
             let to = program.star(k);
             for i in to.clone() {
                 for j in i + 1..to.end {
@@ -67,14 +88,24 @@ impl Elimination {
         self.place[node]
     }
 
-    /// How many nodes are eliminated.
+    /// How many nodes have a place.
     pub fn nodes(&self) -> usize {
         self.star.len() - 1
+    }
+
+    /// How many nodes are eliminated; the places from there on are the core.
+    pub fn eliminated(&self) -> usize {
+        self.eliminated
     }
 
     /// How many rays there are in all.
     pub fn rays(&self) -> usize {
         self.ray_to.len()
+    }
+
+    /// How many of them lie in the core.
+    pub fn core_rays(&self) -> usize {
+        self.rays() - self.star[self.eliminated] as usize
     }
 
     /// The joins of one sample: the length of the program.

@@ -38,6 +38,53 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
     }
 }
 
+/// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`; the stars, and what is left:
+/// per node its neighbours, none of them eliminated.
+pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
+    let mut graph = Lists::new(nodes, links);
+    let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
+    let mut queue: BTreeSet<(usize, usize)> =
+        degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most).collect();
+    let mut stars = Vec::new();
+    while let Some((_, center)) = queue.pop_first() {
+        let star = Star { center, neighbours: graph.eliminate(center) };
+        for node in &star.neighbours {
+            queue.remove(&(degree[*node], *node));
+            degree[*node] = graph.degree(*node);
+            if degree[*node] <= most {
+                queue.insert((degree[*node], *node));
+            }
+        }
+        stars.push(star);
+    }
+    (stars, graph.into_lists())
+}
+
+/// The order of Cuthill and McKee (1969), reversed, of the nodes that `among` admits: neighbours lie near to one another.
+pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>], among: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut seen: Vec<bool> = (0..neighbours.len()).map(|node| !among(node)).collect();
+    let mut order = Vec::new();
+    for first in 0..neighbours.len() {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let mut next = order.len();
+        order.push(first);
+        while next < order.len() {
+            let begin = order.len();
+            for node in &neighbours[order[next]] {
+                if !std::mem::replace(&mut seen[*node], true) {
+                    order.push(*node);
+                }
+            }
+            order[begin..].sort_by_key(|node| neighbours[*node].len());
+            next += 1;
+        }
+    }
+    order.reverse();
+    order
+}
+
 fn by_degree(nodes: usize, mut graph: impl Remaining, limit: usize) -> Option<Vec<Star>> {
     let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
     let mut queue: BTreeSet<(usize, usize)> = degree.iter().copied().zip(0..nodes).collect();

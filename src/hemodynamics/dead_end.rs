@@ -7,28 +7,33 @@ use super::circuit::Circuit;
 const SAME: f64 = 1e-12;
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct DeadEnds {
     /// Per node where its entries in `links` begin; one more at the end.
-    start: Vec<usize>,
-    /// Other node and vessel; `usize::MAX` for the links to levels and root, which are always open.
-    links: Vec<(usize, usize)>,
+    start: Vec<u32>,
+    /// Other node and vessel; [`ALWAYS`] for the links to levels and root, which are always open.
+    links: Vec<(u32, u32)>,
     /// Nodes of the circuit.
     nodes: usize,
     levels: Vec<f64>,
 }
 
 /// The memory of one worker.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Workspace {
-    order: Vec<usize>,
-    parent: Vec<usize>,
-    entered: Vec<usize>,
-    low: Vec<usize>,
-    next: Vec<usize>,
-    stack: Vec<usize>,
+    order: Vec<u32>,
+    parent: Vec<u32>,
+    entered: Vec<u32>,
+    low: Vec<u32>,
+    next: Vec<u32>,
+    stack: Vec<u32>,
     dead: Vec<bool>,
 }
+
+/// In the place of a vessel: what no sample closes.
+const ALWAYS: u32 = u32::MAX;
+/// Not reached yet.
+const NEVER: u32 = u32::MAX;
 
 impl DeadEnds {
     /// Lists the links of a circuit.
@@ -40,26 +45,26 @@ impl DeadEnds {
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|b, a| *b - *a <= SAME * b.abs());
         let root = nodes + levels.len();
-        let mut pairs: Vec<[usize; 3]> = Vec::new();
-        for (vessel, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
-            pairs.push([*a, *b, vessel]);
+        let mut pairs: Vec<([usize; 2], u32)> = Vec::new();
+        for (vessel, ends) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
+            pairs.push((*ends, vessel as u32));
         }
         for node in 0..nodes {
             if let Some(p) = level(node) {
-                pairs.push([node, nodes + levels.partition_point(|l| *l <= p) - 1, usize::MAX]);
+                pairs.push(([node, nodes + levels.partition_point(|l| *l <= p) - 1], ALWAYS));
             } else if circuit.source[node] != 0.0 {
-                pairs.push([node, root, usize::MAX]);
+                pairs.push(([node, root], ALWAYS));
             }
         }
-        pairs.extend((nodes..root).map(|l| [l, root, usize::MAX]));
+        pairs.extend((nodes..root).map(|l| ([l, root], ALWAYS)));
         let mut lists = vec![Vec::new(); root + 1];
-        for [a, b, vessel] in pairs {
-            lists[a].push((b, vessel));
-            lists[b].push((a, vessel));
+        for ([a, b], vessel) in pairs {
+            lists[a].push((b as u32, vessel));
+            lists[b].push((a as u32, vessel));
         }
         let mut start = vec![0];
         start.extend(lists.iter().scan(0, |sum, l| {
-            *sum += l.len();
+            *sum += l.len() as u32;
             Some(*sum)
         }));
         Self { start, links: lists.concat(), nodes, levels }
@@ -71,43 +76,44 @@ impl DeadEnds {
         let root = all - 1;
         for list in [&mut work.parent, &mut work.entered, &mut work.low] {
             list.clear();
-            list.resize(all, usize::MAX);
+            list.resize(all, NEVER);
         }
         work.next.clear();
         work.next.extend_from_slice(&self.start[..all]);
         work.order.clear();
         work.stack.clear();
-        work.stack.push(root);
+        work.stack.push(root as u32);
         (work.entered[root], work.low[root]) = (0, 0);
-        work.order.push(root);
-        while let Some(node) = work.stack.last().copied() {
+        work.order.push(root as u32);
+        while let Some(node) = work.stack.last().map(|node| *node as usize) {
             if work.next[node] == self.start[node + 1] {
                 work.stack.pop();
                 if node != root {
-                    let up = work.parent[node];
+                    let up = work.parent[node] as usize;
                     work.low[up] = work.low[up].min(work.low[node]);
                 }
                 continue;
             }
-            let (other, vessel) = self.links[work.next[node]];
+            let (other, vessel) = self.links[work.next[node] as usize];
             work.next[node] += 1;
-            if vessel != usize::MAX && !open(vessel) {
+            if vessel != ALWAYS && !open(vessel as usize) {
                 continue;
             }
-            if work.entered[other] == usize::MAX {
-                work.entered[other] = work.order.len();
-                work.low[other] = work.order.len();
-                work.parent[other] = node;
+            let at = other as usize;
+            if work.entered[at] == NEVER {
+                work.entered[at] = work.order.len() as u32;
+                work.low[at] = work.order.len() as u32;
+                work.parent[at] = node as u32;
                 work.order.push(other);
                 work.stack.push(other);
             } else {
-                work.low[node] = work.low[node].min(work.entered[other]);
+                work.low[node] = work.low[node].min(work.entered[at]);
             }
         }
         work.dead.clear();
         work.dead.resize(all, false);
-        for node in work.order.iter().skip(1).copied() {
-            let up = work.parent[node];
+        for node in work.order.iter().skip(1).map(|node| *node as usize) {
+            let up = work.parent[node] as usize;
             if up == root || node >= self.nodes {
                 continue;
             }

@@ -3,10 +3,12 @@
 pub mod boundary;
 pub mod cholesky;
 pub mod circuit;
+pub mod conjugate_gradients;
 mod dead_end;
 pub mod floating;
 pub mod peel;
 pub mod poiseuille;
+pub mod reduction;
 pub mod star_mesh;
 pub mod steady;
 mod tube;

@@ -25,6 +25,8 @@ pub struct Chain {
     pub conductance: f64,
     /// How many vessels it has.
     pub vessels: usize,
+    /// The row of the vessel that stands for all of it.
+    pub first: usize,
 }
 
 struct Link {
@@ -100,7 +102,7 @@ fn assemble(circuit: &Circuit, links: &[Option<Link>], gone: &[bool]) -> Peeled 
         peeled.circuit.ends[stand_in] = link.ends;
         peeled.circuit.conductance[stand_in] = conductance;
         for member in &link.members {
-            peeled.chain[*member] = Some(Chain { ends: link.ends, conductance, vessels: link.members.len() });
+            peeled.chain[*member] = Some(Chain { ends: link.ends, conductance, vessels: link.members.len(), first: stand_in });
         }
     }
     for (node, _) in gone.iter().enumerate().filter(|(_, gone)| **gone) {

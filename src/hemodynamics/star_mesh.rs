@@ -51,8 +51,8 @@ struct GroundStamp {
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
     /// Conductances by ray; once a star is eliminated, the weights of its mean.
-    conductance: Vec<Lanes<B>>,
-    ground: Vec<Lanes<B>>,
+    pub(super) conductance: Vec<Lanes<B>>,
+    pub(super) ground: Vec<Lanes<B>>,
     /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
     pub pressure: Vec<Lanes<B>>,
 }
@@ -60,6 +60,15 @@ pub struct Workspace<const B: usize> {
 impl StarMesh {
     /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
+        Self::of(circuit, |nodes, links| Elimination::compile(nodes, links, limit))
+    }
+
+    /// As [`StarMesh::compile`], but eliminates only nodes of at most `most` neighbours: [`StarMesh::solve`] is then not for it.
+    pub(super) fn compile_partly(circuit: &Circuit, most: usize) -> Option<Self> {
+        Self::of(circuit, |nodes, links| Elimination::compile_partly(nodes, links, most))
+    }
+
+    fn of(circuit: &Circuit, compile: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
         let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
         let mut index = vec![usize::MAX; circuit.node_count()];
         for (i, node) in free.iter().enumerate() {
@@ -68,7 +77,7 @@ impl StarMesh {
         let is_free = |node: usize| circuit.fixed[node].is_none();
         let links: Vec<[usize; 2]> =
             circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)).map(|e| e.map(|n| index[n])).collect();
-        let program = Elimination::compile(free.len(), &links, limit)?;
+        let program = compile(free.len(), &links)?;
 
         let mut slot = vec![NOWHERE; circuit.node_count()];
         let mut fixed = Vec::new();
@@ -108,6 +117,11 @@ impl StarMesh {
         let [shunt, source] = by_place;
         let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
         Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed })
+    }
+
+    /// The compiled elimination.
+    pub(super) fn program(&self) -> &Elimination {
+        &self.program
     }
 
     /// Mesh updates of one sample: the length of the program.
@@ -182,7 +196,7 @@ impl StarMesh {
 
     /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
     #[inline(always)]
-    fn assemble<S: Simd, const B: usize>(
+    pub(super) fn assemble<S: Simd, const B: usize>(
         &self,
         simd: S,
         masks: &[u64],
@@ -222,10 +236,9 @@ impl StarMesh {
     }
 
     #[inline(always)]
-    fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    pub(super) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.program.ray_to();
-        let [zero, one, least] = [0.0, 1.0, f64::MIN_POSITIVE].map(|x| simd.splat_f64s(x));
-        for k in 0..self.program.nodes() {
+        for k in 0..self.program.eliminated() {
             let star = self.program.star(k);
             // A star's mesh lies in later stars only.
             let (done, later) = work.conductance.split_at_mut(star.end);
@@ -235,9 +248,7 @@ impl StarMesh {
             for c in &*rays {
                 total = plus(simd, &total, c);
             }
-            // A floating remainder has no conductance at all; its weights then are zero.
-            let inverse =
-                map(simd, &total, |t| simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero));
+            let inverse = inverse(simd, &total);
             let mut mesh = self.program.mesh(k).iter();
             for (i, to) in ray_to[star.clone()].iter().enumerate() {
                 let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));
@@ -255,9 +266,9 @@ impl StarMesh {
     }
 
     #[inline(always)]
-    fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    pub(super) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.program.ray_to();
-        for k in (0..self.program.nodes()).rev() {
+        for k in (0..self.program.eliminated()).rev() {
             let mut p = work.pressure[k];
             for ray in self.program.star(k) {
                 p = plus_product(simd, &p, &work.conductance[ray], &work.pressure[ray_to[ray] as usize]);
@@ -265,4 +276,11 @@ impl StarMesh {
             work.pressure[k] = p;
         }
     }
+}
+
+/// 1/S of a star. A floating remainder has no conductance at all; its weights then are zero.
+#[inline(always)]
+pub(super) fn inverse<S: Simd, const B: usize>(simd: S, total: &Lanes<B>) -> Lanes<B> {
+    let [zero, one, least] = [0.0, 1.0, f64::MIN_POSITIVE].map(|x| simd.splat_f64s(x));
+    map(simd, total, |t| simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero))
 }

@@ -1,14 +1,16 @@
 //! The steady pressures of one network, all its vessels open or some of them closed.
 
-use super::cholesky::{self, Cholesky};
 use super::circuit::Circuit;
+use super::conjugate_gradients::ConjugateGradients;
 use super::floating::{grounded, stranded};
 use super::star_mesh::StarMesh;
 use crate::error::{Error, Result};
 use crate::simd::Scalar;
 
-/// Mesh updates above which the sparse Cholesky solver takes over from star-mesh elimination.
+/// Mesh updates above which conjugate gradients take over from star-mesh elimination.
 pub const LANES_LIMIT: usize = 2_000_000;
+/// A backward error beyond this means that pressures were not found.
+pub const MOST_BACKWARD: f64 = 1e-10;
 
 /// A circuit compiled to be solved with one pattern of open vessels after another.
 #[derive(Debug)]
@@ -20,7 +22,7 @@ pub struct Steady<'a> {
 #[derive(Debug)]
 enum Solver {
     Mesh(Box<StarMesh>),
-    Sparse(Box<Cholesky>),
+    Gradients(Box<ConjugateGradients>),
 }
 
 impl<'a> Steady<'a> {
@@ -28,11 +30,11 @@ impl<'a> Steady<'a> {
     ///
     /// # Errors
     ///
-    /// No memory for the factorisation of a large one.
+    /// More vessels than indices can count.
     pub fn new(circuit: &'a Circuit) -> Result<Self> {
         let solver = match StarMesh::compile(circuit, LANES_LIMIT) {
             Some(program) => Solver::Mesh(Box::new(program)),
-            None => Solver::Sparse(Box::new(Cholesky::compile(circuit).ok_or(Error::Breakdown)?)),
+            None => Solver::Gradients(Box::new(ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?)),
         };
         Ok(Self { circuit, solver })
     }
@@ -41,23 +43,29 @@ impl<'a> Steady<'a> {
     ///
     /// # Errors
     ///
-    /// A large circuit whose conductances lie too far apart for the sparse factorisation.
+    /// Conjugate gradients that do not converge on a large circuit.
     pub fn pressures(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
         let circuit = self.circuit;
-        let mut above_level = vec![0.0; circuit.node_count()];
-        match &self.solver {
+        let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
+        let stranded = stranded(circuit, &masks, 1);
+        let nodes = 0..circuit.node_count();
+        let above_level: Vec<f64> = match &self.solver {
             Solver::Mesh(program) => {
-                let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
                 let mut work = program.workspace::<1>();
-                program.solve(Scalar::new(), &masks, 0, &stranded(circuit, &masks, 1), &mut work);
-                for (node, p) in above_level.iter_mut().enumerate() {
-                    *p = work.pressure[program.slot(node)][0];
+                program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
+                nodes.map(|node| work.pressure[program.slot(node)][0]).collect()
+            }
+            Solver::Gradients(program) => {
+                let mut work = program.workspace::<1>();
+                program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
+                let pressure: Vec<f64> = nodes.map(|node| work.mesh.pressure[program.slot(node)][0]).collect();
+                let is_stranded = |node| stranded.iter().any(|(at, samples)| *at == node && *samples == 1);
+                if circuit.residual(&open, is_stranded, |node| pressure[node]).backward > MOST_BACKWARD {
+                    return Err(Error::Breakdown);
                 }
+                pressure
             }
-            Solver::Sparse(factor) => {
-                factor.solve(&open, &mut cholesky::Workspace::default(), |node, p| above_level[node] = p)?;
-            }
-        }
+        };
         let grounded = grounded(circuit, open);
         Ok(above_level.iter().zip(grounded).map(|(p, grounded)| grounded.then_some(p + circuit.level)).collect())
     }

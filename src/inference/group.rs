@@ -4,39 +4,26 @@
 
 use super::bottleneck::{Bottleneck, Offer, TAKEN, Taken};
 use super::census::open_vessels;
-use super::forest::{Forest, key, keys};
+use super::forest::{Forest, keys};
 use super::likelihood::Sums;
 use super::params::Weight;
 use super::tally::{Samples, Tally, expectation, part};
-use crate::error::Result;
-use crate::hemodynamics::cholesky::{self, Cholesky};
 use crate::hemodynamics::star_mesh::{self, StarMesh};
-use crate::resilience::{DROP_CUT, is_diffused};
+use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
-use crate::simd::{InstructionSet, Kernel, Lanes, Scalar, Simd, map, masked, plus, splat, zip};
+use crate::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, splat, zip};
 
 /// Resiliences are cut here, so that their keys stay finite as doubles.
 const MOST: f64 = f64::MAX / 8.0;
 
 /// The memory of a group, by its width.
 pub enum Group {
-    /// One sample at a time, for the sparse solver.
-    One(Box<Single>),
     /// Eight samples side by side.
     Eight(Memory<8>),
     /// Sixteen samples side by side.
     Sixteen(Memory<16>),
     /// Thirty-two samples side by side.
     ThirtyTwo(Memory<32>),
-}
-
-/// The memory of a group of one.
-#[derive(Default)]
-pub struct Single {
-    solver: cholesky::Workspace,
-    pressure: Vec<f64>,
-    resilience: Vec<f64>,
-    forest: Forest,
 }
 
 /// The memory of a group of `B`.
@@ -227,44 +214,5 @@ impl Job<'_> {
             }
             forest.grow(self.nodes, self.ends, |vessel| taken[self.flows.len() - vessel][lane] = TAKEN);
         }
-    }
-
-    /// The whole block, one sample after another, by the sparse solver and Kruskal's algorithm.
-    ///
-    /// # Errors
-    ///
-    /// The factorisation breaks down.
-    pub fn one_by_one(&self, solver: &Cholesky, work: &mut Single, sums: &mut Sums) -> Result<()> {
-        let present = open_vessels(Scalar::new(), self.masks);
-        let Single { solver: memory, pressure, resilience, forest } = work;
-        pressure.resize(self.nodes, 0.0);
-        sums.clear();
-        for (sample, present) in present.iter().enumerate().take(self.samples) {
-            let is_open = |vessel: usize| self.masks[vessel] >> sample & 1 == 1;
-            solver.solve(is_open, memory, |node, p| pressure[node] = p)?;
-            resilience.clear();
-            forest.clear();
-            for (vessel, flow) in self.flows.iter().enumerate() {
-                let [a, b] = flow.slots.map(|slot| pressure[slot as usize]);
-                let flows = is_open(vessel) && is_diffused(a - b, a + self.level, b + self.level);
-                let rho = if flows { ((a - b) * (a - b) * flow.factor).min(MOST) } else { 0.0 };
-                resilience.push(rho);
-                if rho > 0.0 {
-                    forest.add(key(rho, vessel));
-                }
-            }
-            let total: f64 = resilience.iter().sum();
-            let global = if *present > 0.0 { total / present } else { 0.0 };
-            let one = self.probability.map_or(1.0, |p| p[sample]);
-            sums.samples += 1;
-            sums.network_resilience += global * one;
-            forest.grow(self.nodes, self.ends, |vessel| {
-                let value = self.weight.of(resilience[vessel], global);
-                sums.likelihood[vessel] += value * one;
-                sums.square[vessel] += value * one * value;
-                sums.count[vessel] += one;
-            });
-        }
-        Ok(())
     }
 }

@@ -12,10 +12,14 @@ mod likelihood;
 mod params;
 mod patterns;
 mod probable;
+mod reduced;
+mod reduced_group;
 mod sampler;
 mod tally;
 mod threshold;
+mod ties;
 mod topologies;
+mod whole;
 
 pub use answer::{Answer, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
 pub use bottleneck::{Bottleneck, Offer, Taken};

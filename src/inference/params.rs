@@ -70,11 +70,13 @@ impl Weight {
 /// The solver of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// Lanes, unless their program is too long.
+    /// The fastest that the structure of the graph allows.
     #[default]
     Auto,
     /// Star-mesh elimination, many samples at a time.
     Lanes,
+    /// Conjugate gradients on the core that elimination leaves, eight samples at a time.
+    Gradients,
     /// Sparse Cholesky factorisation.
     Cholesky,
 }

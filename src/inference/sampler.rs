@@ -1,34 +1,28 @@
 //! A block of samples: mask, flow, resilience, forest. A serial step that allocates nothing after its first block.
 
-use super::bottleneck::{Bottleneck, Offer};
-use super::cost;
-use super::group::{self, Flow, Group};
+use super::Params;
+use super::group::Group;
 use super::likelihood::Sums;
+use super::params::Solver;
 use super::patterns::Patterns;
-use super::{Params, Solver, Weight};
-use crate::error::{Error, Result};
-use crate::hemodynamics::cholesky::Cholesky;
-use crate::hemodynamics::floating::stranded;
-use crate::hemodynamics::peel::{Peeled, peel};
-use crate::hemodynamics::{Boundary, Circuit, StarMesh};
+use super::reduced::{self, Reduced};
+use super::whole::Whole;
+use crate::error::Result;
+use crate::hemodynamics::{Boundary, Circuit};
 use crate::network::Network;
-use crate::resilience::{resilience_per_square_drop, resilience_per_square_flow};
 use crate::rng::BLOCK;
-use crate::simd::InstructionSet;
 
-/// How flows are solved.
-#[derive(Debug)]
-enum Solve {
-    Lanes(Box<StarMesh>),
-    Cholesky(Box<Cholesky>),
-}
+/// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
+const MANY: usize = 4096;
+/// Joins of star-mesh elimination above which other solvers are considered.
+const MOST_JOINS: usize = 200_000;
 
 /// How a run computed its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Method {
-    /// The solver: `lanes` or `cholesky`.
+    /// The solver: `lanes`, `gradients` or `cholesky`.
     pub solver: &'static str,
-    /// The joins of its program, or the entries of its factor: what a sample costs is in proportion.
+    /// The joins of its program, or the entries of its factor: what a sample (of `gradients`, a step) costs is in proportion.
     pub solver_size: usize,
     /// The forest algorithm: `bottleneck` or `kruskal`.
     pub forest: &'static str,
@@ -36,33 +30,45 @@ pub struct Method {
     pub forest_joins: Option<usize>,
     /// The instruction set.
     pub instructions: &'static str,
+    /// The largest relative residual ‖b - A P‖/‖b‖ found in the samples checked; `None` where none was.
+    pub residual: Option<f64>,
 }
 
 /// Everything about a graph that all its samples share.
 #[derive(Debug)]
 pub struct Sampler {
-    circuit: Circuit,
-    solve: Solve,
-    bottleneck: Option<Bottleneck>,
-    /// Where the keys of the vessels go when there is no forest program.
-    places: Vec<Offer>,
-    flows: Vec<Flow>,
-    ends: Vec<[usize; 2]>,
     patterns: Patterns,
-    weight: Weight,
-    instructions: InstructionSet,
-    lanes: usize,
+    how: How,
+}
+
+#[derive(Debug)]
+enum How {
+    Whole(Box<Whole>),
+    Reduced(Box<Reduced>),
 }
 
 /// The memory of one worker.
 pub struct Workspace {
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
-    group: Group,
+    how: Memory,
 }
 
-/// The variable that forces 8, 16 or 32 samples side by side.
-pub const FORCE_LANES: &str = "WILLIS_LANES";
+enum Memory {
+    Whole(Group),
+    Reduced(Box<reduced::Workspace>),
+}
+
+/// Samples that are taken together.
+#[derive(Debug, Clone, Copy)]
+pub struct Block<'a> {
+    /// Per vessel the samples in which it is open; no bit beyond `samples`.
+    pub masks: &'a [u64],
+    /// What each sample counts, for an enumeration; one without.
+    pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// How many samples, at most 64.
+    pub samples: usize,
+}
 
 impl Sampler {
     /// Prepares the samples of a network.
@@ -74,60 +80,18 @@ impl Sampler {
         let circuit = Circuit::new(network, boundary, params.viscosity)?;
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
-        let ends = circuit.ends.clone();
-        let Peeled { circuit, chain } = peel(&circuit, &certain);
-        let solve = compile(&circuit, params.solver)?;
-        let slot = |node: usize| match &solve {
-            Solve::Lanes(program) => program.slot(node) as u32,
-            Solve::Cholesky(_) => node as u32,
+        let limit = match params.solver {
+            _ if network.vessel_count() > MANY => None,
+            Solver::Auto => Some(MOST_JOINS),
+            Solver::Lanes => Some(usize::MAX),
+            Solver::Gradients | Solver::Cholesky => None,
         };
-        let mut flows = Vec::with_capacity(chain.len());
-        for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
-            flows.push(match chain {
-                None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
-                Some(chain) => {
-                    let factor = match vessel.resistance {
-                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length),
-                        Some(resistance) => {
-                            let own = chain.conductance * resistance;
-                            resilience_per_square_drop(chain.conductance * own, vessel.radius, vessel.length)
-                        }
-                        None => {
-                            let squared = chain.conductance * chain.conductance;
-                            squared * resilience_per_square_flow(params.viscosity, vessel.radius)
-                        }
-                    };
-                    if !factor.is_normal() {
-                        let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);
-                        return Err(Error::parameter(
-                            network.vessel_name(row),
-                            size,
-                            "expected a resilience that a double can hold",
-                        ));
-                    }
-                    Flow { slots: chain.ends.map(slot), factor }
-                }
-            });
-        }
-        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
-        let limit = cost::forest_limit(network.vessel_count());
-        let lanes =
-            if matches!(solve, Solve::Lanes(_)) { Bottleneck::compile(network.node_count(), &in_forest, limit) } else { None };
-        let instructions = InstructionSet::detect();
-        let of_solve = if let Solve::Lanes(program) = &solve { program.rays() } else { 0 };
-        let rays = of_solve + lanes.as_ref().map_or(0, Bottleneck::rays);
-        Ok(Self {
-            places: if lanes.is_some() { Vec::new() } else { Offer::one_each(network.vessel_count()) },
-            bottleneck: lanes,
-            patterns: Patterns::new(keep, params)?,
-            weight: params.weight,
-            lanes: group::lanes(instructions, rays, std::env::var(FORCE_LANES).ok().as_deref()),
-            circuit,
-            solve,
-            flows,
-            ends,
-            instructions,
-        })
+        let whole = limit.map(|limit| Whole::new(network, &circuit, &certain, params, limit)).transpose()?.flatten();
+        let how = match whole {
+            Some(whole) => How::Whole(Box::new(whole)),
+            None => How::Reduced(Box::new(Reduced::new(network, &circuit, &certain, params)?)),
+        };
+        Ok(Self { patterns: Patterns::new(keep, params)?, how })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -137,36 +101,26 @@ impl Sampler {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        let (solver, size) = match &self.solve {
-            Solve::Lanes(program) => ("lanes", program.updates()),
-            Solve::Cholesky(factor) => ("cholesky", factor.factor_entries()),
-        };
-        Method {
-            solver,
-            solver_size: size,
-            forest: if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" },
-            forest_joins: self.bottleneck.as_ref().map(Bottleneck::joins),
-            instructions: self.instructions.name(),
+        match &self.how {
+            How::Whole(whole) => whole.method(),
+            How::Reduced(reduced) => reduced.method(),
         }
     }
 
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
-        let rays = self.bottleneck.as_ref().map_or(self.flows.len(), Bottleneck::rays);
-        let group = match (&self.solve, self.lanes) {
-            (Solve::Lanes(program), 32) => Group::ThirtyTwo(group::Memory::new(program.workspace(), self.flows.len(), rays)),
-            (Solve::Lanes(program), 16) => Group::Sixteen(group::Memory::new(program.workspace(), self.flows.len(), rays)),
-            (Solve::Lanes(program), _) => Group::Eight(group::Memory::new(program.workspace(), self.flows.len(), rays)),
-            (Solve::Cholesky(_), _) => Group::One(Box::default()),
+        let how = match &self.how {
+            How::Whole(whole) => Memory::Whole(whole.workspace()),
+            How::Reduced(reduced) => Memory::Reduced(Box::new(reduced.workspace())),
         };
-        Workspace { masks: Vec::with_capacity(self.flows.len()), probability: [0.0; BLOCK as usize], group }
+        Workspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], how }
     }
 
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
     ///
     /// # Errors
     ///
-    /// The Cholesky factorisation breaks down.
+    /// The solver breaks down.
     pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
         let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
@@ -174,47 +128,12 @@ impl Sampler {
         for mask in &mut work.masks {
             *mask &= valid;
         }
-        let stranded = stranded(&self.circuit, &work.masks, samples as usize);
-        let job = group::Job {
-            masks: &work.masks,
-            stranded: &stranded,
-            probability,
-            samples: samples as usize,
-            flows: &self.flows,
-            level: self.circuit.level,
-            ends: &self.ends,
-            nodes: self.circuit.node_count(),
-            weight: self.weight,
-            bottleneck: self.bottleneck.as_ref(),
-            offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
-        };
-        match (&mut work.group, &self.solve) {
-            (Group::Eight(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            (Group::Sixteen(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            (Group::ThirtyTwo(work), Solve::Lanes(solver)) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            (Group::One(memory), Solve::Cholesky(factor)) => job.one_by_one(factor, memory, sums)?,
+        let block = Block { masks: &work.masks, probability, samples: samples as usize };
+        match (&self.how, &mut work.how) {
+            (How::Whole(whole), Memory::Whole(memory)) => whole.block(block, memory, sums),
+            (How::Reduced(reduced), Memory::Reduced(memory)) => reduced.block(block, memory, sums)?,
             _ => {}
         }
         Ok(())
-    }
-}
-
-/// Compiles a circuit for the solver asked for, or for the one that the cost model prefers.
-fn compile(circuit: &Circuit, solver: Solver) -> Result<Solve> {
-    let lanes = match solver {
-        Solver::Lanes => StarMesh::compile(circuit, usize::MAX),
-        Solver::Auto => StarMesh::compile(circuit, cost::SURELY_SPARSE),
-        Solver::Cholesky => None,
-    };
-    let sparse = || Cholesky::compile(circuit).map(Box::new);
-    match lanes {
-        Some(program) if solver == Solver::Lanes || program.updates() <= cost::SURELY_LANES => {
-            Ok(Solve::Lanes(Box::new(program)))
-        }
-        Some(program) => Ok(match sparse().filter(|f| cost::sparse(f, circuit.vessel_count()) < cost::lanes(&program)) {
-            Some(factor) => Solve::Cholesky(factor),
-            None => Solve::Lanes(Box::new(program)),
-        }),
-        None => sparse().map(Solve::Cholesky).ok_or(Error::Breakdown),
     }
 }

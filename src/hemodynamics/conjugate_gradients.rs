@@ -1,0 +1,279 @@
+//! Conjugate gradients for circuits whose elimination would fill in: large meshes, several samples at a time in SIMD lanes.
+//!
+//! Nodes of few neighbours are eliminated exactly ([`StarMesh`]), which takes two thirds of a mesh of vessels and leaves no more
+//! conductances than there were. What is left, the core, is solved by conjugate gradients, preconditioned by an incomplete elimination of
+//! the same kind: joins without a place are dropped, and `GROUNDED` of each goes to ground at its two ends, which keeps
+//! nearly all row sums (Gustafsson 1978, modified incomplete factorisation) and never subtracts.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use super::circuit::Circuit;
+use super::dead_end::{self, DeadEnds};
+use super::star_mesh::{self, StarMesh, inverse};
+use crate::elimination::{Incomplete, NOWHERE};
+use crate::simd::{Lanes, Simd, map, plus, plus_product, splat, zip};
+
+/// Nodes of at most so many neighbours are eliminated exactly.
+const FEW: usize = 8;
+/// The share of a dropped join that goes to ground.
+const GROUNDED: f64 = 0.03;
+/// The energy of the error, as a share of that of the answer, at which a sample is solved: the square of 1e-13.
+const ENERGY: f64 = 1e-26;
+/// More steps than any circuit of vessels has needed by far.
+const MOST_STEPS: usize = 5000;
+
+/// A compiled circuit.
+#[derive(Debug, Clone)]
+pub struct ConjugateGradients {
+    mesh: StarMesh,
+    incomplete: Incomplete,
+    dead_ends: DeadEnds,
+    fixed: Vec<Option<f64>>,
+}
+
+/// The memory of one worker that solves `B` samples side by side.
+#[derive(Debug, Clone)]
+pub struct Workspace<const B: usize> {
+    /// Pressures stand in it as after [`StarMesh::solve`].
+    pub mesh: star_mesh::Workspace<B>,
+    /// Conductances of the incomplete elimination; once a star is eliminated, the weights of its mean.
+    weight: Vec<Lanes<B>>,
+    /// 1/S of its stars.
+    inverse: Vec<Lanes<B>>,
+    answer: Vec<Lanes<B>>,
+    residual: Vec<Lanes<B>>,
+    /// The residual made better by the incomplete elimination.
+    better: Vec<Lanes<B>>,
+    direction: Vec<Lanes<B>>,
+    flow: Vec<Lanes<B>>,
+    pressure: Vec<f64>,
+    dead_ends: dead_end::Workspace,
+    /// Steps that the slowest sample took.
+    pub steps: usize,
+}
+
+impl ConjugateGradients {
+    /// Compiles a circuit; `None` when indices cannot count its joins.
+    pub fn compile(circuit: &Circuit) -> Option<Self> {
+        let mesh = StarMesh::compile_partly(circuit, FEW)?;
+        let incomplete = Incomplete::compile(mesh.program());
+        Some(Self { mesh, incomplete, dead_ends: DeadEnds::new(circuit), fixed: circuit.fixed.clone() })
+    }
+
+    /// Where the pressure of a node stands in a workspace.
+    pub fn slot(&self, node: usize) -> usize {
+        self.mesh.slot(node)
+    }
+
+    /// Joins of a sample, exact and incomplete.
+    pub fn joins(&self) -> usize {
+        self.mesh.updates() + self.incomplete.joins()
+    }
+
+    /// Conductances of the core that a step passes over, those of the incomplete elimination twice.
+    pub fn rays(&self) -> usize {
+        2 * self.incomplete.ray_to().len() + self.mesh.program().core_rays()
+    }
+
+    /// Nodes of the core.
+    pub fn core(&self) -> usize {
+        self.incomplete.nodes()
+    }
+
+    /// The memory for groups of `B` samples.
+    pub fn workspace<const B: usize>(&self) -> Workspace<B> {
+        let core = || vec![Lanes::ZERO; self.incomplete.nodes()];
+        Workspace {
+            mesh: self.mesh.workspace(),
+            weight: vec![Lanes::ZERO; self.incomplete.ray_to().len()],
+            inverse: core(),
+            answer: core(),
+            residual: core(),
+            better: core(),
+            direction: core(),
+            flow: core(),
+            pressure: vec![0.0; self.fixed.len()],
+            dead_ends: dead_end::Workspace::default(),
+            steps: 0,
+        }
+    }
+
+    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does; the largest residual, as a share of what
+    /// flows through a node's conductances at the highest pressure.
+    #[inline(always)]
+    pub fn solve<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        masks: &[u64],
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.mesh.assemble(simd, masks, first, stranded, &mut work.mesh);
+        self.mesh.eliminate(simd, &mut work.mesh);
+        self.precondition(simd, work);
+        self.iterate(simd, work);
+        let core = self.mesh.program().eliminated();
+        work.mesh.pressure[core..][..self.core()].copy_from_slice(&work.answer);
+        self.mesh.substitute_back(simd, &mut work.mesh);
+        self.level(masks, first, work);
+    }
+
+    /// Levels dead ends, where iteration leaves rounding that could pass for flow.
+    fn level<const B: usize>(&self, masks: &[u64], first: usize, work: &mut Workspace<B>) {
+        for lane in 0..B {
+            for (node, p) in work.pressure.iter_mut().enumerate() {
+                *p = work.mesh.pressure[self.mesh.slot(node)][lane];
+            }
+            let open = |vessel: usize| masks[vessel] >> (first + lane) & 1 == 1;
+            self.dead_ends.level(open, &mut work.dead_ends, &mut work.pressure, &self.fixed);
+            for (node, p) in work.pressure.iter().enumerate() {
+                work.mesh.pressure[self.mesh.slot(node)][lane] = *p;
+            }
+        }
+    }
+
+    /// The incomplete elimination of the core.
+    #[inline(always)]
+    fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+        let core = self.mesh.program().eliminated();
+        let Workspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
+        for (weight, from) in weight.iter_mut().zip(self.incomplete.from()) {
+            *weight = if *from == NOWHERE { Lanes::ZERO } else { mesh.conductance[*from as usize] };
+        }
+        // The residual is not needed yet; its memory takes the grounds.
+        ground.copy_from_slice(&mesh.ground[core..]);
+        let grounded = splat(simd, GROUNDED);
+        let ray_to = self.incomplete.ray_to();
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
+            let (done, later) = weight.split_at_mut(star.end);
+            let rays = &mut done[star.clone()];
+            let own = ground[k];
+            let mut total = own;
+            for c in &*rays {
+                total = plus(simd, &total, c);
+            }
+            let one_over = inverse(simd, &total);
+            let to = &ray_to[star.clone()];
+            let mut mesh = self.incomplete.mesh(k).iter();
+            for i in 0..rays.len() {
+                let weight = zip(simd, &rays[i], &one_over, |c, i| simd.mul_f64s(c, i));
+                rays[i] = weight;
+                let mut lost = Lanes::ZERO;
+                for ((j, other), target) in rays.iter().enumerate().skip(i + 1).zip(&mut mesh) {
+                    if *target == NOWHERE {
+                        let join = zip(simd, &weight, other, |w, c| simd.mul_f64s(w, c));
+                        lost = plus(simd, &lost, &join);
+                        let ground = &mut ground[to[j] as usize];
+                        *ground = plus_product(simd, ground, &grounded, &join);
+                    } else {
+                        let sum = &mut later[*target as usize - star.end];
+                        *sum = plus_product(simd, sum, &weight, other);
+                    }
+                }
+                let ground = &mut ground[to[i] as usize];
+                let share = plus_product(simd, &zip(simd, &weight, &own, |w, g| simd.mul_f64s(w, g)), &grounded, &lost);
+                *ground = plus(simd, ground, &share);
+            }
+            inverses[k] = one_over;
+        }
+    }
+
+    /// What the incomplete elimination makes of a residual.
+    #[inline(always)]
+    fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+        let ray_to = self.incomplete.ray_to();
+        let Workspace { weight, inverse, residual, better, .. } = work;
+        better.copy_from_slice(residual);
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
+            let own = better[k];
+            for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
+                let sum = &mut better[*to as usize];
+                *sum = plus_product(simd, sum, weight, &own);
+            }
+            better[k] = zip(simd, &own, &inverse[k], |b, i| simd.mul_f64s(b, i));
+        }
+        for k in (0..self.incomplete.nodes()).rev() {
+            let star = self.incomplete.star(k);
+            let mut sum = better[k];
+            for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
+                sum = plus_product(simd, &sum, weight, &better[*to as usize]);
+            }
+            better[k] = sum;
+        }
+    }
+
+    /// What flows out of every node of the core at the pressures `at`.
+    #[inline(always)]
+    fn flows<S: Simd, const B: usize>(&self, simd: S, mesh: &star_mesh::Workspace<B>, at: &[Lanes<B>], flow: &mut [Lanes<B>]) {
+        let program = self.mesh.program();
+        let core = program.eliminated();
+        for (flow, (ground, at)) in flow.iter_mut().zip(mesh.ground[core..].iter().zip(at)) {
+            *flow = zip(simd, ground, at, |g, p| simd.mul_f64s(g, p));
+        }
+        for k in 0..at.len() {
+            let star = program.star(core + k);
+            let (own, mut out) = (at[k], flow[k]);
+            for (c, to) in mesh.conductance[star.clone()].iter().zip(&program.ray_to()[star]) {
+                let to = *to as usize - core;
+                let drop = zip(simd, &own, &at[to], |a, b| simd.sub_f64s(a, b));
+                let along = zip(simd, c, &drop, |c, d| simd.mul_f64s(c, d));
+                out = plus(simd, &out, &along);
+                flow[to] = zip(simd, &flow[to], &along, |f, q| simd.sub_f64s(f, q));
+            }
+            flow[k] = out;
+        }
+    }
+
+    #[inline(always)]
+    fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+        let core = self.mesh.program().eliminated();
+        work.answer.fill(Lanes::ZERO);
+        work.residual.copy_from_slice(&work.mesh.pressure[core..][..self.incomplete.nodes()]);
+        self.improve(simd, work);
+        work.direction.copy_from_slice(&work.better);
+        let mut energy = dot(simd, &work.residual, &work.better);
+        let enough = map(simd, &energy, |e| simd.mul_f64s(e, simd.splat_f64s(ENERGY)));
+        work.steps = 0;
+        while energy.iter().zip(enough.iter()).any(|(energy, enough)| energy > enough) && work.steps < MOST_STEPS {
+            self.flows(simd, &work.mesh, &work.direction, &mut work.flow);
+            let bend = dot(simd, &work.direction, &work.flow);
+            // A sample that is solved stands still, so that no other one changes it.
+            let moving = |ratio: Lanes<B>| {
+                let mut out = ratio;
+                for (lane, ratio) in out.iter_mut().enumerate() {
+                    if energy[lane] <= enough[lane] {
+                        *ratio = 0.0;
+                    }
+                }
+                out
+            };
+            let step = moving(zip(simd, &energy, &bend, |e, b| simd.div_f64s(e, b)));
+            for k in 0..work.answer.len() {
+                work.answer[k] = plus_product(simd, &work.answer[k], &step, &work.direction[k]);
+                let lost = zip(simd, &step, &work.flow[k], |s, f| simd.mul_f64s(s, f));
+                work.residual[k] = zip(simd, &work.residual[k], &lost, |r, l| simd.sub_f64s(r, l));
+            }
+            self.improve(simd, work);
+            let now = dot(simd, &work.residual, &work.better);
+            let turn = moving(zip(simd, &now, &energy, |now, before| simd.div_f64s(now, before)));
+            for (direction, better) in work.direction.iter_mut().zip(&work.better) {
+                *direction = plus_product(simd, better, &turn, direction);
+            }
+            for (lane, energy) in energy.iter_mut().enumerate() {
+                if *energy > enough[lane] {
+                    *energy = now[lane];
+                }
+            }
+            work.steps += 1;
+        }
+    }
+}
+
+/// Σ a b, lane by lane.
+#[inline(always)]
+fn dot<S: Simd, const B: usize>(simd: S, a: &[Lanes<B>], b: &[Lanes<B>]) -> Lanes<B> {
+    a.iter().zip(b).fold(Lanes::ZERO, |sum, (a, b)| plus_product(simd, &sum, a, b))
+}

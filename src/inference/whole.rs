@@ -1,0 +1,137 @@
+//! Blocks of samples of a graph as it is, vessel by vessel, by star-mesh elimination in lanes.
+
+use super::bottleneck::{Bottleneck, Offer};
+use super::cost;
+use super::group::{self, Flow, Group};
+use super::likelihood::Sums;
+use super::sampler::{Block, Method};
+use super::{Params, Weight};
+use crate::error::{Error, Result};
+use crate::hemodynamics::floating::stranded;
+use crate::hemodynamics::peel::{Peeled, peel};
+use crate::hemodynamics::{Circuit, StarMesh};
+use crate::network::Network;
+use crate::resilience::{resilience_per_square_drop, resilience_per_square_flow};
+use crate::simd::InstructionSet;
+
+/// Everything about a graph that all its samples share.
+#[derive(Debug)]
+pub struct Whole {
+    circuit: Circuit,
+    solver: StarMesh,
+    bottleneck: Option<Bottleneck>,
+    /// Where the keys of the vessels go when there is no forest program.
+    places: Vec<Offer>,
+    flows: Vec<Flow>,
+    ends: Vec<[usize; 2]>,
+    weight: Weight,
+    instructions: InstructionSet,
+    lanes: usize,
+}
+
+/// The variable that forces 8, 16 or 32 samples side by side.
+pub const FORCE_LANES: &str = "WILLIS_LANES";
+
+impl Whole {
+    /// Prepares the samples of a network; `None` when a sample would take more than `limit` joins.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose resilience no double can hold.
+    pub fn new(network: &Network, circuit: &Circuit, certain: &[bool], params: &Params, limit: usize) -> Result<Option<Self>> {
+        let ends = circuit.ends.clone();
+        let Peeled { circuit, chain } = peel(circuit, certain);
+        let Some(solver) = StarMesh::compile(&circuit, limit) else { return Ok(None) };
+        let slot = |node: usize| solver.slot(node) as u32;
+        let mut flows = Vec::with_capacity(chain.len());
+        for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
+            flows.push(match chain {
+                None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
+                Some(chain) => {
+                    let factor = match vessel.resistance {
+                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length),
+                        Some(resistance) => {
+                            let own = chain.conductance * resistance;
+                            resilience_per_square_drop(chain.conductance * own, vessel.radius, vessel.length)
+                        }
+                        None => {
+                            let squared = chain.conductance * chain.conductance;
+                            squared * resilience_per_square_flow(params.viscosity, vessel.radius)
+                        }
+                    };
+                    if !factor.is_normal() {
+                        let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);
+                        return Err(Error::parameter(
+                            network.vessel_name(row),
+                            size,
+                            "expected a resilience that a double can hold",
+                        ));
+                    }
+                    Flow { slots: chain.ends.map(slot), factor }
+                }
+            });
+        }
+        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
+        let bottleneck = Bottleneck::compile(network.node_count(), &in_forest, cost::forest_limit(network.vessel_count()));
+        let instructions = InstructionSet::detect();
+        let rays = solver.rays() + bottleneck.as_ref().map_or(0, Bottleneck::rays);
+        Ok(Some(Self {
+            places: if bottleneck.is_some() { Vec::new() } else { Offer::one_each(network.vessel_count()) },
+            bottleneck,
+            weight: params.weight,
+            lanes: group::lanes(instructions, rays, std::env::var(FORCE_LANES).ok().as_deref()),
+            circuit,
+            solver,
+            flows,
+            ends,
+            instructions,
+        }))
+    }
+
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        Method {
+            solver: "lanes",
+            solver_size: self.solver.updates(),
+            forest: if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" },
+            forest_joins: self.bottleneck.as_ref().map(Bottleneck::joins),
+            instructions: self.instructions.name(),
+            residual: None,
+        }
+    }
+
+    /// Memory for one worker.
+    pub fn workspace(&self) -> Group {
+        let rays = self.bottleneck.as_ref().map_or(self.flows.len(), Bottleneck::rays);
+        match self.lanes {
+            32 => Group::ThirtyTwo(group::Memory::new(self.solver.workspace(), self.flows.len(), rays)),
+            16 => Group::Sixteen(group::Memory::new(self.solver.workspace(), self.flows.len(), rays)),
+            _ => Group::Eight(group::Memory::new(self.solver.workspace(), self.flows.len(), rays)),
+        }
+    }
+
+    /// Replaces `sums` by those of a block.
+    pub fn block(&self, block: Block<'_>, work: &mut Group, sums: &mut Sums) {
+        let Block { masks, probability, samples } = block;
+        let stranded = stranded(&self.circuit, masks, samples);
+        let job = group::Job {
+            masks,
+            stranded: &stranded,
+            probability,
+            samples,
+            flows: &self.flows,
+            level: self.circuit.level,
+            ends: &self.ends,
+            nodes: self.circuit.node_count(),
+            weight: self.weight,
+            bottleneck: self.bottleneck.as_ref(),
+            offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
+        };
+        let solver = &self.solver;
+        match work {
+            Group::Eight(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            Group::Sixteen(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            Group::ThirtyTwo(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+        }
+    }
+}
