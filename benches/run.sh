@@ -4,7 +4,7 @@
 #   benches/run.sh               every figure: results.csv, the table here and in README.md
 #   benches/run.sh --check       instruction counts only; fails when one grew by more than 3 % over instructions.csv
 #   benches/run.sh --accept      writes the instruction counts of this build to instructions.csv
-#   benches/run.sh --crossover   both solvers on growing graphs: crossover.csv
+#   benches/run.sh --large       large graphs beside the best Python pipeline: large.csv and the table in benches/README.md
 #
 # WILLIS_BENCH_GRAPHS names the folder of graphs and of scipy_baseline.py (../shared/bench), WILLIS_PYTHON a Python with
 # NumPy and SciPy. What is missing is skipped, and the script says so.
@@ -36,10 +36,11 @@ bench=$(cargo build --release --locked --bench sampling --message-format json 2>
     sed -n 's/.*"name":"sampling".*"executable":"\([^"]*\)".*/\1/p')
 
 mkdir -p target/bench
-if [ "${1:-}" = --crossover ]; then
-    "$bench" crossover | tee benches/crossover.csv
-    sed -n 's/^# /- /p' benches/crossover.csv >target/bench/fit.md
-    splice fit target/bench/fit.md benches/README.md
+if [ "${1:-}" = --large ]; then
+    BENCH="$bench" "$python" benches/large.py target/bench/large >benches/large.csv
+    "$python" benches/large.py --table benches/large.csv >target/bench/large.md
+    cat target/bench/large.md
+    splice large target/bench/large.md benches/README.md
     exit
 fi
 

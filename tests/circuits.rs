@@ -69,11 +69,12 @@ fn all(by_hand: &[f64]) -> Vec<Option<f64>> {
     by_hand.iter().copied().map(Some).collect()
 }
 
-/// One sample of the open network, by both solvers, which must agree in the forest.
+/// One sample of the open network, by all solvers, which must agree in the forest.
 fn whole(network: &Network, conditions: &[(usize, Condition)]) -> Likelihood {
     let of = |solver| run(network, conditions, &Params { epsilon: 0.0, samples: 1, solver, ..Params::default() });
-    let (lanes, cholesky) = (of(Solver::Lanes), of(Solver::Cholesky));
+    let [lanes, cholesky, gradients] = [Solver::Lanes, Solver::Cholesky, Solver::Gradients].map(of);
     assert_eq!(lanes.frequency, cholesky.frequency);
+    assert_eq!(lanes.frequency, gradients.frequency);
     lanes
 }
 

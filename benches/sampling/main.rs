@@ -1,12 +1,10 @@
-//! Times the sampling loop: whole, by stage, against other forests, and over growing graphs. `run.sh` asks and tabulates.
+//! Times the sampling loop: whole, by stage, against other forests, and on large graphs. `run.sh` asks and tabulates.
 
 mod case;
 mod clock;
-mod crossover;
-mod fit;
 mod forests;
+mod large;
 mod stages;
-mod synthetic;
 
 use std::error::Error;
 
@@ -17,12 +15,13 @@ use case::{Case, params};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const USAGE: &str = "usage: sampling COMMAND
-  time GRAPH THREADS lanes|cholesky    microseconds a sample at the margin
+  time GRAPH THREADS SOLVER            microseconds a sample at the margin
   seconds GRAPH THREADS SAMPLES        the time of one run of so many samples
   stages GRAPH                         microseconds a sample of each stage, one thread
   forests GRAPH                        microseconds a sample of the forest alone, by three algorithms
   count GRAPH SAMPLES                  that many samples in one thread, for an instruction counter
-  crossover                            both solvers on growing graphs, as CSV, with the fit of a cost model";
+  large GRAPH SOLVER SECONDS           vessels, on trial, solver, forest, s to compile, ms a sample, bytes a vessel of a worker and
+                                       of what workers share, residual; one thread";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -33,7 +32,7 @@ fn main() -> Result<()> {
         ["stages", graph] => stages::print(&Case::read(graph)?),
         ["forests", graph] => forests::print(&Case::read(graph)?),
         ["count", graph, samples] => count(&Case::read(graph)?, samples.parse()?),
-        ["crossover"] => crossover::print(),
+        ["large", graph, solver, seconds] => large::print(&Case::read(graph)?, solver_named(solver)?, seconds.parse()?),
         _ => {
             println!("{USAGE}");
             Ok(())
@@ -43,9 +42,11 @@ fn main() -> Result<()> {
 
 fn solver_named(name: &str) -> Result<Solver> {
     match name {
+        "auto" => Ok(Solver::Auto),
         "lanes" => Ok(Solver::Lanes),
+        "gradients" => Ok(Solver::Gradients),
         "cholesky" => Ok(Solver::Cholesky),
-        other => Err(format!("solver {other}: expected lanes or cholesky").into()),
+        other => Err(format!("solver {other}: expected auto, lanes, gradients or cholesky").into()),
     }
 }
 

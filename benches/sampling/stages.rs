@@ -3,28 +3,15 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use willis::hemodynamics::star_mesh::{self, StarMesh};
-use willis::inference::{Bottleneck, Sampler, Solver, Sums, Taken};
-use willis::rng::BLOCK;
+use willis::inference::{Bottleneck, Taken};
 use willis::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;
-use crate::case::{Case, Pieces, params};
+use crate::case::{Case, Pieces};
 use crate::clock::per_call;
 
 /// Seconds for each figure.
 const BUDGET: f64 = 0.4;
-
-/// Microseconds a sample of the whole serial step, as the library runs it.
-pub fn whole(case: &Case, solver: Solver, samples: u64, budget: f64) -> Result<(f64, &'static str)> {
-    let sampler = Sampler::new(&case.network, &case.boundary, &params(solver, BLOCK))?;
-    let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
-    let mut block = 0;
-    let time = per_call(budget, || {
-        sampler.block(block, samples, &mut work, &mut sums).expect("a sample");
-        block += 1;
-    });
-    Ok((time / samples as f64, sampler.method().forest))
-}
 
 /// Microseconds a sample of the flow solver.
 pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
@@ -104,7 +91,7 @@ pub fn print(case: &Case) -> Result<()> {
     let mask = per_call(BUDGET, || {
         pieces.occlusion.draw(0, block, &mut masks);
         block += 1;
-    }) / BLOCK as f64;
+    }) / willis::rng::BLOCK as f64;
     let solve = solve(&pieces, &program, BUDGET);
     let forest = forest(&bottleneck, &pieces.keys(&program, 16), BUDGET);
     println!("{mask:.4},{solve:.4},{forest:.4},{},{}", program.updates(), bottleneck.joins());

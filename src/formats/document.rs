@@ -2,14 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use super::sniff::{Format, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
 use super::unit_check::unit_check;
 use super::{
-    RadiusArray, add_loops, pair, read_csv_edges, read_csv_nodes, read_graphml, read_markups, read_points, read_skeleton_npz,
-    read_tre, read_vtk, read_vtp, read_vtrails,
+    RadiusArray, add_loops, checksum, pair, read_csv_edges, read_csv_nodes, read_graphml, read_markups, read_points,
+    read_skeleton_npz, read_tre, read_vtk, read_vtp, read_vtrails,
 };
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
@@ -131,10 +129,4 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
 /// The bytes after a byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
-}
-
-/// The SHA-256 of some bytes in hexadecimal digits.
-pub fn checksum(bytes: &[u8]) -> String {
-    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
-    Sha256::digest(bytes).iter().flat_map(digits).collect()
 }

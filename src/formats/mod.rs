@@ -1,6 +1,7 @@
 //! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
 
 mod attributes;
+mod checksum;
 mod column;
 pub mod conditions;
 pub mod convert;
@@ -36,9 +37,10 @@ mod vtp;
 mod vtrails;
 mod xml;
 
+pub use checksum::{Summed, checksum};
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes, write_csv_graph};
-pub use document::{Content, Document, ReadOptions, bytes_of, checksum, read};
+pub use document::{Content, Document, ReadOptions, bytes_of, read};
 pub use graph_columns::{axis, condition_columns, graph_columns, node_columns, vessel_columns};
 pub use graphml::{read_graphml, write_graphml};
 pub use icafe::{TracedVessel, name_stretches, read_traced_vessels};

@@ -1,6 +1,5 @@
 //! The output folder of an inference.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::page::{self, Figure, infer_page, write_page};
@@ -8,9 +7,9 @@ use super::plots::{Matrix, convergence, heat_map};
 use super::staged::{write_file, write_record};
 use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::formats::{
-    Column, checksum, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Column, Summed, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use crate::hemodynamics::{Boundary, Circuit, steady};
 use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
@@ -20,6 +19,8 @@ use crate::network::{Network, fragments};
 pub const GRAPH_FILE: &str = "candidates.graphml";
 /// The largest matrix written densely, in nodes.
 pub const DENSE_LIMIT: usize = 8192;
+/// The largest network that gets a page: a browser takes seconds for so many vessels.
+const PAGE_LIMIT: usize = 100_000;
 
 /// An inference and everything its files are made of.
 #[derive(Debug)]
@@ -64,7 +65,11 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     write_file(&folder.join("edges.csv"), |out| write_csv(out, &vessels))?;
     let kept_nodes = topology(folder, "topology", outcome, &outcome.answer.kept, &vessels, &mut notes)?;
     write_file(&folder.join("nodes.csv"), |out| write_csv(out, &kept_nodes))?;
-    topology(folder, "topology-median", outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    if outcome.answer.kept == outcome.answer.above_median {
+        copy(folder, ["graphml", "vtp"])?;
+    } else {
+        topology(folder, "topology-median", outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    }
     let matrix = outcome.result.matrix(network);
     write_file(&folder.join("likelihood.npz"), |out| write_npz(out, network.node_count(), &matrix))?;
     if network.node_count() <= DENSE_LIMIT {
@@ -75,9 +80,24 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     summary.state_graph(GRAPH_FILE, &graph(&folder.join(GRAPH_FILE), outcome)?);
     let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
-    let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
-    write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
+    if network.vessel_count() <= PAGE_LIMIT {
+        let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
+        write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
+    } else {
+        notes.push(format!("{} is left out above {PAGE_LIMIT} vessels; topology.vtp opens in ParaView", page::FILE));
+    }
     Ok(notes)
+}
+
+/// Gives the topology above the median the files of the kept one, which it is.
+fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
+    for ending in endings {
+        let (from, to) = (folder.join(format!("topology.{ending}")), folder.join(format!("topology-median.{ending}")));
+        if from.exists() {
+            std::fs::copy(&from, &to).map_err(|source| Error::Write { path: to, source })?;
+        }
+    }
+    Ok(())
 }
 
 /// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
@@ -87,12 +107,14 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
         (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
     }
     let (nodes, vessels) = graph_columns(&graph);
-    let mut bytes = Vec::new();
+    let mut sum = String::new();
     write_file(path, |out| {
-        write_graphml(&mut bytes, &graph, &nodes, &vessels)?;
-        out.write_all(&bytes)
+        let mut summed = Summed::new(out);
+        write_graphml(&mut summed, &graph, &nodes, &vessels)?;
+        sum = summed.finish();
+        Ok(())
     })?;
-    Ok(checksum(&bytes))
+    Ok(sum)
 }
 
 /// Writes a kept graph in every format that can hold it and returns its node columns.

@@ -196,6 +196,7 @@ impl Summary {
                 "size": outcome.method.solver_size,
                 "forest": outcome.method.forest,
                 "forest_joins": outcome.method.forest_joins,
+                "residual": outcome.method.residual,
             }),
             graph: Value::Null,
             phenotype: Value::Null,

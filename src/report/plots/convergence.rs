@@ -19,6 +19,9 @@ const ZERO: f64 = BOX[3] - 5.0;
 /// Between that line and the lowest positive value, points.
 const GAP: f64 = 16.0;
 
+/// More curves than this no one can tell apart.
+const MOST_CURVES: usize = 2000;
+
 /// The thinnest, thickest and threshold line, points.
 const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 
@@ -26,7 +29,7 @@ const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 /// logarithmic axis, 6.4 by 4.6 inches.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
-/// - `series`: a row an edge, with L/n (W/m³) at each checkpoint, finite and not negative. Every row is drawn.
+/// - `series`: a row an edge, with L/n (W/m³) at each checkpoint, finite and not negative. Of more than 2,000 every so many is drawn.
 /// - `threshold`: the threshold on L/n (W/m³) at each checkpoint; NaN where there is none.
 /// - `kept`: for each edge whether it stays.
 ///
@@ -66,10 +69,10 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
     axes.ticks(sheet)?;
     // A few edges are drawn thick and dense, thousands thin and clear.
-    let crowd = (10.0 / series.len() as f64).sqrt().clamp(0.0, 1.0);
+    let crowd = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
     let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
     let opacity = 0.05 + 0.85 * crowd.powf(0.7);
-    for (values, kept) in series.iter().zip(kept) {
+    for (values, kept) in series.iter().zip(kept).step_by(series.len().div_ceil(MOST_CURVES)) {
         axes.curve(sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
     }
     axes.curve(sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;

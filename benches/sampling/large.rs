@@ -1,0 +1,48 @@
+//! Large graphs: milliseconds a sample, and the memory of one worker.
+
+use std::time::Instant;
+
+use willis::inference::{Params, Sampler, Solver, Sums};
+use willis::rng::BLOCK;
+
+use crate::Result;
+use crate::case::Case;
+
+/// Samples a case whose candidates are open with probability 0.25 and whose observed vessels are certain, in one thread, for about
+/// so many seconds, and prints a line of figures, separated by commas.
+pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
+    let params = Params { epsilon: 0.75, solver, ..Params::default() };
+    let vessels = case.network.vessel_count();
+    let on_trial = params.uncertain.vessels(&case.network).iter().filter(|u| **u).count();
+    let start = Instant::now();
+    let mut sampler = None;
+    let shared = allocation_counter::measure(|| sampler = Some(Sampler::new(&case.network, &case.boundary, &params)));
+    let sampler = sampler.transpose()?.ok_or("no sampler")?;
+    let compile = start.elapsed().as_secs_f64();
+    let mut worker = None;
+    let mut failed = None;
+    let own = allocation_counter::measure(|| {
+        let (mut work, mut sums) = (sampler.workspace(), Sums::zero(vessels));
+        failed = sampler.block(0, BLOCK, &mut work, &mut sums).err();
+        worker = Some((work, sums));
+    });
+    let Some((mut work, mut sums)) = worker.filter(|_| failed.is_none()) else { return Err("a block failed".into()) };
+    let (mut least, begin, mut block) = (f64::INFINITY, Instant::now(), 1);
+    while block < 3 || begin.elapsed().as_secs_f64() < seconds {
+        let start = Instant::now();
+        sampler.block(block, BLOCK, &mut work, &mut sums)?;
+        least = least.min(1e3 * start.elapsed().as_secs_f64() / BLOCK as f64);
+        block += 1;
+    }
+    let method = sampler.method();
+    let each = |bytes: u64| bytes as f64 / vessels as f64;
+    println!(
+        "{vessels},{on_trial},{},{},{compile:.3},{least:.4},{:.0},{:.0},{:.1e}",
+        method.solver,
+        method.forest,
+        each(own.bytes_max),
+        each(shared.bytes_max),
+        method.residual.unwrap_or(f64::NAN)
+    );
+    Ok(())
+}

@@ -1,0 +1,45 @@
+//! The SHA-256 by which a file is known again.
+
+use std::io::Write;
+
+use sha2::{Digest, Sha256};
+
+/// The SHA-256 of some bytes in hexadecimal digits.
+pub fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
+    bytes.iter().flat_map(digits).collect()
+}
+
+/// Writes on while it takes the [`checksum`] of what it writes.
+pub struct Summed<W> {
+    out: W,
+    sum: Sha256,
+}
+
+impl<W: Write> Summed<W> {
+    /// Writes to `out`.
+    pub fn new(out: W) -> Self {
+        Self { out, sum: Sha256::new() }
+    }
+
+    /// The checksum of all that was written.
+    pub fn finish(self) -> String {
+        hexadecimal(&self.sum.finalize())
+    }
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
+}
