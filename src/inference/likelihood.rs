@@ -1,5 +1,6 @@
 //! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
 
+use super::dyadic::Summed;
 use crate::network::Network;
 
 /// Sums over a range of samples, per vessel.
@@ -32,18 +33,6 @@ impl Sums {
         self.samples = 0;
     }
 
-    /// These sums and those of the samples after them.
-    #[must_use]
-    pub fn plus(mut self, right: &Self) -> Self {
-        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        add(&mut self.likelihood, &right.likelihood);
-        add(&mut self.square, &right.square);
-        add(&mut self.count, &right.count);
-        self.network_resilience += right.network_resilience;
-        self.samples += right.samples;
-        self
-    }
-
     /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
     /// one contribution; not a number for fewer than two samples.
     pub fn standard_errors(&self) -> Vec<f64> {
@@ -59,40 +48,15 @@ impl Sums {
     }
 }
 
-/// A running sum over the dyadic tree of block indices (node = left + right).
-#[derive(Debug, Clone, Default)]
-pub struct DyadicSum {
-    /// Finished subtrees with the number of blocks in each, sizes falling.
-    nodes: Vec<(u64, Sums)>,
-}
-
-impl DyadicSum {
-    /// Adds a subtree over the next `blocks` blocks, a power of two; memory that is no longer needed goes to `pool`.
-    pub fn push(&mut self, mut blocks: u64, mut sums: Sums, pool: &mut Vec<Sums>) {
-        while self.nodes.last().is_some_and(|(size, _)| *size == blocks) {
-            if let Some((_, left)) = self.nodes.pop() {
-                let right = std::mem::replace(&mut sums, left);
-                sums = sums.plus(&right);
-                pool.push(right);
-                blocks *= 2;
-            }
-        }
-        self.nodes.push((blocks, sums));
-    }
-
-    /// The finished subtrees, with the number of blocks in each.
-    pub fn into_nodes(self) -> Vec<(u64, Sums)> {
-        self.nodes
-    }
-
-    /// The sum so far; `None` before the first block.
-    pub fn total(&self) -> Option<Sums> {
-        let mut nodes = self.nodes.iter().rev();
-        let mut total = nodes.next()?.1.clone();
-        for (_, left) in nodes {
-            total = left.clone().plus(&total);
-        }
-        Some(total)
+impl Summed for Sums {
+    fn plus(mut self, right: &Self) -> Self {
+        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.likelihood, &right.likelihood);
+        add(&mut self.square, &right.square);
+        add(&mut self.count, &right.count);
+        self.network_resilience += right.network_resilience;
+        self.samples += right.samples;
+        self
     }
 }
 
