@@ -1,5 +1,6 @@
 //! Reads a file of any format: the one place that knows every reader.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -135,6 +136,36 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
 
 /// The SHA-256 of some bytes in hexadecimal digits.
 pub fn checksum(bytes: &[u8]) -> String {
+    in_digits(&Sha256::digest(bytes))
+}
+
+/// The same of what `fill` writes, which need not be in memory at once.
+///
+/// # Errors
+///
+/// Those of `fill`.
+pub fn checksum_of(fill: impl FnOnce(&mut Hashing) -> io::Result<()>) -> io::Result<String> {
+    let mut hashing = Hashing(Sha256::new());
+    fill(&mut hashing)?;
+    Ok(in_digits(&hashing.0.finalize()))
+}
+
+/// Takes bytes for their SHA-256.
+#[derive(Debug)]
+pub struct Hashing(Sha256);
+
+impl Write for Hashing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn in_digits(bytes: &[u8]) -> String {
     let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
-    Sha256::digest(bytes).iter().flat_map(digits).collect()
+    bytes.iter().flat_map(digits).collect()
 }

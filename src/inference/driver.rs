@@ -181,7 +181,8 @@ impl Sampling {
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
-    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no vessel on trial is undecided under `rule`.
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no vessel on trial is undecided under `rule`; one that was
+    /// begun goes on with the samples that `part` has come to.
     ///
     /// # Errors
     ///
@@ -194,6 +195,7 @@ impl Sampling {
         progress: &mut impl Progress,
     ) -> Result<Likelihood> {
         let rule = if rule.asks_evidence() { Keep::Median } else { rule };
+        self.samples = part.samples();
         loop {
             self.sample(part, 0..self.blocks(), progress)?;
             let result = self.likelihood(part);

@@ -89,6 +89,18 @@ impl Part {
         });
     }
 
+    /// Whether all blocks of a step are finished.
+    pub fn holds_step(&self, at: u64) -> bool {
+        let last = (at + 1).checked_mul(self.step).filter(|last| *last <= self.blocks());
+        last.is_some_and(|last| self.gaps(last - self.step..last).is_empty())
+    }
+
+    /// Whether L is known over every step whose blocks are finished.
+    pub fn is_traced(&self) -> bool {
+        let whole = |(first, blocks, _): (u64, u64, &Sums)| first.div_ceil(self.step)..(first + blocks) / self.step;
+        self.sums.nodes().flat_map(whole).all(|at| self.steps.contains_key(&at))
+    }
+
     /// Adds L of the uncertain vessels over a step whose blocks are finished.
     pub fn insert_step(&mut self, at: u64, likelihood: Vec<f64>) {
         self.steps.insert(at, likelihood);
