@@ -141,6 +141,16 @@ pub enum Error {
         /// Subjects in all.
         total: usize,
     },
+    /// The run was stopped from outside; what was finished is kept.
+    #[error("stopped after {done} of {total} samples, which are kept in {}; the same command goes on from there", path.display())]
+    StoppedAndKept {
+        /// Samples finished.
+        done: u64,
+        /// Samples asked for.
+        total: u64,
+        /// The hidden folder that keeps them.
+        path: PathBuf,
+    },
     /// The run was stopped from outside.
     #[error("stopped after {done} of {total} samples; nothing was written")]
     Stopped {

@@ -186,7 +186,7 @@ fn an_interrupt_leaves_nothing_behind() {
     let here = folder();
     fs::write(here.path().join("a.swc"), LINE).expect("written");
     let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
-    let arguments = ["infer", "a.swc", "-o", "out", "-n", "1000000000000", "--epsilon", "0.1,0.2"];
+    let arguments = ["infer", "a.swc", "-o", "out", "-n", "1000000000000", "--epsilon", "0.1,0.2", "--checkpoint=off"];
     let child = command.current_dir(here.path()).args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
     std::thread::sleep(std::time::Duration::from_millis(700));
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Draw, radii, random_conditions, random_network, run};
-use willis::inference::{DyadicSum, Likelihood, Params, Solver, Sums, Uncertain, Weight};
+use willis::inference::{Dyadic, Likelihood, Params, Solver, Summed, Sums, Uncertain, Weight};
 use willis::network::{Condition, Network};
 use willis::rng::BLOCK;
 
@@ -113,49 +113,66 @@ fn tree(blocks: &[Sums]) -> Sums {
     tree(&blocks[..left]).plus(&tree(&blocks[left..]))
 }
 
-/// The maximal dyadic nodes of blocks from..to, as a shard holds them.
-fn shard(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, Sums)> {
+/// The maximal dyadic nodes of blocks from..to, as a shard holds them: first block, size and sum.
+fn shard(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, u64, Sums)> {
     let (mut nodes, mut at) = (Vec::new(), from);
     while at < to {
         let mut size = 1;
         while at.is_multiple_of(2 * size) && at + 2 * size <= to {
             size *= 2;
         }
-        nodes.push((size as u64, tree(&blocks[at..at + size])));
+        nodes.push((at as u64, size as u64, tree(&blocks[at..at + size])));
         at += size;
     }
     nodes
 }
 
-/// Exactly the recursion's bits from one block at a time and from any split into up to four shards; the plain running sum
-/// has others, so the order does matter.
+fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> Dyadic<Sums> {
+    let mut sum = Dyadic::default();
+    for (first, blocks, sums) in nodes {
+        sum.insert(first, blocks, sums, &mut Vec::new(), |_, _, _| {});
+    }
+    sum
+}
+
+/// Exactly the recursion's bits from one block at a time in any order, and from any split into up to four shards in any order;
+/// the plain running sum has others, so the order of additions does matter.
 #[test]
-fn dyadic_sums_are_the_same_from_any_split() {
+fn dyadic_sums_are_the_same_from_any_split_and_order() {
     let mut draw = Draw::new(11);
     let mut plain_differs = false;
     for n in [1, 2, 3, 5, 8, 13, 64, 100, 127, 128, 129, 1000] {
         let blocks: Vec<Sums> = (0..n).map(|_| block(&mut draw)).collect();
         let whole = sums_bits(&tree(&blocks));
-        let mut one_by_one = DyadicSum::default();
-        for sums in &blocks {
-            one_by_one.push(1, sums.clone(), &mut Vec::new());
+        let mut order: Vec<usize> = (0..n).collect();
+        for _ in 0..3 {
+            let one_by_one = summed(order.iter().map(|at| (*at as u64, 1, blocks[*at].clone())));
+            assert_eq!(sums_bits(&one_by_one.total().unwrap()), whole, "{n}");
+            assert_eq!(one_by_one.into_nodes().len() as u32, (n as u32).count_ones());
+            draw.shuffle(&mut order);
         }
-        assert_eq!(sums_bits(&one_by_one.total().unwrap()), whole, "{n}");
-        assert_eq!(one_by_one.into_nodes().len() as u32, (n as u32).count_ones());
         let plain = blocks[1..].iter().fold(blocks[0].clone(), Sums::plus);
         plain_differs |= sums_bits(&plain) != whole;
         for _ in 0..20 {
             let mut cuts = [0, draw.below(n + 1), draw.below(n + 1), draw.below(n + 1), n];
             cuts.sort_unstable();
-            let mut merged = DyadicSum::default();
-            for range in cuts.windows(2) {
-                for (size, sums) in shard(&blocks, range[0], range[1]) {
-                    merged.push(size, sums, &mut Vec::new());
-                }
-            }
-            assert_eq!(sums_bits(&merged.total().unwrap()), whole, "{n} blocks cut at {cuts:?}");
+            let mut nodes: Vec<_> = cuts.windows(2).flat_map(|range| shard(&blocks, range[0], range[1])).collect();
+            draw.shuffle(&mut nodes);
+            assert_eq!(sums_bits(&summed(nodes).total().unwrap()), whole, "{n} blocks cut at {cuts:?}");
         }
     }
     assert!(plain_differs);
-    assert!(DyadicSum::default().total().is_none());
+    assert!(Dyadic::<Sums>::default().total().is_none());
+}
+
+/// By hand: of blocks 0..16, 2..4 and 8..16 are there, which leaves 0..2 and 4..8.
+#[test]
+fn gaps_and_overlaps_are_found() {
+    let sum = summed([(3, 1, Sums::zero(1)), (8, 8, Sums::zero(1)), (2, 1, Sums::zero(1))]);
+    assert_eq!(sum.nodes().map(|(first, blocks, _)| (first, blocks)).collect::<Vec<_>>(), [(2, 2), (8, 8)]);
+    assert_eq!(sum.gaps(0..16), [0..2, 4..8]);
+    assert_eq!(sum.gaps(3..20), [4..8, 16..20]);
+    assert_eq!(sum.gaps(9..12), []);
+    assert!(sum.overlaps(0..3) && sum.overlaps(15..17) && sum.overlaps(0..16));
+    assert!(!sum.overlaps(0..2) && !sum.overlaps(4..8) && !sum.overlaps(16..17));
 }

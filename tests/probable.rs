@@ -125,6 +125,7 @@ fn decided(rule: Keep, network: &Network) -> Answer {
         frequency: vec![0.0; n],
         uncertain: network.vessels().map(|(_, v)| v.origin == Origin::Candidate && !v.certain).collect(),
         network_resilience: 0.0,
+        residual: 0.0,
         samples: 64,
         trace: Vec::new(),
     };
@@ -160,6 +161,7 @@ fn rules_on_evidence_ask_for_it_and_have_their_ranges() {
         frequency: vec![0.0; 2],
         uncertain: vec![false; 2],
         network_resilience: 0.0,
+        residual: 0.0,
         samples: 64,
         trace: Vec::new(),
     };

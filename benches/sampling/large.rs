@@ -42,7 +42,7 @@ pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
         method.forest,
         each(own.bytes_max),
         each(shared.bytes_max),
-        method.residual.unwrap_or(f64::NAN)
+        sums.residual
     );
     Ok(())
 }

@@ -11,6 +11,8 @@ mod split;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::geometry::{Point, distance};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
@@ -22,7 +24,7 @@ pub use probable::build_probable;
 use split::{Cuts, split};
 
 /// Where a candidate may end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Attach {
     /// On the centerline of any vessel, split there, or on a free end.
     #[default]
@@ -32,7 +34,7 @@ pub enum Attach {
 }
 
 /// How a candidate's radius comes from the radii at its two ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum CandidateRadius {
     /// The smaller one.
     #[default]
@@ -42,7 +44,7 @@ pub enum CandidateRadius {
 }
 
 /// How candidates are built.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// Nearest targets of every free end, at least 1.
     pub k: usize,

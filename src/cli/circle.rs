@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Fault, Result};
 use willis::formats::{bytes_of, checksum};
@@ -37,10 +37,11 @@ pub struct CircleArgs {
 }
 
 /// Where the arteries are, and how that is known.
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Found {
     pub circle: Circle,
     /// `names`, `icafe`, `topcow` or `landmarks`.
-    pub known_by: &'static str,
+    pub known_by: String,
     /// Path and SHA-256 of the landmarks.
     pub landmarks: Option<(String, String)>,
     pub notes: Vec<String>,
@@ -98,7 +99,7 @@ impl CircleArgs {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(Found { circle, known_by: scheme.name(), landmarks: None, notes })
+        Ok(Found { circle, known_by: scheme.name().to_owned(), landmarks: None, notes })
     }
 }
 
@@ -108,5 +109,5 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> 
         .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV file of label,x_mm,y_mm,z_mm").in_file(file))?;
     let landmarks = read_landmarks(text, scale).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
-    Ok(Found { circle, known_by: "landmarks", landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
+    Ok(Found { circle, known_by: "landmarks".to_owned(), landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
 }

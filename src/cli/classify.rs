@@ -138,7 +138,7 @@ impl ClassifyArgs {
             network,
             counted,
             phenotype: &phenotype,
-            known_by: found.known_by,
+            known_by: &found.known_by,
             landmarks: found.record(),
             collateral: collateral_json(&collaterals),
             notes: &notes,
@@ -155,8 +155,8 @@ impl Work for ClassifyArgs {
         [self.reading.loops(input), self.circle.file(input), record].into_iter().flatten().collect()
     }
 
-    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
-        self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?.write(folder, &subject.name)
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
+        self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?.write(&folder.path(), &subject.name)
     }
 
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {

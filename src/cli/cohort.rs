@@ -10,7 +10,7 @@ use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::report::StagedFolder;
 use willis::report::cohort::{About, Cell, FILES, Row, write_cohort};
-use willis::report::staged::{IN_THE_MAKING, sweep};
+use willis::report::staged::{Making, sweep_own};
 
 use super::ledger::{Entry, Ledger};
 use super::provenance::command_line;
@@ -27,7 +27,7 @@ pub trait Work: Sync {
     fn files(&self, input: &Path) -> Vec<PathBuf>;
 
     /// Writes all files of a subject, run.json among them, into a folder.
-    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()>;
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
 
     /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)>;
@@ -63,8 +63,9 @@ impl Cohort<'_> {
             subjects: entries,
         };
         let earlier = self.earlier(&ledger)?;
-        let _lock = self.lock()?;
-        sweep(self.output)?;
+        // Keeps a second command off while this one lives.
+        let _lock = Making::new(self.output)?;
+        sweep_own(self.output)?;
         let is_done = |at: usize| {
             let record = self.record(&subjects[at].name);
             ledger.stands(at, &earlier) && record.is_some_and(|r| r["input"]["sha256"].as_str() == ledger.subjects[at].sha256())
@@ -123,19 +124,6 @@ impl Cohort<'_> {
         Ok(empty)
     }
 
-    /// Keeps a second command off the folder while this one lives.
-    fn lock(&self) -> Result<Lock> {
-        let path = self.output.join(format!("{IN_THE_MAKING}lock"));
-        let file = fs::File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
-        match file.try_lock() {
-            Err(fs::TryLockError::WouldBlock) => {
-                Err(Error::parameter("--output", self.output.display(), "another willis is at work in this folder"))
-            }
-            // A file system without locks is no reason to stop.
-            _ => Ok(Lock { path, _file: file }),
-        }
-    }
-
     /// Takes away what will be made again, so that nothing of an earlier state is taken for the new one.
     fn clear(&self, subjects: &[Subject], done: &[bool]) -> Result<()> {
         let folders = subjects.iter().zip(done).filter(|(_, done)| !**done).map(|(s, _)| self.output.join(&s.name));
@@ -160,7 +148,7 @@ impl Cohort<'_> {
                 && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
             {
                 let made = self.subject(&subjects[at], work, terminal.of_many());
-                if matches!(made, Err(Error::Stopped { .. })) {
+                if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
                     return;
                 }
                 let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -187,25 +175,12 @@ impl Cohort<'_> {
     fn subject(&self, subject: &Subject, work: &impl Work, terminal: Terminal) -> Result<()> {
         terminal.say("subject", &subject.name);
         let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
-        work.write(subject, &folder.path(), terminal)?;
+        work.write(subject, &folder, terminal)?;
         folder.commit()
     }
 
     /// The record of a subject that stands.
     fn record(&self, name: &str) -> Option<Value> {
         serde_json::from_slice(&fs::read(self.output.join(name).join("run.json")).ok()?).ok()
-    }
-}
-
-/// A folder that is kept to one command; its file goes with it.
-struct Lock {
-    path: PathBuf,
-    _file: fs::File,
-}
-
-impl Drop for Lock {
-    fn drop(&mut self) {
-        // One that stays behind keeps nobody off.
-        let _ = fs::remove_file(&self.path);
     }
 }

@@ -13,6 +13,7 @@ use willis::report::StagedFolder;
 use willis::report::cohort::{Cell, infer_figures};
 
 use super::boundary::{BoundaryArgs, say_boundary};
+use super::checkpoint::{Interval, parse_interval};
 use super::circle::CircleArgs;
 use super::cohort::{Cohort, Work};
 use super::input::{CandidateArgs, ReadingArgs, viscosity};
@@ -21,10 +22,11 @@ use super::keep::parse_rule;
 use super::prior::{Prior, PriorArgs};
 use super::provenance::{command_line, command_line_of};
 use super::run::state_inlets;
+use super::shard::{blocks_of, write_shard};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 use super::tell::say_built;
-use super::terminal::{Terminal, is_stopped};
+use super::terminal::{Terminal, listen};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -112,6 +114,21 @@ pub struct InferArgs {
     /// The seed; the same command with the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 0, help_heading = "Sampling")]
     seed: u64,
+    /// Only samples A up to, not including, B of the --samples, each a multiple of 64 or the last: a shard of the run, for willis merge
+    #[serde(skip)]
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["until", "exact", "json"], help_heading = "Sampling", allow_hyphen_values = true)]
+    range: Option<String>,
+    /// How often what is finished is kept beside OUT, in .willis-NAME, for the same command to go on from after a stop or a kill: auto
+    /// (once sampling takes over a minute), off, or so many seconds apart; Ctrl-C keeps it at once
+    #[serde(skip)]
+    #[arg(
+        long,
+        value_name = "auto|off|SECONDS",
+        default_value = "auto",
+        value_parser = parse_interval,
+        help_heading = "Sampling"
+    )]
+    checkpoint: Interval,
     /// Which vessels may be occluded and pruned [default: candidates]
     #[arg(long, value_enum, help_heading = "Sampling")]
     uncertain: Option<OnTrial>,
@@ -159,6 +176,10 @@ impl InferArgs {
         {
             return Err(Error::parameter("--epsilon", epsilon.1, "given twice; expected each probability once"));
         }
+        let range = self.range.as_deref().map(|text| blocks_of(text, self.samples)).transpose()?;
+        if let (Some(range), true) = (&self.range, runs.len() > 1) {
+            return Err(Error::parameter("--range", range, "goes with one --epsilon; shard the run of each by itself"));
+        }
         self.boundary.found_outlets(true)?;
         check_dpi(self.dpi)?;
         let inference = Inference { args: &self, rule, runs };
@@ -168,11 +189,15 @@ impl InferArgs {
         };
         StagedFolder::check(&self.output, force)?;
         let job = inference.job(&input, command_line(), terminal)?;
+        listen();
         let folder = StagedFolder::new(&self.output, force)?;
-        let records = job.write(&inference.runs, &folder.path(), start, terminal)?;
-        if is_stopped() {
-            return Err(Error::Stopped { done: self.samples, total: self.samples });
-        }
+        let records = match &range {
+            None => job.write(&inference.runs, &folder, self.checkpoint, start, terminal)?,
+            Some(blocks) => {
+                write_shard(job, &inference.runs[0], blocks, &folder, self.checkpoint, terminal)?;
+                Vec::new()
+            }
+        };
         folder.commit()?;
         if self.json {
             records.iter().try_for_each(print_json)?;
@@ -279,6 +304,9 @@ impl Inference<'_> {
             let given: Vec<String> = args.epsilon.iter().map(f64::to_string).collect();
             return Err(Error::parameter("--epsilon", given.join(","), "several go with one INPUT; give one for a cohort"));
         }
+        if let Some(range) = &args.range {
+            return Err(Error::parameter("--range", range, "goes with one INPUT; shard the run of each subject by itself"));
+        }
         args.reading.check()?;
         args.prior.check()?;
         args.candidates.params(RadiusRule::Mean, args.paper(), false)?;
@@ -297,10 +325,10 @@ impl Work for Inference<'_> {
             .collect()
     }
 
-    fn write(&self, subject: &Subject, folder: &Path, terminal: Terminal) -> Result<()> {
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
         let start = Instant::now();
         let command = command_line_of(&subject.input, &self.args.inputs);
-        self.job(&subject.input, command, terminal)?.write(&self.runs, folder, start, terminal).map(drop)
+        self.job(&subject.input, command, terminal)?.write(&self.runs, folder, self.args.checkpoint, start, terminal).map(drop)
     }
 
     fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {

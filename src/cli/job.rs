@@ -1,28 +1,37 @@
 //! The inference of one input: samples it, decides, writes its folder.
 
+use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::candidates;
 use willis::error::{Error, Result};
-use willis::formats::write_csv;
+use willis::formats::{checksum, checksum_of, write_csv};
 use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Answer, Keep, Params, Topology, decide, expected_errors, has_evidence, infer, infer_until_stable};
+use willis::inference::{
+    Answer, FIRST_STABLE, Keep, Likelihood, Method, Params, Part, Sampling, Topology, decide, expected_errors, has_evidence,
+};
 use willis::network::Network;
-use willis::report::staged::{write_file, write_record};
+use willis::report::staged::{StagedFolder, told, write_file, write_record};
 use willis::report::summary::Built;
 use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
 
+use super::checkpoint::{Interval, Keeper, Watch};
 use super::circle::Found;
+use super::mirror::{BoundaryMirror, FoundOutletsMirror};
 use super::run::{Run, posterior};
 use super::tell::{say_outcome, say_variant};
 use super::terminal::{Terminal, count, plural};
 
 /// An input made ready: what all its occlusion probabilities share.
+#[derive(Serialize, Deserialize)]
 pub struct Job {
     pub graph: Network,
+    #[serde(with = "BoundaryMirror")]
     pub boundary: Boundary,
+    #[serde(with = "FoundOutletsMirror")]
     pub outlets: FoundOutlets,
     pub provenance: Provenance,
     /// The record of the prior.
@@ -38,58 +47,161 @@ pub struct Job {
     pub circle: Option<Found>,
 }
 
+/// What the samples of a run came to.
+pub struct Sampled {
+    pub result: Likelihood,
+    pub method: Method,
+    /// For run.json: how long it took, on what.
+    pub time: Value,
+    pub seconds: f64,
+}
+
+impl Sampled {
+    /// With how long it took to compute so many of the samples.
+    pub fn new(result: Likelihood, method: Method, computed: u64, seconds: f64) -> Self {
+        let rate = computed as f64 / seconds;
+        let threads = rayon::current_num_threads();
+        let time =
+            json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": method.instructions });
+        Self { result, method, time, seconds }
+    }
+}
+
 impl Job {
     /// Writes the folder of an inference, or one for each of several `runs`, and returns their records; `start` is when the work
     /// on the input began.
-    pub fn write(&self, runs: &[Params], folder: &Path, start: Instant, terminal: Terminal) -> Result<Vec<Summary>> {
-        let seconds = || start.elapsed().as_secs_f64();
+    pub fn write(
+        &self,
+        runs: &[Params],
+        folder: &StagedFolder,
+        interval: Interval,
+        start: Instant,
+        terminal: Terminal,
+    ) -> Result<Vec<Summary>> {
+        let path = folder.path();
+        // Before the first of several looks at what is there.
+        for params in runs {
+            Keeper::files(folder, &self.key(&self.sampled_with(params), None));
+        }
         if let [params] = runs {
-            return Ok(vec![self.run(params, folder, &seconds, terminal)?.1]);
+            return Ok(vec![self.run(params, folder, &path, interval, start, terminal)?.1]);
         }
         let (mut decisions, mut records) = (Vec::new(), Vec::new());
         for params in runs {
-            let sub = folder.join(format!("epsilon-{}", params.epsilon));
-            std::fs::create_dir(&sub).map_err(|source| Error::Write { path: sub.clone(), source })?;
-            let (answer, record) = self.run(params, &sub, &seconds, terminal)?;
+            let sub = path.join(format!("epsilon-{}", params.epsilon));
+            std::fs::create_dir(&sub).map_err(|source| Error::Write { path: told(&sub), source })?;
+            let (answer, record) = self.run(params, folder, &sub, interval, start, terminal)?;
             decisions.push((params.epsilon, answer));
             records.push(record);
         }
         let uncertain = runs[0].uncertain.vessels(&self.graph);
-        write_file(&folder.join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
+        write_file(&path.join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
         Ok(records)
     }
 
-    fn run(&self, params: &Params, folder: &Path, seconds: &dyn Fn() -> f64, terminal: Terminal) -> Result<(Answer, Summary)> {
-        let start = Instant::now();
-        let params = &Params { uniform_prior: self.uniform_prior, ..params.clone() };
+    /// Samples and writes the folder `path` of one occlusion probability, within or the same as `folder`.
+    fn run(
+        &self,
+        params: &Params,
+        folder: &StagedFolder,
+        path: &Path,
+        interval: Interval,
+        start: Instant,
+        terminal: Terminal,
+    ) -> Result<(Answer, Summary)> {
+        let params = &self.sampled_with(params);
+        let begun = Instant::now();
+        self.say_sampling(params, terminal);
+        let first = if self.until_stable { Params { samples: FIRST_STABLE, ..params.clone() } } else { params.clone() };
+        let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
+        let mut keeper = Keeper::new(interval, folder, &self.key(params, None), &self.provenance.command, terminal);
+        let fits = |part: &Part| part.samples() == sampling.samples() || self.until_stable && part.samples().is_power_of_two();
+        let mut part = keeper.take_up(sampling.part().uncertain(), fits).unwrap_or_else(|| sampling.part());
+        let before = part.done();
+        let mut watch = Watch { progress: terminal.progress("sampling", "samples", part.samples()), keeper: &mut keeper };
+        let result = if self.until_stable {
+            sampling.until_stable(&mut part, &self.graph, self.rule, &mut watch)
+        } else {
+            sampling.sample(&mut part, 0..sampling.blocks(), &mut watch).map(|()| sampling.likelihood(&part))
+        };
+        watch.progress.finish();
+        let written = result.and_then(|result| {
+            keeper.sampled(&part);
+            let computed = part.done() - before;
+            let sampled = Sampled::new(result, sampling.method(), computed, begun.elapsed().as_secs_f64());
+            let written = self.write_one(params, &sampled, path, start, terminal)?;
+            // Nothing is written after a stop.
+            let (done, total) = (part.done(), part.samples());
+            if terminal.is_stopped() { Err(Error::Stopped { done, total }) } else { Ok(written) }
+        });
+        written.map_err(|error| keeper.rescue(&part, error))
+    }
+
+    /// The parameters with the prior of this input.
+    pub fn sampled_with(&self, params: &Params) -> Params {
+        Params { uniform_prior: self.uniform_prior, ..params.clone() }
+    }
+
+    /// All that the samples depend on, as SHA-256: what is kept of a run, or of a `range` of its samples, goes on under it.
+    pub fn key(&self, params: &Params, range: Option<&str>) -> String {
+        let samples = (!self.until_stable).then_some(params.samples);
+        let graph = self.graph_checksum();
+        let all = json!({ "willis": env!("CARGO_PKG_VERSION"), "graph": graph, "params": Params { samples: 0, ..params.clone() }, "samples": samples, "range": range });
+        checksum(all.to_string().as_bytes())
+    }
+
+    /// The SHA-256 of the graph with its conditions, exactly as they are sampled.
+    pub fn graph_checksum(&self) -> String {
+        let written = checksum_of(|out| {
+            serde_json::to_writer(&mut *out, &self.graph)?;
+            write!(out, "{:?}", self.boundary)
+        });
+        // Nothing fails here but the memory for a number.
+        written.unwrap_or_default()
+    }
+
+    /// Whether its rows are all there, as they are unless the job comes from a file.
+    pub fn is_whole(&self) -> bool {
+        let (nodes, boundary) = (self.graph.node_count(), &self.boundary);
+        let conditions = boundary.conditions.iter().map(|(node, _)| node);
+        boundary.roles.len() == nodes
+            && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
+            && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
+            && self.circle.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
+    }
+
+    /// Says what is about to be sampled.
+    pub fn say_sampling(&self, params: &Params, terminal: Terminal) {
         let trial = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
-        let threads = rayon::current_num_threads();
         let how = format!(
             "epsilon {}, {} samples, seed {}, {}",
             params.epsilon,
             count(params.samples),
             params.seed,
-            plural(threads, "thread")
+            plural(rayon::current_num_threads(), "thread")
         );
         terminal.say(
             "sampling",
             format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
         );
-        let mut progress = terminal.progress("sampling", "samples", params.samples);
-        let sampled = if self.until_stable {
-            infer_until_stable(&self.graph, &self.boundary, params, self.rule, &mut progress)
-        } else {
-            infer(&self.graph, &self.boundary, params, &mut progress)
-        };
-        progress.finish();
-        let (result, method) = sampled?;
-        let sampling = start.elapsed().as_secs_f64();
-        let answer = decide(self.rule, &self.graph, &result)?;
+    }
+
+    /// Decides, and writes everything into the folder of one occlusion probability.
+    pub fn write_one(
+        &self,
+        params: &Params,
+        sampled: &Sampled,
+        folder: &Path,
+        start: Instant,
+        terminal: Terminal,
+    ) -> Result<(Answer, Summary)> {
+        let (result, method) = (&sampled.result, sampled.method);
+        let answer = decide(self.rule, &self.graph, result)?;
         let topology = |kept: &[bool]| Topology::of(&self.graph, &result.uncertain, kept, &self.boundary);
         let outcome = Outcome {
             network: &self.graph,
             boundary: &self.boundary,
-            result: &result,
+            result,
             rule: self.rule,
             answer: &answer,
             kept: topology(&answer.kept),
@@ -107,8 +219,8 @@ impl Job {
         if self.paper {
             summary.follow_the_paper();
         }
-        summary.time = json!({ "sampling_s": sampling, "samples_per_s": result.samples as f64 / sampling, "threads": threads, "instructions": method.instructions });
-        say_outcome(terminal, &outcome, sampling);
+        summary.time = sampled.time.clone();
+        say_outcome(terminal, &outcome, sampled.seconds);
         for note in write_outcome(folder, &outcome, &mut summary, self.dpi)? {
             terminal.say("note", note);
         }
@@ -122,10 +234,10 @@ impl Job {
             say_variant(terminal, &variant, Some(&posterior));
             let phenotype = phenotype_json(&self.graph, &variant, Some(&posterior));
             write_phenotype(folder, &Run::subject(Path::new(&self.provenance.input)), &variant, Some(&posterior), &phenotype)?;
-            summary.state_phenotype(phenotype, found.known_by, found.record());
+            summary.state_phenotype(phenotype, &found.known_by, found.record());
         }
         // Known only once all else is written.
-        summary.time["wall_s"] = json!(seconds());
+        summary.time["wall_s"] = json!(start.elapsed().as_secs_f64());
         write_record(folder, &summary)?;
         Ok((answer, summary))
     }

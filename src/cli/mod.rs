@@ -2,6 +2,7 @@
 
 mod boundary;
 mod candidates;
+mod checkpoint;
 mod circle;
 mod classify;
 mod cohort;
@@ -11,12 +12,15 @@ mod input;
 mod job;
 mod keep;
 mod ledger;
+mod merge;
+mod mirror;
 mod modulate;
 mod perturbation;
 mod phantom;
 mod prior;
 mod provenance;
 mod run;
+mod shard;
 mod shell;
 mod simulate;
 mod subjects;
@@ -46,6 +50,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Infer(Box<infer::InferArgs>),
+    Merge(merge::MergeArgs),
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
@@ -111,6 +116,7 @@ impl Cli {
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
+            Command::Merge(args) => args.run(terminal, force),
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),

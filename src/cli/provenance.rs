@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 /// Options that change no result, with whether a value follows.
-const IMMATERIAL: [(&str, bool); 9] = [
+const IMMATERIAL: [(&str, bool); 11] = [
     ("-o", true),
     ("--output", true),
     ("--threads", true),
+    // The shards of a run have its command, which merge records.
+    ("--range", true),
+    ("--checkpoint", true),
     ("-q", false),
     ("--quiet", false),
     ("-v", false),

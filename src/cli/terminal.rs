@@ -35,6 +35,16 @@ impl Terminal {
         Self { quiet: !self.verbose, verbose: self.verbose, of_many: true }
     }
 
+    /// Whether Ctrl-C or SIGTERM has come as often as the work stops for.
+    pub fn is_stopped(self) -> bool {
+        STOPS.load(Ordering::Relaxed) >= self.stops()
+    }
+
+    /// After how many signals the work stops.
+    fn stops(self) -> u8 {
+        if self.of_many { 2 } else { 1 }
+    }
+
     /// Whether a person asked for more.
     pub fn is_verbose(self) -> bool {
         self.verbose
@@ -78,9 +88,10 @@ impl Terminal {
             doing,
             things,
             lines: !self.quiet && !self.of_many && !std::io::stderr().is_terminal(),
-            stops: if self.of_many { 2 } else { 1 },
+            stops: self.stops(),
             last: Instant::now(),
             start: Instant::now(),
+            before: None,
         }
     }
 }
@@ -115,15 +126,22 @@ pub struct CountProgress {
     stops: u8,
     last: Instant,
     start: Instant,
+    /// Things that were done when the work began.
+    before: Option<u64>,
 }
 
 impl willis::inference::Progress for CountProgress {
     fn report(&mut self, done: u64, total: u64) -> bool {
+        let before = *self.before.get_or_insert_with(|| {
+            self.bar.set_position(done);
+            self.bar.reset_eta();
+            done
+        });
         self.bar.set_length(total);
         self.bar.set_position(done);
         if self.lines && self.last.elapsed() > QUIET_TIME {
             self.last = Instant::now();
-            let rate = done as f64 / self.start.elapsed().as_secs_f64();
+            let rate = done.saturating_sub(before) as f64 / self.start.elapsed().as_secs_f64();
             let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
             let (doing, things, rate) = (self.doing, self.things, count(rate as u64));
             line(format_args!("{doing:>10}  {} of {} {things}, {rate}/s, {left:.0} s left", count(done), count(total)));

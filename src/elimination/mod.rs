@@ -48,7 +48,9 @@ impl Elimination {
         let (mut stars, left) = low_degrees(nodes, links, most);
         let eliminated = stars.len();
         let mut gone = vec![false; nodes];
-        stars.iter().for_each(|star| gone[star.center] = true);
+        for star in &stars {
+            gone[star.center] = true;
+        }
         let core = reverse_cuthill_mckee(&left, |node| !gone[node]);
         let mut place = vec![0; nodes];
         core.iter().enumerate().for_each(|(at, node)| place[*node] = at);

@@ -1,6 +1,6 @@
 //! The SHA-256 by which a file is known again.
 
-use std::io::Write;
+use std::io::{self, Sink, Write};
 
 use sha2::{Digest, Sha256};
 
@@ -9,18 +9,29 @@ pub fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
+/// The [`checksum`] of what `fill` writes, which need not be in memory at once.
+///
+/// # Errors
+///
+/// Those of `fill`.
+pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) -> io::Result<String> {
+    let mut summed = Checksummed::new(io::sink());
+    fill(&mut summed)?;
+    Ok(summed.finish())
+}
+
 fn hexadecimal(bytes: &[u8]) -> String {
     let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
     bytes.iter().flat_map(digits).collect()
 }
 
 /// Writes on while it takes the [`checksum`] of what it writes.
-pub struct Summed<W> {
+pub struct Checksummed<W> {
     out: W,
     sum: Sha256,
 }
 
-impl<W: Write> Summed<W> {
+impl<W: Write> Checksummed<W> {
     /// Writes to `out`.
     pub fn new(out: W) -> Self {
         Self { out, sum: Sha256::new() }
@@ -32,14 +43,14 @@ impl<W: Write> Summed<W> {
     }
 }
 
-impl<W: Write> Write for Summed<W> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+impl<W: Write> Write for Checksummed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.out.write(bytes)?;
         self.sum.update(&bytes[..written]);
         Ok(written)
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
 }

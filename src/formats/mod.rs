@@ -37,7 +37,7 @@ mod vtp;
 mod vtrails;
 mod xml;
 
-pub use checksum::{Summed, checksum};
+pub use checksum::{Checksummed, checksum, checksum_of};
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use document::{Content, Document, ReadOptions, bytes_of, read};
@@ -46,7 +46,7 @@ pub use graphml::{read_graphml, write_graphml};
 pub use icafe::{TracedVessel, name_stretches, read_traced_vessels};
 pub use links::{ListedBridge, read_links};
 pub use markups::{read_markups, write_markups};
-pub use npz::{read_skeleton_npz, write_skeleton_npz};
+pub use npz::{read_arrays, read_skeleton_npz, write_skeleton_npz};
 pub use numpy::{NamedArray, write_arrays, write_npy, write_npz};
 pub use points::{read_points, write_points};
 pub use polydata::RadiusArray;

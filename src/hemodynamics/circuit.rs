@@ -25,15 +25,6 @@ pub struct Circuit {
     pub level: f64,
 }
 
-/// How well pressures solve a circuit.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Residual {
-    /// ‖b - A P‖/‖b‖.
-    pub relative: f64,
-    /// ‖b - A P‖ beside what flows through all conductances at these pressures, which rounding alone leaves at 1e-16 or so.
-    pub backward: f64,
-}
-
 impl Circuit {
     /// The circuit of a network with all its vessels.
     ///
@@ -93,38 +84,6 @@ impl Circuit {
     /// How many vessels there are.
     pub fn vessel_count(&self) -> usize {
         self.ends.len()
-    }
-
-    /// How far the pressures (Pa above the level) of the free nodes are from Kirchhoff's law A P = b with the vessels `open`; injections
-    /// that are `stranded` count for nothing.
-    pub fn residual(
-        &self,
-        open: impl Fn(usize) -> bool,
-        stranded: impl Fn(usize) -> bool,
-        pressure: impl Fn(usize) -> f64,
-    ) -> Residual {
-        let source = |node: usize| if stranded(node) { 0.0 } else { self.source[node] };
-        let mut net: Vec<f64> = (0..self.node_count()).map(source).collect();
-        let mut driven = net.clone();
-        let mut total = self.shunt.clone();
-        for (vessel, [a, b]) in self.ends.iter().copied().enumerate().filter(|(vessel, _)| open(*vessel)) {
-            let c = self.conductance[vessel];
-            let flow = c * (pressure(a) - pressure(b));
-            net[a] -= flow;
-            net[b] += flow;
-            driven[a] += c * self.fixed[b].unwrap_or(0.0);
-            driven[b] += c * self.fixed[a].unwrap_or(0.0);
-            total[a] += c;
-            total[b] += c;
-        }
-        let (mut error, mut right, mut left) = (0.0, 0.0, 0.0);
-        for node in (0..net.len()).filter(|node| self.fixed[*node].is_none()) {
-            error += (net[node] - self.shunt[node] * pressure(node)).powi(2);
-            right += driven[node].powi(2);
-            left += (total[node] * pressure(node)).powi(2);
-        }
-        let share = |all: f64| if all > 0.0 { (error / all).sqrt() } else { 0.0 };
-        Residual { relative: share(right), backward: share(right + left) }
     }
 
     /// Whether the node itself fixes the pressure level of its component.

@@ -9,6 +9,7 @@ pub mod floating;
 pub mod peel;
 pub mod poiseuille;
 pub mod reduction;
+pub mod residual;
 pub mod star_mesh;
 pub mod steady;
 mod tube;

@@ -108,12 +108,11 @@ fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) ->
         let [a, b] = circuit.ends[link];
         let on = if a == node { b } else { a };
         let conductance = circuit.conductance[link];
-        let (share, through) = match circuit.fixed[node] {
-            Some(_) => (1.0, conductance),
-            None => {
-                let shunt = circuit.shunt[node];
-                (shunt / (conductance + shunt), shunt * (conductance / (conductance + shunt)))
-            }
+        let (share, through) = if circuit.fixed[node].is_some() {
+            (1.0, conductance)
+        } else {
+            let shunt = circuit.shunt[node];
+            (shunt / (conductance + shunt), shunt * (conductance / (conductance + shunt)))
         };
         hung.push(Hung { node, on, link, end, share });
         circuit.ends[link] = [node; 2];
@@ -151,7 +150,9 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> 
     rows.iter().flat_map(|row| circuit.ends[*row]).chain(trees.iter().map(|tree| tree.node)).for_each(|node| row_of[node] = 0);
     let nodes: Vec<usize> = (0..row_of.len()).filter(|node| row_of[*node] == 0).collect();
     nodes.iter().enumerate().for_each(|(at, node)| row_of[*node] = at);
-    trees.iter_mut().for_each(|tree| tree.node = row_of[tree.node]);
+    for tree in &mut trees {
+        tree.node = row_of[tree.node];
+    }
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),

@@ -3,6 +3,7 @@
 use super::circuit::Circuit;
 use super::conjugate_gradients::ConjugateGradients;
 use super::floating::{grounded, stranded};
+use super::residual::Check;
 use super::star_mesh::StarMesh;
 use crate::error::{Error, Result};
 use crate::simd::Scalar;
@@ -59,8 +60,7 @@ impl<'a> Steady<'a> {
                 let mut work = program.workspace::<1>();
                 program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
                 let pressure: Vec<f64> = nodes.map(|node| work.mesh.pressure[program.slot(node)][0]).collect();
-                let is_stranded = |node| stranded.iter().any(|(at, samples)| *at == node && *samples == 1);
-                if circuit.residual(&open, is_stranded, |node| pressure[node]).backward > MOST_BACKWARD {
+                if Check::default().residual(circuit, &masks, 0, &stranded, |node| pressure[node]).backward > MOST_BACKWARD {
                     return Err(Error::Breakdown);
                 }
                 pressure

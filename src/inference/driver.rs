@@ -1,33 +1,41 @@
 //! The sampling run: fixed blocks over the worker threads, summed over the dyadic tree of block indices.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 use super::answer::decide;
+use super::dyadic::Dyadic;
 use super::forest::MAX_VESSELS;
-use super::likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
+use super::likelihood::{Likelihood, Sums};
 use super::params::Params;
-use super::sampler::{Method, Sampler, Workspace};
+use super::part::Part;
+use super::sampler::{Method, Sampler};
 use super::threshold::Keep;
 use crate::error::{Error, Result};
 use crate::hemodynamics::Boundary;
 use crate::network::Network;
-use crate::rng::BLOCK;
 
 /// Samples that a run until stable begins and ends with.
-const FIRST_STABLE: u64 = 1 << 10;
+pub const FIRST_STABLE: u64 = 1 << 10;
 const LAST_STABLE: u64 = 1 << 20;
-/// Blocks between two reports of a worker.
-const REPORT_EVERY: u64 = 16;
-/// Points of the convergence record, at the most.
-const SNAPSHOTS: u64 = 128;
+/// Blocks that a worker sums up by itself before it hands them in, at the most.
+const UNIT: u64 = 16;
+/// Between two reports of a worker within them.
+const REPORT_AFTER: Duration = Duration::from_millis(50);
+/// Sums that a worker keeps for later, at the most.
+const SPARE: usize = 6;
 
 /// Hears how far a run is and may stop it.
 pub trait Progress: Send {
     /// So many samples of the total are done; false stops the run.
     fn report(&mut self, done: u64, total: u64) -> bool;
+
+    /// More of the run is finished; what stands here now can be gone on with later ([`Sampling::sample`]).
+    fn finished(&mut self, _part: &Part) {}
 }
 
 impl<F: FnMut(u64, u64) -> bool + Send> Progress for F {
@@ -47,17 +55,10 @@ pub fn infer(
     params: &Params,
     progress: &mut impl Progress,
 ) -> Result<(Likelihood, Method)> {
-    params.validate()?;
-    if network.vessel_count() >= MAX_VESSELS {
-        return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
-    }
-    let sampler = Sampler::new(network, boundary, params)?;
-    let uncertain = params.uncertain.vessels(network);
-    let (sums, trace) = run(&sampler, network.vessel_count(), sampler.samples(params.samples), &uncertain, progress)?;
-    let method = sampler.method();
-    let likelihood =
-        if params.exact { Likelihood::exact(sums, uncertain, params.samples) } else { Likelihood::new(sums, uncertain, trace) };
-    Ok((likelihood, method))
+    let sampling = Sampling::new(network, boundary, params)?;
+    let mut part = sampling.part();
+    sampling.sample(&mut part, 0..sampling.blocks(), progress)?;
+    Ok((sampling.likelihood(&part), sampling.method()))
 }
 
 /// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`; under the median where the
@@ -75,75 +76,184 @@ pub fn infer_until_stable(
     rule: Keep,
     progress: &mut impl Progress,
 ) -> Result<(Likelihood, Method)> {
-    let mut params = Params { samples: FIRST_STABLE, ..params.clone() };
-    let rule = if rule.asks_evidence() { Keep::Median } else { rule };
-    loop {
-        let (result, method) = infer(network, boundary, &params, progress)?;
-        if params.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
-            return Ok((result, method));
-        }
-        params.samples *= 2;
-    }
+    let mut sampling = Sampling::new(network, boundary, &Params { samples: FIRST_STABLE, ..params.clone() })?;
+    let mut part = sampling.part();
+    Ok((sampling.until_stable(&mut part, network, rule, progress)?, sampling.method()))
 }
 
-/// Workspaces that no task holds at the moment.
-type Spare = Mutex<Vec<(Workspace, Vec<Sums>)>>;
-
-fn run(
-    sampler: &Sampler,
-    vessels: usize,
+/// A run made ready, to be sampled in parts.
+#[derive(Debug)]
+pub struct Sampling {
+    sampler: Sampler,
+    uncertain: Vec<bool>,
     samples: u64,
-    uncertain: &[bool],
-    progress: &mut impl Progress,
-) -> Result<(Sums, Vec<Snapshot>)> {
-    let blocks = samples.div_ceil(BLOCK);
-    // A task is an aligned power of two of blocks, so that it is a node of the dyadic tree.
-    let task = (blocks / SNAPSHOTS).max(1).next_power_of_two();
-    let spare = Spare::default();
-    let stop = AtomicBool::new(false);
-    let heard = Mutex::new((0, progress));
-    let one_task = |at: u64| -> Result<Vec<(u64, Sums)>> {
-        let (first, last) = (at * task, blocks.min((at + 1) * task));
-        let (mut work, mut pool) = locked(&spare).pop().unwrap_or_else(|| (sampler.workspace(), Vec::new()));
-        let (mut parts, mut fresh) = (DyadicSum::default(), 0);
-        for block in first..last {
-            if stop.load(Ordering::Relaxed) {
-                return Ok(Vec::new());
-            }
-            let mut sums = pool.pop().unwrap_or_else(|| Sums::zero(vessels));
-            sampler.block(block, samples - block * BLOCK, &mut work, &mut sums)?;
-            fresh += sums.samples;
-            parts.push(1, sums, &mut pool);
-            if (block + 1) % REPORT_EVERY == 0 || block + 1 == last {
-                let (done, progress) = &mut *locked(&heard);
-                *done += std::mem::take(&mut fresh);
-                if !progress.report(*done, samples) {
-                    stop.store(true, Ordering::Relaxed);
-                }
-            }
-        }
-        locked(&spare).push((work, pool));
-        Ok(parts.into_nodes())
-    };
-    let tasks: Vec<Result<Vec<(u64, Sums)>>> = (0..blocks.div_ceil(task)).into_par_iter().map(one_task).collect();
-    let done = locked(&heard).0;
-    if done < samples && stop.load(Ordering::Relaxed) {
-        return Err(Error::Stopped { done, total: samples });
-    }
-    let (mut sum, mut trace, mut pool) = (DyadicSum::default(), Vec::new(), Vec::new());
-    for nodes in tasks {
-        for (blocks, sums) in nodes? {
-            sum.push(blocks, sums, &mut pool);
-        }
-        if let Some(total) = sum.total() {
-            let likelihood = total.likelihood.iter().zip(uncertain).filter(|(_, u)| **u).map(|(l, _)| *l);
-            trace.push(Snapshot { samples: total.samples, likelihood: likelihood.collect() });
-        }
-    }
-    Ok((sum.total().unwrap_or_default(), trace))
+    /// Of an enumeration the samples that L is scaled to.
+    scaled_to: Option<u64>,
 }
 
-/// The content of a lock; a panic elsewhere leaves it usable, for it is only memory and a count.
+impl Sampling {
+    /// Prepares a run.
+    ///
+    /// # Errors
+    ///
+    /// A parameter or vessel out of its range.
+    pub fn new(network: &Network, boundary: &Boundary, params: &Params) -> Result<Self> {
+        params.validate()?;
+        if network.vessel_count() >= MAX_VESSELS {
+            return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
+        }
+        let sampler = Sampler::new(network, boundary, params)?;
+        let samples = sampler.samples(params.samples);
+        let uncertain = params.uncertain.vessels(network);
+        Ok(Self { sampler, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
+    }
+
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        self.sampler.method()
+    }
+
+    /// Samples of the whole run.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Blocks of the whole run.
+    pub fn blocks(&self) -> u64 {
+        self.part().blocks()
+    }
+
+    /// The part of the run that is finished before it begins.
+    pub fn part(&self) -> Part {
+        Part::new(self.uncertain.clone(), self.samples)
+    }
+
+    /// Finishes a range of blocks of the run; those that `part` has already are not computed again.
+    ///
+    /// # Errors
+    ///
+    /// A breakdown of the Cholesky solver, or a stop by `progress`; `part` then has what was finished.
+    pub fn sample(&self, part: &mut Part, blocks: Range<u64>, progress: &mut impl Progress) -> Result<()> {
+        let total = part.samples_in(&blocks);
+        let gaps = part.gaps(blocks);
+        let done = total - gaps.iter().map(|gap| part.samples_in(gap)).sum::<u64>();
+        let unit = part.step().min(UNIT);
+        let (stop, shared) = (AtomicBool::new(false), Mutex::new(Shared { part, units: Units { gaps, unit }, done, progress }));
+        let hear = |shared: &mut Shared<'_, _>, fresh: u64| {
+            if !shared.hear(fresh, total) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let worker = |_| -> Result<()> {
+            let (mut work, mut spare) = (self.sampler.workspace(), Vec::new());
+            while !stop.load(Ordering::Relaxed) {
+                let Some(unit) = locked(&shared).units.next() else { break };
+                let (mut sum, mut fresh, mut said) = (Dyadic::default(), 0, Instant::now());
+                for block in unit {
+                    let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
+                    self.sampler.block(block, self.samples - block * crate::rng::BLOCK, &mut work, &mut sums)?;
+                    fresh += sums.samples;
+                    sum.insert(block, 1, sums, &mut spare, |_, _, _| {});
+                    if said.elapsed() > REPORT_AFTER {
+                        said = Instant::now();
+                        hear(&mut locked(&shared), std::mem::take(&mut fresh));
+                    }
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                }
+                let shared = &mut *locked(&shared);
+                for (first, blocks, sums) in sum.into_nodes() {
+                    shared.part.insert(first, blocks, sums, &mut spare);
+                }
+                spare.truncate(SPARE);
+                hear(shared, fresh);
+                shared.progress.finished(shared.part);
+            }
+            Ok(())
+        };
+        let ended = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|at| {
+            // One that fails stops the others.
+            worker(at).inspect_err(|_| stop.store(true, Ordering::Relaxed))
+        });
+        ended.collect::<Result<()>>()?;
+        let Shared { done, .. } = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
+    }
+
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no vessel on trial is undecided under `rule`; one that was
+    /// begun goes on with the samples that `part` has come to.
+    ///
+    /// # Errors
+    ///
+    /// As [`Sampling::sample`].
+    pub fn until_stable(
+        &mut self,
+        part: &mut Part,
+        network: &Network,
+        rule: Keep,
+        progress: &mut impl Progress,
+    ) -> Result<Likelihood> {
+        let rule = if rule.asks_evidence() { Keep::Median } else { rule };
+        self.samples = part.samples();
+        loop {
+            self.sample(part, 0..self.blocks(), progress)?;
+            let result = self.likelihood(part);
+            if self.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
+                return Ok(result);
+            }
+            self.samples *= 2;
+            part.double();
+        }
+    }
+
+    /// What the samples say, from a part that is the whole run.
+    pub fn likelihood(&self, part: &Part) -> Likelihood {
+        let sums = part.total().unwrap_or_default();
+        match self.scaled_to {
+            Some(samples) => Likelihood::exact(sums, self.uncertain.clone(), samples),
+            None => Likelihood::new(sums, self.uncertain.clone(), part.trace()),
+        }
+    }
+}
+
+/// What the workers share.
+struct Shared<'a, P> {
+    part: &'a mut Part,
+    units: Units,
+    done: u64,
+    progress: &'a mut P,
+}
+
+impl<P: Progress> Shared<'_, P> {
+    /// So many more samples of the total are done; false stops the run.
+    fn hear(&mut self, fresh: u64, total: u64) -> bool {
+        self.done += fresh;
+        self.progress.report(self.done, total)
+    }
+}
+
+/// What is to be done, in rising order, so that little stands alone while a run is under way.
+struct Units {
+    gaps: Vec<Range<u64>>,
+    /// Blocks of a unit, a power of two.
+    unit: u64,
+}
+
+impl Units {
+    fn next(&mut self) -> Option<Range<u64>> {
+        let gap = self.gaps.first_mut()?;
+        let first = gap.start;
+        let last = gap.end.min((first / self.unit + 1) * self.unit);
+        gap.start = last;
+        if gap.is_empty() {
+            self.gaps.remove(0);
+        }
+        Some(first..last)
+    }
+}
+
+/// The content of a lock; a panic elsewhere leaves it usable, for it is only sums and counts.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

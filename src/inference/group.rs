@@ -8,6 +8,8 @@ use super::forest::{Forest, keys};
 use super::likelihood::Sums;
 use super::params::Weight;
 use super::tally::{Samples, Tally, expectation, part};
+use crate::hemodynamics::Circuit;
+use crate::hemodynamics::residual::Check;
 use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
@@ -38,6 +40,7 @@ pub struct Memory<const B: usize> {
     /// Every vessel's place in the forests, one group after another.
     taken: Vec<Taken<B>>,
     forest: Forest,
+    check: Check,
 }
 
 /// The pressure at a slot above the circuit's level, and the least drop that is more than rounding beside it, Pa.
@@ -57,6 +60,7 @@ impl<const B: usize> Memory<B> {
             key: vec![Lanes::ZERO; keys],
             taken: vec![[0; B]; (vessels + 1) * BLOCK as usize / B],
             forest: Forest::default(),
+            check: Check::default(),
         }
     }
 }
@@ -98,6 +102,8 @@ pub struct Job<'a> {
     pub flows: &'a [Flow],
     /// Added to every pressure, Pa.
     pub level: f64,
+    /// What is solved.
+    pub circuit: &'a Circuit,
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
     /// The nodes of each vessel.
@@ -136,6 +142,10 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
         let mut global = Samples::ZERO;
         for (at, first) in (0..job.samples).step_by(B).enumerate() {
             solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
+            if first == 0 {
+                let pressure = |node| work.flow.pressure[solver.slot(node)][0];
+                sums.residual = work.check.residual(job.circuit, job.masks, 0, job.stranded, pressure).relative;
+            }
             job.level(simd, &work.flow.pressure, &mut work.level);
             if let Some(program) = job.bottleneck {
                 program.clear(&mut work.key);

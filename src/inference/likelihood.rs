@@ -1,5 +1,6 @@
 //! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
 
+use super::dyadic::Summed;
 use crate::network::Network;
 
 /// Sums over a range of samples, per vessel.
@@ -13,6 +14,8 @@ pub struct Sums {
     pub count: Vec<f64>,
     /// Σ ρ_G of the samples, W/m³.
     pub network_resilience: f64,
+    /// The largest relative residual ‖b - A P‖/‖b‖ of the samples that were checked, one of a block.
+    pub residual: f64,
     /// How many samples.
     pub samples: u64,
 }
@@ -29,19 +32,8 @@ impl Sums {
         self.square.fill(0.0);
         self.count.fill(0.0);
         self.network_resilience = 0.0;
+        self.residual = 0.0;
         self.samples = 0;
-    }
-
-    /// These sums and those of the samples after them.
-    #[must_use]
-    pub fn plus(mut self, right: &Self) -> Self {
-        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        add(&mut self.likelihood, &right.likelihood);
-        add(&mut self.square, &right.square);
-        add(&mut self.count, &right.count);
-        self.network_resilience += right.network_resilience;
-        self.samples += right.samples;
-        self
     }
 
     /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
@@ -59,40 +51,16 @@ impl Sums {
     }
 }
 
-/// A running sum over the dyadic tree of block indices (node = left + right).
-#[derive(Debug, Clone, Default)]
-pub struct DyadicSum {
-    /// Finished subtrees with the number of blocks in each, sizes falling.
-    nodes: Vec<(u64, Sums)>,
-}
-
-impl DyadicSum {
-    /// Adds a subtree over the next `blocks` blocks, a power of two; memory that is no longer needed goes to `pool`.
-    pub fn push(&mut self, mut blocks: u64, mut sums: Sums, pool: &mut Vec<Sums>) {
-        while self.nodes.last().is_some_and(|(size, _)| *size == blocks) {
-            if let Some((_, left)) = self.nodes.pop() {
-                let right = std::mem::replace(&mut sums, left);
-                sums = sums.plus(&right);
-                pool.push(right);
-                blocks *= 2;
-            }
-        }
-        self.nodes.push((blocks, sums));
-    }
-
-    /// The finished subtrees, with the number of blocks in each.
-    pub fn into_nodes(self) -> Vec<(u64, Sums)> {
-        self.nodes
-    }
-
-    /// The sum so far; `None` before the first block.
-    pub fn total(&self) -> Option<Sums> {
-        let mut nodes = self.nodes.iter().rev();
-        let mut total = nodes.next()?.1.clone();
-        for (_, left) in nodes {
-            total = left.clone().plus(&total);
-        }
-        Some(total)
+impl Summed for Sums {
+    fn plus(mut self, right: &Self) -> Self {
+        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.likelihood, &right.likelihood);
+        add(&mut self.square, &right.square);
+        add(&mut self.count, &right.count);
+        self.network_resilience += right.network_resilience;
+        self.residual = self.residual.max(right.residual);
+        self.samples += right.samples;
+        self
     }
 }
 
@@ -118,6 +86,8 @@ pub struct Likelihood {
     pub uncertain: Vec<bool>,
     /// Mean of ρ_G over the samples, W/m³.
     pub network_resilience: f64,
+    /// The largest relative residual of the samples that were checked.
+    pub residual: f64,
     /// How many samples there were.
     pub samples: u64,
     /// L of the uncertain vessels along the way.
@@ -132,6 +102,7 @@ impl Likelihood {
             std_error: sums.standard_errors(),
             frequency: sums.count.iter().map(|c| c / n).collect(),
             network_resilience: sums.network_resilience / n,
+            residual: sums.residual,
             samples: sums.samples,
             likelihood: sums.likelihood,
             uncertain,
@@ -147,6 +118,7 @@ impl Likelihood {
             likelihood: sums.likelihood.iter().map(|e| n * e).collect(),
             frequency: sums.count,
             network_resilience: sums.network_resilience,
+            residual: sums.residual,
             samples,
             uncertain,
             trace: Vec::new(),

@@ -5,11 +5,13 @@ mod bottleneck;
 mod census;
 mod cost;
 mod driver;
+mod dyadic;
 mod ends;
 mod forest;
 mod group;
 mod likelihood;
 mod params;
+mod part;
 mod patterns;
 mod probable;
 mod reduced;
@@ -23,11 +25,13 @@ mod whole;
 
 pub use answer::{Answer, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
 pub use bottleneck::{Bottleneck, Offer, Taken};
-pub use driver::{Progress, infer, infer_until_stable};
+pub use driver::{FIRST_STABLE, Progress, Sampling, infer, infer_until_stable};
+pub use dyadic::{Dyadic, Summed};
 pub use ends::Known;
 pub use forest::{Forest, key};
-pub use likelihood::{DyadicSum, Likelihood, Snapshot, Sums};
+pub use likelihood::{Likelihood, Snapshot, Sums};
 pub use params::{Params, Solver, Uncertain, Weight};
+pub use part::Part;
 pub use probable::{
     ExpectedErrors, LEAST_CLOSURE, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };

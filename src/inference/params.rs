@@ -1,11 +1,13 @@
 //! The parameters of a run.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use crate::network::{Network, Origin, Vessel};
 
 /// Which vessels are on trial.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Uncertain {
     /// The candidates; observed vessels are never occluded.
     #[default]
@@ -33,7 +35,7 @@ impl Uncertain {
 }
 
 /// What a vessel of the forest contributes to L.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Weight {
     /// Its resilience ρ, as in the paper.
     #[default]
@@ -68,7 +70,7 @@ impl Weight {
 }
 
 /// The solver of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Solver {
     /// The fastest that the structure of the graph allows.
     #[default]
@@ -82,7 +84,7 @@ pub enum Solver {
 }
 
 /// The parameters of a run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// Occlusion probability ε in [0, 1).
     pub epsilon: f64,

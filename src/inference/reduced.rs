@@ -22,7 +22,6 @@ use crate::resilience::resilience_per_square_flow;
 use crate::simd::InstructionSet;
 
 use std::f64::consts::PI;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use super::reduced_group::Workspace;
 
@@ -34,15 +33,13 @@ pub struct Reduced {
     shares: Vec<Option<(u32, f64)>>,
     weight: Weight,
     instructions: InstructionSet,
-    /// The bits of the largest residual found; those of positive doubles are in their order.
-    residual: AtomicU64,
 }
 
 /// How pressures are found.
 #[derive(Debug)]
 pub enum Solve {
-    Lanes(StarMesh),
-    Gradients(ConjugateGradients),
+    Lanes(Box<StarMesh>),
+    Gradients(Box<ConjugateGradients>),
     Cholesky(Box<Cholesky>),
 }
 
@@ -145,7 +142,6 @@ impl Reduced {
             shares,
             weight: params.weight,
             instructions: InstructionSet::detect(),
-            residual: AtomicU64::new(0),
         })
     }
 
@@ -162,7 +158,6 @@ impl Reduced {
             forest: if self.core.bottleneck.is_some() { "bottleneck" } else { "kruskal" },
             forest_joins: self.core.bottleneck.as_ref().map(Bottleneck::joins),
             instructions: self.instructions.name(),
-            residual: Some(f64::from_bits(self.residual.load(Ordering::Relaxed))),
         }
     }
 
@@ -181,7 +176,7 @@ impl Reduced {
         let stranded = stranded(&self.core.circuit, &work.masks, block.samples);
         let residual =
             self.instructions.run(InLanes { core: &self.core, block, stranded: &stranded, weight: self.weight, work, sums })?;
-        self.residual.fetch_max(residual.relative.to_bits(), Ordering::Relaxed);
+        sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {
             return Err(Error::Breakdown);
         }
@@ -201,7 +196,9 @@ impl Reduced {
 /// Compiles a core for the solver asked for, or for the one that is predicted to be the fastest.
 fn compile(core: &Circuit, solver: Solver) -> Result<Solve> {
     match solver {
-        Solver::Lanes => return StarMesh::compile(core, usize::MAX).map(Solve::Lanes).ok_or(Error::Breakdown),
+        Solver::Lanes => {
+            return StarMesh::compile(core, usize::MAX).map(|program| Solve::Lanes(Box::new(program))).ok_or(Error::Breakdown);
+        }
         Solver::Cholesky => return Cholesky::compile(core).map(|f| Solve::Cholesky(Box::new(f))).ok_or(Error::Breakdown),
         Solver::Gradients | Solver::Auto => {}
     }
@@ -211,7 +208,7 @@ fn compile(core: &Circuit, solver: Solver) -> Result<Solve> {
         _ => None,
     };
     Ok(match lanes {
-        Some(program) => Solve::Lanes(program),
-        None => Solve::Gradients(gradients),
+        Some(program) => Solve::Lanes(Box::new(program)),
+        None => Solve::Gradients(Box::new(gradients)),
     })
 }

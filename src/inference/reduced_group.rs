@@ -12,7 +12,7 @@ use super::sampler::Block;
 use super::tally::{Samples, expectation};
 use super::ties::{self, Ties};
 use crate::error::{Error, Result};
-use crate::hemodynamics::circuit::Residual;
+use crate::hemodynamics::residual::{Check, Residual};
 use crate::hemodynamics::{Circuit, cholesky, conjugate_gradients, star_mesh};
 use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
@@ -79,6 +79,7 @@ pub struct Workspace {
     taken: Vec<Taken<B>>,
     forest: Forest,
     ties: ties::Workspace,
+    check: Check,
 }
 
 enum FlowMemory {
@@ -106,6 +107,7 @@ impl Workspace {
             taken: vec![[0; B]; links + 1],
             forest: Forest::default(),
             ties: ties::Workspace::default(),
+            check: Check::default(),
         }
     }
 
@@ -149,8 +151,8 @@ impl Kernel for InLanes<'_> {
                     &memory.mesh.pressure
                 }
                 (Solve::Cholesky(factor), FlowMemory::Cholesky { memory, pressure }) => {
-                    for lane in 0..lanes {
-                        let open = |link: usize| work.masks[link] >> (first + lane) & 1 == 1;
+                    for (lane, sample) in (first..first + lanes).enumerate() {
+                        let open = |link: usize| work.masks[link] >> sample & 1 == 1;
                         factor.solve(open, memory, |node, p| pressure[node][lane] = p)?;
                     }
                     pressure
@@ -158,9 +160,8 @@ impl Kernel for InLanes<'_> {
                 _ => return Err(Error::Breakdown),
             };
             if first == 0 {
-                let open = |link: usize| work.masks[link] & 1 == 1;
-                let is_stranded = |node| stranded.iter().any(|(at, samples)| *at == node && samples & 1 == 1);
-                residual = core.circuit.residual(open, is_stranded, |node| pressure[core.slot(node)][0]);
+                let pressure = |node| pressure[core.slot(node)][0];
+                residual = work.check.residual(&core.circuit, &work.masks, 0, stranded, pressure);
             }
             let group = Group { core, pressure, level: core.circuit.level, masks: &work.masks, first };
             group.resiliences(simd, &mut work.resilience);
@@ -187,12 +188,22 @@ impl Kernel for InLanes<'_> {
                 global[first + lane] = total[lane];
                 counted[lane] = block.probability.map_or(1.0, |p| p[first + lane]);
             }
-            group.account(simd, weight, &total, &counted, &work.resilience, &work.taken, &mut work.accounts);
+            let worth = Worth { weight, global: total, counted };
+            group.account(simd, &worth, &work.resilience, &work.taken, &mut work.accounts);
         }
         sums.samples = block.samples as u64;
         sums.network_resilience = expectation(&global, block.probability);
         Ok(residual)
     }
+}
+
+/// What a vessel contributes in each of eight samples.
+struct Worth {
+    weight: Weight,
+    /// ρ_G of each.
+    global: Lanes<B>,
+    /// What each counts.
+    counted: Lanes<B>,
 }
 
 /// Eight samples at their pressures.
@@ -245,19 +256,11 @@ impl Group<'_> {
         })
     }
 
-    /// Adds the group to the accounts; a sample counts for `counted`.
+    /// Adds the group to the accounts.
     #[inline(always)]
-    fn account<S: Simd>(
-        &self,
-        simd: S,
-        weight: Weight,
-        global: &Lanes<B>,
-        counted: &Lanes<B>,
-        resilience: &[Lanes<B>],
-        taken: &[Taken<B>],
-        accounts: &mut Sums,
-    ) {
+    fn account<S: Simd>(&self, simd: S, worth: &Worth, resilience: &[Lanes<B>], taken: &[Taken<B>], accounts: &mut Sums) {
         let links = self.core.links.len();
+        let Worth { weight, global, counted } = worth;
         let mut add = |account: usize, rho: &Lanes<B>, one: &Lanes<B>| {
             let value = match weight {
                 Weight::Resilience => *rho,
@@ -328,4 +331,4 @@ fn sum(lanes: &Lanes<B>) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-const _: () = assert!(BLOCK as usize % B == 0, "a block is made of whole groups");
+const _: () = assert!((BLOCK as usize).is_multiple_of(B), "a block is made of whole groups");

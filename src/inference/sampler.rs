@@ -18,7 +18,7 @@ const MANY: usize = 4096;
 const MOST_JOINS: usize = 200_000;
 
 /// How a run computed its samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Method {
     /// The solver: `lanes`, `gradients` or `cholesky`.
     pub solver: &'static str,
@@ -30,8 +30,6 @@ pub struct Method {
     pub forest_joins: Option<usize>,
     /// The instruction set.
     pub instructions: &'static str,
-    /// The largest relative residual ‖b - A P‖/‖b‖ found in the samples checked; `None` where none was.
-    pub residual: Option<f64>,
 }
 
 /// Everything about a graph that all its samples share.
@@ -55,7 +53,7 @@ pub struct Workspace {
 }
 
 enum Memory {
-    Whole(Group),
+    Whole(Box<Group>),
     Reduced(Box<reduced::Workspace>),
 }
 
@@ -110,7 +108,7 @@ impl Sampler {
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
         let how = match &self.how {
-            How::Whole(whole) => Memory::Whole(whole.workspace()),
+            How::Whole(whole) => Memory::Whole(Box::new(whole.workspace())),
             How::Reduced(reduced) => Memory::Reduced(Box::new(reduced.workspace())),
         };
         Workspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], how }

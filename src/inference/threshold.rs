@@ -6,7 +6,7 @@ use crate::stats::{median, otsu, quantile};
 use super::likelihood::Likelihood;
 
 /// The rule that decides which uncertain vessels stay.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Keep {
     /// L above the median of the uncertain vessels with L > 0 (the paper).
     #[default]

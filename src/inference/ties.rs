@@ -29,7 +29,9 @@ impl Ties {
         let nodes = circuit.node_count();
         let mut around = vec![Vec::new(); nodes];
         for (link, ends) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
-            ends.iter().for_each(|end| around[*end].push(link as u32));
+            for end in ends {
+                around[*end].push(link as u32);
+            }
         }
         let bare = |node: usize| circuit.fixed[node].is_none() && circuit.shunt[node] == 0.0 && circuit.source[node] == 0.0;
         let may_tie = |links: &[u32]| {

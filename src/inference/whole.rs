@@ -96,7 +96,6 @@ impl Whole {
             forest: if self.bottleneck.is_some() { "bottleneck" } else { "kruskal" },
             forest_joins: self.bottleneck.as_ref().map(Bottleneck::joins),
             instructions: self.instructions.name(),
-            residual: None,
         }
     }
 
@@ -121,6 +120,7 @@ impl Whole {
             samples,
             flows: &self.flows,
             level: self.circuit.level,
+            circuit: &self.circuit,
             ends: &self.ends,
             nodes: self.circuit.node_count(),
             weight: self.weight,

@@ -1,11 +1,13 @@
 //! What the evidence says of a candidate: how probable it is before any flow.
 
+use serde::{Deserialize, Serialize};
+
 /// The odds by which a free end that nobody knows for an inlet or outlet ends where it is, where a bridge of weight w has the odds
 /// w: e⁻², between a price that leaves gaps open and one that bridges every end.
 const ENDS: f64 = 0.135_335_283_236_612_7;
 
 /// The evidence for a candidate vessel between two nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,

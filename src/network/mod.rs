@@ -5,6 +5,7 @@ mod evidence;
 mod fragments;
 mod locate;
 mod naming;
+mod stored;
 
 pub use contract::{Contraction, RadiusRule, contract};
 pub use evidence::Evidence;
@@ -13,12 +14,13 @@ pub use locate::{Located, locate, nearest, parse_position};
 pub use naming::vessels_called;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::Point;
 use crate::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
 
 /// A junction, a free end or a landmark.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Node {
     /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
     pub id: String,
@@ -38,7 +40,7 @@ pub struct Node {
 }
 
 /// What a node is to the flow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Role {
     /// Blood enters here.
     Inlet,
@@ -63,7 +65,7 @@ impl Role {
 pub const INLET_PRESSURE_MMHG: f64 = 100.0;
 
 /// A boundary condition at a node.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Condition {
     /// A fixed pressure, Pa; 0 is ground.
     Pressure(f64),
@@ -94,7 +96,7 @@ impl Condition {
 }
 
 /// Whether the image showed the vessel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Origin {
     /// Traced in the image.
     Observed,
@@ -114,7 +116,7 @@ impl Origin {
 }
 
 /// A point on a vessel's centerline.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PathPoint {
     /// Position, m.
     pub position: Point,
@@ -125,7 +127,7 @@ pub struct PathPoint {
 }
 
 /// A vessel between two nodes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Vessel {
     /// Length along the centerline, m.
     pub length: f64,

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// A side of the body: the patient's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Side {
     /// Left.
     Left,
@@ -13,7 +15,7 @@ pub enum Side {
 
 /// An artery. What lies further out counts as what it continues: M2 to M4 as M1, A3 to A5 as A2, P3 and P4 as P2, every segment of
 /// the internal carotid (C1 to C7, ICA I and II, ICA-T) as the internal carotid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Artery {
     /// Internal carotid artery.
     Ica(Side),

@@ -15,7 +15,7 @@ use super::ways::{Marks, Way, shortest};
 use crate::network::Network;
 
 /// What a label makes of a vessel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Place {
     /// A vessel of an artery.
     Artery(Artery),

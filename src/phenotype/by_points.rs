@@ -17,7 +17,7 @@ const LONGEST_CHANNEL: f64 = 0.02;
 const LENGTH_OF_P1: f64 = 0.01;
 
 /// Nodes of the arteries. Pairs are left, right.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Points {
     /// Where the carotids come in.
     pub ica: [Option<usize>; 2],

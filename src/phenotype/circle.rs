@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::artery::Artery;
 use super::by_labels::{self, Place};
 use super::by_points::Points;
@@ -17,12 +19,12 @@ use crate::network::{Network, Origin};
 use crate::units::millimetres;
 
 /// Where the arteries are.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circle {
     place: Where,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 enum Where {
     /// Per vessel what its label makes of it.
     Vessels(Vec<Place>),
@@ -154,6 +156,14 @@ impl Circle {
         match &self.place {
             Where::Vessels(places) => by_labels::courses(places, network),
             Where::Nodes(points) => points.courses(network),
+        }
+    }
+
+    /// Whether this may be the circle of a network: of as many vessels, or with no node beyond its own.
+    pub fn fits(&self, network: &Network) -> bool {
+        match &self.place {
+            Where::Vessels(places) => places.len() == network.vessel_count(),
+            Where::Nodes(_) => self.ends(network).iter().all(|node| *node < network.node_count()),
         }
     }
 

@@ -2,11 +2,15 @@
 
 mod agreement;
 pub mod cohort;
+mod disk;
 mod flow_record;
 mod flow_tables;
+mod making;
 mod modulation;
+mod ours;
 pub mod outcome;
 pub mod page;
+mod part_file;
 mod phenotype;
 pub mod plots;
 mod simulated;
@@ -18,10 +22,11 @@ pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
+pub use part_file::{read_part, write_part};
 pub use phenotype::{
     Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,
     write_phenotype,
 };
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
-pub use summary::{Provenance, Summary};
+pub use summary::{Provenance, Summary, candidate_parameters, outlets_found, word_of_keep};

@@ -9,7 +9,7 @@ use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::{Error, Result};
 use crate::formats::{
-    Column, Summed, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Checksummed, Column, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use crate::hemodynamics::{Boundary, Circuit, steady};
 use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
@@ -109,7 +109,7 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     let (nodes, vessels) = graph_columns(&graph);
     let mut sum = String::new();
     write_file(path, |out| {
-        let mut summed = Summed::new(out);
+        let mut summed = Checksummed::new(out);
         write_graphml(&mut summed, &graph, &nodes, &vessels)?;
         sum = summed.finish();
         Ok(())
@@ -191,6 +191,7 @@ fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot
         frequency: vec![0.0; trial.len()],
         uncertain: vec![true; trial.len()],
         network_resilience: 0.0,
+        residual: 0.0,
         samples: 1,
         trace: Vec::new(),
     };

@@ -1,105 +1,16 @@
-//! Output that appears whole or not at all: written beside its place, then renamed.
+//! Output that appears whole or not at all: written beside its place, brought onto the disk, then renamed.
 
 use std::fs;
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-use tempfile::TempDir;
-
+use super::disk::DiskFile;
+use super::making::{IN_THE_MAKING, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error};
+pub use super::making::{Making, told};
+pub use super::ours::{COHORT_MARK, SHARD_MARK};
+use super::ours::{MARK, entries, stranger};
 use crate::error::{Error, Result};
-
-/// The record by which a folder of this program is known.
-const MARK: &str = "run.json";
-/// All that such a folder may hold; --force replaces no folder with anything else in it.
-const FILES: &[&str] = &[
-    "edges.csv",
-    "nodes.csv",
-    "likelihood.npy",
-    "likelihood.npz",
-    "likelihood.png",
-    "likelihood.svg",
-    "convergence.png",
-    "convergence.svg",
-    "flow.png",
-    "flow.svg",
-    MARK,
-    "report.html",
-    "candidates.graphml",
-    "topology.graphml",
-    "topology.vtp",
-    "topology.swc",
-    "topology-median.graphml",
-    "topology-median.vtp",
-    "classes.csv",
-    "hypertension.csv",
-    "samples.npz",
-    "modulation.png",
-    "modulation.svg",
-    "hypertension.png",
-    "hypertension.svg",
-    "phenotype.json",
-    "phenotype.csv",
-    "collateral.csv",
-];
-const AGREEMENT: &str = "agreement.csv";
-/// The record by which the folder of a cohort is known.
-pub const COHORT_MARK: &str = "cohort.json";
-/// What such a folder holds beside the folders of its subjects.
-const COHORT_FILES: &[&str] = &[COHORT_MARK, "cohort.csv", "cohort.html"];
-/// How the name of everything in the making begins.
-pub const IN_THE_MAKING: &str = ".willis-";
-
-/// The paths in a folder; `None` when it cannot be read.
-fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
-    fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
-}
-
-fn is_named(path: &Path, names: &[&str]) -> bool {
-    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names.contains(&name))
-}
-
-/// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
-fn stranger(folder: &Path) -> Option<PathBuf> {
-    let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let record = |mark| fs::read(folder.join(mark)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
-    let is_ours = |mark| record(mark).is_some_and(|r| r.get("willis").is_some());
-    if folder.join(MARK).exists() {
-        return if is_ours(MARK) { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
-    }
-    if folder.join(COHORT_MARK).exists() {
-        let of_cohort =
-            |path: PathBuf| if path.is_dir() { stranger(&path) } else { (!is_named(&path, COHORT_FILES)).then_some(path) };
-        let mut rest = paths.into_iter().filter(|path| !is_in_the_making(path));
-        return if is_ours(COHORT_MARK) { rest.find_map(of_cohort) } else { Some(folder.join(COHORT_MARK)) };
-    }
-    paths.into_iter().find_map(|path| {
-        if path.is_dir() && path.join(MARK).exists() {
-            return stranger(&path);
-        }
-        (!is_named(&path, &[AGREEMENT])).then_some(path)
-    })
-}
-
-/// Whether a path is the temporary of a run that is at work, or was killed.
-fn is_in_the_making(path: &Path) -> bool {
-    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with(IN_THE_MAKING))
-}
-
-/// Removes what killed runs left in the making in a folder.
-///
-/// # Errors
-///
-/// The system refuses.
-pub fn sweep(folder: &Path) -> Result<()> {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir()) {
-        fs::remove_dir_all(&path).map_err(write_error(&path))?;
-    }
-    Ok(())
-}
-
-fn write_error(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
-    move |source| Error::Write { path: path.to_owned(), source }
-}
 
 /// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
 fn vacant(target: &Path, force: bool) -> Result<()> {
@@ -117,30 +28,41 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
     }
 }
 
-/// A hidden folder beside `target`, with its missing parents made.
-fn beside(target: &Path) -> Result<TempDir> {
-    let parent = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(parent).map_err(write_error(parent))?;
-    tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(parent).map_err(write_error(target))
+/// Clears what killed runs left in the making in a folder that is this program's own; what is kept to go on from stays.
+///
+/// # Errors
+///
+/// The system refuses.
+pub fn sweep_own(folder: &Path) -> Result<()> {
+    sweep(folder);
+    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir());
+    for path in left.filter(|path| !keeps(path)) {
+        fs::remove_dir_all(&path).map_err(write_error(&path))?;
+    }
+    Ok(())
 }
 
-/// A folder in the making.
+/// A folder in the making; no other process makes it meanwhile.
 #[derive(Debug)]
 pub struct StagedFolder {
-    target: PathBuf,
-    temporary: TempDir,
+    making: Making,
+    /// What stays beside it when it is not put in its place.
+    kept: Mutex<Vec<PathBuf>>,
 }
 
 impl StagedFolder {
-    /// Whether a run may write to `target` at all; to be asked before the work begins.
+    /// Whether a run may write to `target` at all; to be asked before the work begins. What killed runs left beside it is cleared.
     ///
     /// # Errors
     ///
-    /// It exists and `force` is off, or it is something that this program did not make.
+    /// It exists and `force` is off, it is something that this program did not make, or another process is making it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
+        sweep_beside(target);
+        Self::may_stand(target, force)?;
+        Making::check(target)
+    }
+
+    fn may_stand(target: &Path, force: bool) -> Result<()> {
         vacant(target, force)?;
         match stranger(target).filter(|_| target.exists()) {
             None => Ok(()),
@@ -158,9 +80,10 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`] with `force`, or the system refuses.
     pub fn remove(target: &Path) -> Result<()> {
-        Self::check(target, true)?;
-        let temporary = beside(target)?;
-        fs::rename(target, temporary.path().join("old")).map_err(write_error(target))
+        Self::may_stand(target, true)?;
+        let making = Making::new(target)?;
+        // Under this name it is not put back.
+        fs::rename(target, making.folder().join("new")).map_err(write_error(target))
     }
 
     /// Starts a folder that will stand at `target`.
@@ -169,53 +92,79 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`], or the folder cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::check(target, force)?;
-        let temporary = beside(target)?;
-        fs::create_dir(temporary.path().join("new")).map_err(write_error(target))?;
-        Ok(Self { target: target.to_owned(), temporary })
+        Self::may_stand(target, force)?;
+        let making = Making::new(target)?;
+        // Another process may have put it there before its lock was free.
+        Self::may_stand(target, force)?;
+        fs::create_dir(making.new_one()).map_err(write_error(target))?;
+        Ok(Self { making, kept: Mutex::default() })
     }
 
     /// Where to write meanwhile.
     pub fn path(&self) -> PathBuf {
-        self.temporary.path().join("new")
+        self.making.new_one()
     }
 
-    /// Puts the folder in its place, the earlier one aside until then.
+    /// Where to put a file that stays when the run ends before its folder stands, for a later run to find.
+    pub fn keep(&self, name: &str) -> PathBuf {
+        let path = self.making.kept(name);
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).push(path.clone());
+        path
+    }
+
+    /// Whether a file is one of those that this run keeps.
+    pub fn is_kept(&self, path: &Path) -> bool {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|kept| kept == path)
+    }
+
+    /// The folder where what is kept is.
+    pub fn kept_in(&self) -> &Path {
+        self.making.folder()
+    }
+
+    /// Puts the folder in its place, the earlier one aside until then, and takes away what was kept.
     ///
     /// # Errors
     ///
     /// The system refuses; the earlier folder then stands as it was.
     pub fn commit(self) -> Result<()> {
-        let error = write_error(&self.target);
-        let old = self.temporary.path().join("old");
-        let replaces = self.target.exists();
-        if replaces {
-            fs::rename(&self.target, &old).map_err(&error)?;
-        }
-        if let Err(source) = fs::rename(self.path(), &self.target) {
-            if replaces {
-                fs::rename(&old, &self.target).map_err(&error)?;
-            }
-            return Err(error(source));
+        sync_all(&self.path())?;
+        self.making.put()?;
+        for path in self.kept.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            // What stays is only found by the same run again.
+            let _ = fs::remove_file(path);
         }
         Ok(())
     }
 }
 
-/// A file in the making.
+/// Brings the names in a folder and those below it onto the disk; their contents are there already.
+fn sync_all(folder: &Path) -> Result<()> {
+    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| path.is_dir()) {
+        sync_all(&path)?;
+    }
+    sync_folder(folder)
+}
+
+/// A file in the making; no other process makes it meanwhile.
 #[derive(Debug)]
 pub struct StagedFile {
-    target: PathBuf,
-    temporary: TempDir,
+    making: Making,
 }
 
 impl StagedFile {
-    /// Whether a run may write to `target` at all; to be asked before the work begins.
+    /// Whether a run may write to `target` at all; to be asked before the work begins. What killed runs left beside it is cleared.
     ///
     /// # Errors
     ///
-    /// It exists and `force` is off, or it is a folder.
+    /// It exists and `force` is off, it is a folder, or another process is making it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
+        sweep_beside(target);
+        Self::may_stand(target, force)?;
+        Making::check(target)
+    }
+
+    fn may_stand(target: &Path, force: bool) -> Result<()> {
         if target.is_dir() {
             return Err(Error::parameter("--output", target.display(), "is a folder; expected a file name"));
         }
@@ -226,24 +175,26 @@ impl StagedFile {
     ///
     /// # Errors
     ///
-    /// As [`StagedFile::check`], or the folder cannot be made.
+    /// As [`StagedFile::check`], or the file cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::check(target, force)?;
-        Ok(Self { target: target.to_owned(), temporary: beside(target)? })
+        Self::may_stand(target, force)?;
+        let making = Making::new(target)?;
+        Self::may_stand(target, force)?;
+        Ok(Self { making })
     }
 
     /// Where to write meanwhile.
     pub fn path(&self) -> PathBuf {
-        self.temporary.path().join("new")
+        self.making.new_one()
     }
 
     /// Puts the file in its place.
     ///
     /// # Errors
     ///
-    /// The system refuses.
+    /// The system refuses; an earlier file then stands as it was.
     pub fn commit(self) -> Result<()> {
-        fs::rename(self.path(), &self.target).map_err(write_error(&self.target))
+        self.making.put()
     }
 }
 
@@ -259,16 +210,32 @@ pub fn write_record(folder: &Path, record: &impl serde::Serialize) -> Result<()>
     })
 }
 
+/// Writes a file that takes the place of an earlier one whole or not at all.
+///
+/// # Errors
+///
+/// As [`write_file`]; the earlier one then stands.
+pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    let unfinished = path.with_extension(UNFINISHED);
+    let written = write_file(&unfinished, fill).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
+    if written.is_err() {
+        // It may be what fills the disk.
+        let _ = fs::remove_file(&unfinished);
+    }
+    written?;
+    sync_folder(path.parent().unwrap_or(Path::new(".")))
+}
+
 /// Writes a file through a buffer and onto the disk, or says which file it was.
 ///
 /// # Errors
 ///
 /// Whatever the system or `fill` says, with the path.
-pub fn write_file(path: &Path, fill: impl FnOnce(&mut std::io::BufWriter<fs::File>) -> std::io::Result<()>) -> Result<()> {
+pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
     let write = || -> std::io::Result<()> {
-        let mut out = std::io::BufWriter::new(fs::File::create(path)?);
+        let mut out = BufWriter::new(DiskFile::create(path)?);
         fill(&mut out)?;
-        out.into_inner()?.sync_all()
+        out.into_inner()?.finish()
     };
     write().map_err(write_error(path))
 }

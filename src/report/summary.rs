@@ -1,6 +1,6 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::outcome::Outcome;
@@ -12,7 +12,7 @@ use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
 /// Where a run comes from.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The command line that repeats the run, without what changes no result.
     pub command: String,
@@ -60,7 +60,8 @@ pub enum Built<'a> {
     Candidates(&'a candidates::Params),
 }
 
-fn word_of_keep(keep: Keep) -> String {
+/// The rule as `--keep` takes it.
+pub fn word_of_keep(keep: Keep) -> String {
     match keep {
         Keep::Median => "median".into(),
         Keep::Quantile(q) => format!("quantile={q}"),
@@ -78,7 +79,7 @@ pub(super) fn input(provenance: &Provenance) -> Value {
 }
 
 /// What outlets that were found are.
-pub(super) fn outlets_found(outlets: FoundOutlets) -> Value {
+pub fn outlets_found(outlets: FoundOutlets) -> Value {
     match outlets {
         FoundOutlets::Ground => json!("ground"),
         FoundOutlets::Murray(Total::Flow(flow)) => json!({ "murray_mL_per_min": ml_per_min(flow) }),
@@ -86,7 +87,8 @@ pub(super) fn outlets_found(outlets: FoundOutlets) -> Value {
     }
 }
 
-fn candidate_parameters(built: Built<'_>) -> Value {
+/// How candidates were built, as run.json has it; null where they were given.
+pub fn candidate_parameters(built: Built<'_>) -> Value {
     let Built::Candidates(p) = built else { return Value::Null };
     json!({
         "k": p.k,
@@ -196,7 +198,7 @@ impl Summary {
                 "size": outcome.method.solver_size,
                 "forest": outcome.method.forest,
                 "forest_joins": outcome.method.forest_joins,
-                "residual": outcome.method.residual,
+                "residual": result.residual,
             }),
             graph: Value::Null,
             phenotype: Value::Null,

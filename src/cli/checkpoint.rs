@@ -1,0 +1,208 @@
+//! `--checkpoint`: what is finished of a long run is kept beside its output, so that the same command goes on from there.
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use willis::error::Error;
+use willis::formats::bytes_of;
+use willis::inference::{Part, Progress};
+use willis::report::staged::{StagedFolder, replace_file};
+use willis::report::{read_part, write_part};
+
+use super::terminal::{CountProgress, Terminal, count};
+
+/// Between the beginning and the first time that something is kept, and between two of them, where nobody says otherwise.
+const FIRST: Duration = Duration::from_mins(1);
+const BETWEEN: Duration = Duration::from_secs(45);
+/// The share of its time that a run may spend on keeping: a hundredth.
+const SHARE: u32 = 100;
+
+/// How often what is finished is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Interval {
+    /// Once a run takes over a minute.
+    Auto,
+    /// Never.
+    Off,
+    /// From the start, so long apart at least.
+    Every(Duration),
+}
+
+/// The interval that a word means.
+pub fn parse_interval(text: &str) -> Result<Interval, String> {
+    match text {
+        "auto" => return Ok(Interval::Auto),
+        "off" => return Ok(Interval::Off),
+        _ => {}
+    }
+    let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
+    seconds.map(Interval::Every).ok_or_else(|| "expected auto, off or a number of seconds".into())
+}
+
+/// What is kept, for people.
+#[derive(Serialize, Deserialize)]
+struct About {
+    willis: String,
+    command: String,
+}
+
+/// Keeps the finished part of one run.
+pub struct Keeper<'a> {
+    interval: Interval,
+    terminal: Terminal,
+    folder: &'a StagedFolder,
+    file: PathBuf,
+    /// The command of the run.
+    command: String,
+    start: Instant,
+    last: Option<Instant>,
+    /// How long it took the last time.
+    cost: Duration,
+    /// Samples that are kept.
+    kept: u64,
+    failed: bool,
+}
+
+impl<'a> Keeper<'a> {
+    /// Keeps in the folder where the output is in the making; `key` stands for all that the samples depend on, in hexadecimal digits.
+    pub fn new(interval: Interval, folder: &'a StagedFolder, key: &str, command: &str, terminal: Terminal) -> Self {
+        let [file, _] = Self::files(folder, key);
+        let (command, start) = (command.to_owned(), Instant::now());
+        Self { interval, terminal, folder, file, command, start, last: None, cost: Duration::ZERO, kept: 0, failed: false }
+    }
+
+    /// The files in which a run is kept, which then stay when it does not come to its end.
+    pub fn files(folder: &StagedFolder, key: &str) -> [PathBuf; 2] {
+        ["npz", "json"].map(|ending| folder.keep(&format!("{}.{ending}", key.get(..16).unwrap_or(key))))
+    }
+
+    /// The part that an earlier run of the same command left, if it left one that `fits`; what others left is only told of.
+    pub fn take_up(&mut self, uncertain: &[bool], fits: impl Fn(&Part) -> bool) -> Option<Part> {
+        self.tell_of_others();
+        if self.interval == Interval::Off || !self.file.exists() {
+            return None;
+        }
+        let read =
+            bytes_of(&self.file).and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
+        match read {
+            Ok(part) if !fits(&part) => None,
+            Ok(part) => {
+                self.kept = part.done();
+                self.terminal.say("resumed", format!("{} of {} samples were kept", count(part.done()), count(part.samples())));
+                Some(part)
+            }
+            Err(error) => {
+                self.terminal.say("note", format!("{error}; the run begins anew"));
+                None
+            }
+        }
+    }
+
+    fn tell_of_others(&self) {
+        let entries = fs::read_dir(self.folder.kept_in()).into_iter().flatten().flatten().map(|entry| entry.path());
+        for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
+            let about: Option<About> = fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
+                let place = self.folder.kept_in().display();
+                let whose = if about.command == self.command { " on another graph or by another version" } else { "" };
+                self.terminal.say("note", format!("{place} also keeps samples of another run: {}{whose}", about.command));
+            }
+        }
+    }
+
+    /// Whether it is time to keep what is finished.
+    fn is_due(&self) -> bool {
+        let (first, between) = match self.interval {
+            Interval::Auto => (FIRST, BETWEEN),
+            Interval::Off => return false,
+            Interval::Every(time) => (time, time),
+        };
+        match self.last {
+            None => self.start.elapsed() >= first,
+            Some(last) => last.elapsed() >= between.max(SHARE * self.cost),
+        }
+    }
+
+    /// Whether a run has come so far that its samples are worth keeping.
+    fn is_long(&self) -> bool {
+        self.last.is_some() || self.is_due()
+    }
+
+    /// Keeps what is finished; a run goes on when that cannot be done.
+    fn keep(&mut self, part: &Part) {
+        let done = part.done();
+        if self.interval == Interval::Off || done <= self.kept {
+            return;
+        }
+        let begun = Instant::now();
+        self.sign();
+        match replace_file(&self.file, |out| write_part(out, part)) {
+            Ok(()) => (self.kept, self.failed) = (done, false),
+            Err(error) => {
+                if !self.failed {
+                    self.terminal.say("note", format!("what is finished cannot be kept: {error}"));
+                }
+                self.failed = true;
+            }
+        }
+        (self.last, self.cost) = (Some(Instant::now()), begun.elapsed());
+    }
+
+    /// Says whose it is, for other runs to tell; this one goes on from the part alone.
+    fn sign(&self) {
+        let file = self.file.with_extension("json");
+        if !file.exists() {
+            let about = About { willis: env!("CARGO_PKG_VERSION").to_owned(), command: self.command.clone() };
+            let _ = replace_file(&file, |out| Ok(serde_json::to_writer(out, &about)?));
+        }
+    }
+
+    /// Keeps a part that is the whole of what was to be sampled, where that took long.
+    pub fn sampled(&mut self, part: &Part) {
+        if self.is_long() {
+            self.keep(part);
+        }
+    }
+
+    /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
+    pub fn rescue(&mut self, part: &Part, error: Error) -> Error {
+        let Error::Stopped { done, total } = error else {
+            if matches!(error, Error::Write { .. }) {
+                // What was written is of no use, and may be what fills the disk.
+                let _ = fs::remove_dir_all(self.folder.path());
+                self.keep(part);
+                if self.kept > 0 {
+                    let (place, samples) = (self.folder.kept_in().display(), count(self.kept));
+                    let fact = format!("{samples} samples in {place}; the same command goes on from there");
+                    self.terminal.say("kept", fact);
+                }
+            }
+            return error;
+        };
+        self.keep(part);
+        if self.kept == 0 {
+            return Error::Stopped { done, total };
+        }
+        Error::StoppedAndKept { done, total, path: self.folder.kept_in().to_owned() }
+    }
+}
+
+/// Shows the progress of a run and keeps what is finished of it.
+pub struct Watch<'a, 'b> {
+    pub progress: CountProgress,
+    pub keeper: &'a mut Keeper<'b>,
+}
+
+impl Progress for Watch<'_, '_> {
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.progress.report(done, total)
+    }
+
+    fn finished(&mut self, part: &Part) {
+        if self.keeper.is_due() {
+            self.keeper.keep(part);
+        }
+    }
+}
