@@ -29,15 +29,17 @@ pub struct ConjugateGradients {
     incomplete: Incomplete,
     dead_ends: DeadEnds,
     fixed: Vec<Option<f64>>,
+    /// One over the largest conductance.
+    scale: f64,
 }
 
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
-    /// Pressures stand in it as after [`StarMesh::solve`].
-    pub mesh: star_mesh::Workspace<B>,
-    /// Conductances of the incomplete elimination; once a star is eliminated, the weights of its mean.
-    weight: Vec<Lanes<B>>,
+    mesh: star_mesh::Workspace<B>,
+    /// Conductances of the incomplete elimination, over the largest; once a star is eliminated, the weights of its mean. Single precision
+    /// is enough for a preconditioner, and half of the memory that every step passes over.
+    weight: Vec<[f32; B]>,
     /// 1/S of its stars.
     inverse: Vec<Lanes<B>>,
     answer: Vec<Lanes<B>>,
@@ -46,7 +48,6 @@ pub struct Workspace<const B: usize> {
     better: Vec<Lanes<B>>,
     direction: Vec<Lanes<B>>,
     flow: Vec<Lanes<B>>,
-    pressure: Vec<f64>,
     dead_ends: dead_end::Workspace,
     /// Steps that the slowest sample took.
     pub steps: usize,
@@ -57,7 +58,9 @@ impl ConjugateGradients {
     pub fn compile(circuit: &Circuit) -> Option<Self> {
         let mesh = StarMesh::compile_partly(circuit, FEW)?;
         let incomplete = Incomplete::compile(mesh.program());
-        Some(Self { mesh, incomplete, dead_ends: DeadEnds::new(circuit), fixed: circuit.fixed.clone() })
+        let largest = circuit.conductance.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let dead_ends = DeadEnds::new(circuit);
+        Some(Self { mesh, incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest })
     }
 
     /// Where the pressure of a node stands in a workspace.
@@ -85,14 +88,13 @@ impl ConjugateGradients {
         let core = || vec![Lanes::ZERO; self.incomplete.nodes()];
         Workspace {
             mesh: self.mesh.workspace(),
-            weight: vec![Lanes::ZERO; self.incomplete.ray_to().len()],
+            weight: vec![[0.0; B]; self.incomplete.ray_to().len()],
             inverse: core(),
             answer: core(),
             residual: core(),
             better: core(),
             direction: core(),
             flow: core(),
-            pressure: vec![0.0; self.fixed.len()],
             dead_ends: dead_end::Workspace::default(),
             steps: 0,
         }
@@ -116,21 +118,23 @@ impl ConjugateGradients {
         let core = self.mesh.program().eliminated();
         work.mesh.pressure[core..][..self.core()].copy_from_slice(&work.answer);
         self.mesh.substitute_back(simd, &mut work.mesh);
-        self.level(masks, first, work);
     }
 
-    /// Levels dead ends, where iteration leaves rounding that could pass for flow.
-    fn level<const B: usize>(&self, masks: &[u64], first: usize, work: &mut Workspace<B>) {
-        for lane in 0..B {
-            for (node, p) in work.pressure.iter_mut().enumerate() {
-                *p = work.mesh.pressure[self.mesh.slot(node)][lane];
-            }
-            let open = |vessel: usize| masks[vessel] >> (first + lane) & 1 == 1;
-            self.dead_ends.level(open, &mut work.dead_ends, &mut work.pressure, &self.fixed);
-            for (node, p) in work.pressure.iter().enumerate() {
-                work.mesh.pressure[self.mesh.slot(node)][lane] = *p;
-            }
+    /// The pressures (Pa above the level) by node of one of the samples that were solved. Dead ends are levelled: iteration leaves
+    /// rounding there that could pass for flow.
+    pub fn pressures<const B: usize>(
+        &self,
+        masks: &[u64],
+        first: usize,
+        sample: usize,
+        work: &mut Workspace<B>,
+        pressure: &mut [f64],
+    ) {
+        for (node, p) in pressure.iter_mut().enumerate() {
+            *p = work.mesh.pressure[self.mesh.slot(node)][sample - first];
         }
+        let open = |vessel: usize| masks[vessel] >> sample & 1 == 1;
+        self.dead_ends.level(open, &mut work.dead_ends, pressure, &self.fixed);
     }
 
     /// The incomplete elimination of the core.
@@ -139,10 +143,12 @@ impl ConjugateGradients {
         let core = self.mesh.program().eliminated();
         let Workspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
         for (weight, from) in weight.iter_mut().zip(self.incomplete.from()) {
-            *weight = if *from == NOWHERE { Lanes::ZERO } else { mesh.conductance[*from as usize] };
+            *weight = if *from == NOWHERE { [0.0; B] } else { narrow(&mesh.conductance[*from as usize], self.scale) };
         }
         // The residual is not needed yet; its memory takes the grounds.
-        ground.copy_from_slice(&mesh.ground[core..]);
+        for (ground, own) in ground.iter_mut().zip(&mesh.ground[core..]) {
+            *ground = map(simd, own, |g| simd.mul_f64s(g, simd.splat_f64s(self.scale)));
+        }
         let grounded = splat(simd, GROUNDED);
         let ray_to = self.incomplete.ray_to();
         for k in 0..self.incomplete.nodes() {
@@ -152,16 +158,17 @@ impl ConjugateGradients {
             let own = ground[k];
             let mut total = own;
             for c in &*rays {
-                total = plus(simd, &total, c);
+                total = plus(simd, &total, &wide(c));
             }
             let one_over = inverse(simd, &total);
             let to = &ray_to[star.clone()];
             let mut mesh = self.incomplete.mesh(k).iter();
             for i in 0..rays.len() {
-                let weight = zip(simd, &rays[i], &one_over, |c, i| simd.mul_f64s(c, i));
-                rays[i] = weight;
+                let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
+                rays[i] = narrow(&weight, 1.0);
                 let mut lost = Lanes::ZERO;
                 for ((j, other), target) in rays.iter().enumerate().skip(i + 1).zip(&mut mesh) {
+                    let other = &wide(other);
                     if *target == NOWHERE {
                         let join = zip(simd, &weight, other, |w, c| simd.mul_f64s(w, c));
                         lost = plus(simd, &lost, &join);
@@ -169,7 +176,7 @@ impl ConjugateGradients {
                         *ground = plus_product(simd, ground, &grounded, &join);
                     } else {
                         let sum = &mut later[*target as usize - star.end];
-                        *sum = plus_product(simd, sum, &weight, other);
+                        *sum = narrow(&plus_product(simd, &wide(sum), &weight, other), 1.0);
                     }
                 }
                 let ground = &mut ground[to[i] as usize];
@@ -191,7 +198,7 @@ impl ConjugateGradients {
             let own = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 let sum = &mut better[*to as usize];
-                *sum = plus_product(simd, sum, weight, &own);
+                *sum = plus_product(simd, sum, &wide(weight), &own);
             }
             better[k] = zip(simd, &own, &inverse[k], |b, i| simd.mul_f64s(b, i));
         }
@@ -199,7 +206,7 @@ impl ConjugateGradients {
             let star = self.incomplete.star(k);
             let mut sum = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
-                sum = plus_product(simd, &sum, weight, &better[*to as usize]);
+                sum = plus_product(simd, &sum, &wide(weight), &better[*to as usize]);
             }
             better[k] = sum;
         }
@@ -270,6 +277,17 @@ impl ConjugateGradients {
             work.steps += 1;
         }
     }
+}
+
+/// In single precision, `scale` times.
+#[inline(always)]
+fn narrow<const B: usize>(values: &Lanes<B>, scale: f64) -> [f32; B] {
+    values.0.map(|x| (x * scale) as f32)
+}
+
+#[inline(always)]
+fn wide<const B: usize>(values: &[f32; B]) -> Lanes<B> {
+    Lanes(values.map(f64::from))
 }
 
 /// Σ a b, lane by lane.

@@ -49,17 +49,17 @@ impl<'a> Steady<'a> {
         let circuit = self.circuit;
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
         let stranded = stranded(circuit, &masks, 1);
-        let nodes = 0..circuit.node_count();
         let above_level: Vec<f64> = match &self.solver {
             Solver::Mesh(program) => {
                 let mut work = program.workspace::<1>();
                 program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
-                nodes.map(|node| work.pressure[program.slot(node)][0]).collect()
+                (0..circuit.node_count()).map(|node| work.pressure[program.slot(node)][0]).collect()
             }
             Solver::Gradients(program) => {
                 let mut work = program.workspace::<1>();
                 program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
-                let pressure: Vec<f64> = nodes.map(|node| work.mesh.pressure[program.slot(node)][0]).collect();
+                let mut pressure = vec![0.0; circuit.node_count()];
+                program.pressures(&masks, 0, 0, &mut work, &mut pressure);
                 if Check::default().residual(circuit, &masks, 0, &stranded, |node| pressure[node]).backward > MOST_BACKWARD {
                     return Err(Error::Breakdown);
                 }

@@ -1,13 +1,15 @@
 //! Blocks of samples of a large graph, reduced first to what samples can change.
 //!
-//! Vessels of one chain or one tree share one flow up to a factor, and so do the sums of their contributions: they are kept once, in an
-//! account, and each vessel has its share of it. In a chain only the vessel of least ρ can be the one that a forest leaves out.
+//! Vessels of one chain or one tree share one flow up to a factor, and so do the sums of their contributions: they are kept once, for the
+//! vessel that stands for them all, and each other has its share. In a chain only the vessel of least ρ can be the one that a forest
+//! leaves out.
 
 use super::bottleneck::Bottleneck;
 use super::cost;
 use super::likelihood::Sums;
 use super::params::{Params, Solver, Weight};
-use super::reduced_group::{Core, InLanes, LinkFlow, TreeFlow};
+use super::reduced_lanes::{self, InLanes};
+use super::reduced_single::{self, OneByOne};
 use super::sampler::{Block, Method};
 use super::ties::Ties;
 use crate::error::{Error, Result};
@@ -23,16 +25,75 @@ use crate::simd::InstructionSet;
 
 use std::f64::consts::PI;
 
-pub use super::reduced_group::Workspace;
-
 /// Everything about a reduced graph that all its samples share.
 #[derive(Debug)]
 pub struct Reduced {
     core: Core,
-    /// Per vessel its account, and its share of it; `None` for one that never carries flow.
-    shares: Vec<Option<(u32, f64)>>,
+    /// Vessels for which another stands, with that one and their share of its sums.
+    shares: Vec<(u32, u32, f64)>,
     weight: Weight,
     instructions: InstructionSet,
+}
+
+/// Resiliences are cut here, so that their keys stay finite as doubles.
+pub const MOST: f64 = f64::MAX / 8.0;
+
+/// The memory of one worker.
+pub struct Workspace {
+    /// Per link the samples in which it is open.
+    masks: Vec<u64>,
+    way: Way,
+}
+
+enum Way {
+    Lanes(Box<reduced_lanes::Memory>),
+    OneByOne(Box<reduced_single::Memory>),
+}
+
+/// A reduced graph.
+#[derive(Debug)]
+pub struct Core {
+    pub circuit: Circuit,
+    pub links: Vec<LinkFlow>,
+    pub trees: Vec<TreeFlow>,
+    pub solve: Solve,
+    /// The forests of eight samples at a time; without it they are grown one after another, by Kruskal's algorithm.
+    pub bottleneck: Option<Bottleneck>,
+    pub ties: Ties,
+}
+
+/// How the resilience of a link follows from pressures.
+#[derive(Debug, Clone, Copy)]
+pub struct LinkFlow {
+    /// m³/(Pa s).
+    pub conductance: f64,
+    /// ρ of its weakest vessel over the square of its flow.
+    pub factor: f64,
+    /// Σ ρ of its vessels over that of the weakest.
+    pub whole: f64,
+    /// Where the pressures at its ends stand.
+    pub slots: [u32; 2],
+    /// The row of its weakest vessel.
+    pub row: u32,
+    /// The row that stands for its other vessels, which every forest takes as long as there is flow, and its ρ over the weakest.
+    pub carried: Option<(u32, f64)>,
+    /// Whether samples may close it.
+    pub on_trial: bool,
+}
+
+/// How the resilience in a tree follows from the pressure P at the node that it hangs on.
+#[derive(Debug, Clone, Copy)]
+pub struct TreeFlow {
+    /// P₀, Pa above the level.
+    pub end: f64,
+    /// The largest ρ over the square of P - P₀.
+    pub factor: f64,
+    /// Σ ρ over the largest.
+    pub whole: f64,
+    /// Where P stands.
+    pub slot: u32,
+    /// The row of the vessel of the largest ρ.
+    pub row: u32,
 }
 
 /// How pressures are found.
@@ -88,57 +149,57 @@ impl Reduced {
             ..core
         };
 
-        let mut shares = vec![None; network.vessel_count()];
+        let mut shares = Vec::new();
         let mut flows = Vec::with_capacity(links.len());
-        let mut carried = links.len() + trees.len();
         for (at, link) in order.iter().enumerate() {
             let (rows, factors, weakest) = (&links[*link], &factors[*link], weakest[*link]);
             let least = factors[weakest];
-            let several = (rows.len() > 1).then_some(carried as u32);
-            for (member, row) in rows.iter().enumerate() {
-                let account = several.filter(|_| member != weakest).unwrap_or(at as u32);
-                shares[*row] = Some((account, factors[member] / least));
+            let mut others = (0..rows.len()).filter(|member| *member != weakest);
+            let first = others.next();
+            for other in others {
+                shares.extend(first.map(|first| (rows[other] as u32, rows[first] as u32, factors[other] / factors[first])));
             }
-            carried += usize::from(several.is_some());
-            let own = (!certain[rows[0]]).then_some(rows[0] as u32);
             flows.push(LinkFlow {
                 slots: [0; 2],
                 conductance: core.conductance[at],
                 factor: least,
                 whole: factors.iter().map(|factor| factor / least).sum(),
-                carried: several,
-                mask: own,
+                row: rows[weakest] as u32,
+                carried: first.map(|first| (rows[first] as u32, factors[first] / least)),
+                on_trial: !certain[rows[0]],
             });
         }
         let mut hanging = Vec::with_capacity(trees.len());
-        for (at, tree) in trees.iter().enumerate() {
-            let mut of_square_drop = Vec::with_capacity(tree.vessels.len());
+        for tree in &trees {
+            let mut factors = Vec::with_capacity(tree.vessels.len());
             for (row, flow) in &tree.vessels {
-                of_square_drop.push(of_square_flow(*row)? * flow * flow);
+                factors.push(of_square_flow(*row)? * flow * flow);
             }
-            let most = of_square_drop.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            for ((row, _), factor) in tree.vessels.iter().zip(&of_square_drop) {
-                shares[*row] = Some(((links.len() + at) as u32, factor / most));
-            }
-            let whole = of_square_drop.iter().map(|factor| factor / most).sum();
-            hanging.push(TreeFlow { slot: tree.node as u32, end: tree.end, factor: most, whole });
+            let most = (0..factors.len()).max_by(|a, b| factors[*a].total_cmp(&factors[*b])).unwrap_or_default();
+            let row = tree.vessels[most].0 as u32;
+            let others = (0..factors.len()).filter(|at| *at != most);
+            shares.extend(others.map(|at| (tree.vessels[at].0 as u32, row, factors[at] / factors[most])));
+            let whole = factors.iter().map(|factor| factor / factors[most]).sum();
+            hanging.push(TreeFlow { slot: tree.node as u32, end: tree.end, factor: factors[most], whole, row });
         }
 
         let solve = compile(&core, params.solver)?;
-        for (flow, ends) in flows.iter_mut().zip(&core.ends) {
-            flow.slots = ends.map(|node| solve.slot(node));
-        }
-        for tree in &mut hanging {
-            tree.slot = solve.slot(tree.slot as usize);
-        }
         let in_forest: Vec<Option<[usize; 2]>> = core.ends.iter().map(|ends| Some(*ends)).collect();
         let bottleneck = match solve {
             Solve::Lanes(_) => Bottleneck::compile(core.node_count(), &in_forest, cost::forest_limit(links.len())),
             Solve::Gradients(_) | Solve::Cholesky(_) => None,
         };
+        // One by one pressures stand by node.
+        let slot = |node: usize| if bottleneck.is_some() { solve.slot(node) } else { node as u32 };
+        for (flow, ends) in flows.iter_mut().zip(&core.ends) {
+            flow.slots = ends.map(slot);
+        }
+        for tree in &mut hanging {
+            tree.slot = slot(tree.slot as usize);
+        }
         let ties = Ties::new(&core, &flows.iter().map(|flow| flow.factor).collect::<Vec<_>>());
         Ok(Self {
-            core: Core { bottleneck, ties, accounts: carried, links: flows, trees: hanging, solve, circuit: core },
+            core: Core { bottleneck, ties, links: flows, trees: hanging, solve, circuit: core },
             shares,
             weight: params.weight,
             instructions: InstructionSet::detect(),
@@ -163,7 +224,13 @@ impl Reduced {
 
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
-        Workspace::new(&self.core)
+        Workspace {
+            masks: Vec::with_capacity(self.core.links.len()),
+            way: match &self.core.bottleneck {
+                Some(_) => Way::Lanes(Box::new(reduced_lanes::Memory::new(&self.core))),
+                None => Way::OneByOne(Box::new(reduced_single::Memory::new(&self.core))),
+            },
+        }
     }
 
     /// Replaces `sums` by those of a block.
@@ -172,22 +239,27 @@ impl Reduced {
     ///
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block(&self, block: Block<'_>, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
-        work.gather(&self.core, block.masks);
-        let stranded = stranded(&self.core.circuit, &work.masks, block.samples);
-        let residual =
-            self.instructions.run(InLanes { core: &self.core, block, stranded: &stranded, weight: self.weight, work, sums })?;
+        let Workspace { masks, way } = work;
+        let core = &self.core;
+        masks.clear();
+        masks.extend(core.links.iter().map(|link| if link.on_trial { block.masks[link.row as usize] } else { u64::MAX }));
+        let stranded = &stranded(&core.circuit, masks, block.samples);
+        let weight = self.weight;
+        sums.clear();
+        let residual = match way {
+            Way::Lanes(memory) => self.instructions.run(InLanes { core, block, masks, stranded, weight, memory, sums }),
+            Way::OneByOne(memory) => self.instructions.run(OneByOne { core, block, masks, stranded, weight, memory, sums }),
+        }?;
         sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {
             return Err(Error::Breakdown);
         }
-        let accounts = &work.accounts;
-        for (row, share) in self.shares.iter().enumerate() {
-            let (account, share) = share.map_or((None, 0.0), |(account, share)| (Some(account as usize), share));
-            let of = |values: &[f64], share: f64| account.map_or(0.0, |account| share * values[account]);
-            let share = if self.weight == Weight::Resilience { share } else { 1.0 };
-            sums.likelihood[row] = of(&accounts.likelihood, share);
-            sums.square[row] = of(&accounts.square, share * share);
-            sums.count[row] = of(&accounts.count, 1.0);
+        for (row, of, share) in &self.shares {
+            let (row, of) = (*row as usize, *of as usize);
+            let share = if weight == Weight::Resilience { *share } else { 1.0 };
+            sums.likelihood[row] = share * sums.likelihood[of];
+            sums.square[row] = share * share * sums.square[of];
+            sums.count[row] = sums.count[of];
         }
         Ok(())
     }

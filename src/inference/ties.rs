@@ -2,7 +2,6 @@
 //! resilience. Rounding tells them apart, and differently in every solver; here they are made equal to the last bit.
 
 use crate::hemodynamics::Circuit;
-use crate::simd::Lanes;
 
 /// Nodes at which two links may tie, in depth-first order.
 #[derive(Debug, Default)]
@@ -62,14 +61,19 @@ impl Ties {
     }
 
     /// Makes the resiliences of links that tie equal: the largest of them for all in series.
-    pub fn settle<const B: usize>(&self, factor: impl Fn(usize) -> f64, resilience: &mut [Lanes<B>], work: &mut Workspace) {
+    pub fn settle<const B: usize, G: AsRef<[f64]> + AsMut<[f64]>>(
+        &self,
+        factor: impl Fn(usize) -> f64,
+        resilience: &mut [G],
+        work: &mut Workspace,
+    ) {
         let ties = &mut work.0;
         ties.clear();
         for at in self.start.windows(2) {
             let links = &self.links[at[0] as usize..at[1] as usize];
             let (mut count, mut two) = ([0_u32; B], [[0_u32; B]; 2]);
             for link in links {
-                for (lane, rho) in resilience[*link as usize].iter().enumerate() {
+                for (lane, rho) in resilience[*link as usize].as_ref().iter().enumerate() {
                     if *rho > 0.0 {
                         two[(count[lane] & 1) as usize][lane] = *link;
                         count[lane] += 1;
@@ -84,9 +88,9 @@ impl Ties {
             }
         }
         let mut level = |tie: &Tie| {
-            let [a, b] = tie.links.map(|link| resilience[link as usize][tie.lane as usize]);
+            let [a, b] = tie.links.map(|link| resilience[link as usize].as_ref()[tie.lane as usize]);
             let most = a.max(b);
-            tie.links.iter().for_each(|link| resilience[*link as usize][tie.lane as usize] = most);
+            tie.links.iter().for_each(|link| resilience[*link as usize].as_mut()[tie.lane as usize] = most);
         };
         // Along a branch of the depth-first order the largest is carried up to its top, and from there down again.
         for _ in 0..2 {
