@@ -82,7 +82,7 @@ fn an_independent_solver_finds_the_same_changes() {
 }
 
 /// Every instance again by itself, from the factors that the run says it drew.
-fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary, params: &Params) {
+fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary, params: &Params, within: f64) {
     let result = run(network, boundary, params);
     let (nodes, vessels) = (network.node_count(), network.vessel_count());
     for (class, instances) in &result.classes {
@@ -104,7 +104,7 @@ fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary,
                 })
                 .collect();
             let alone = State::solve(network, boundary, &tubes, VISCOSITY).expect("solved");
-            let near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
+            let near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= within * a.abs().max(b.abs());
             for (found, known) in row(&instances.pressure, nodes).iter().zip(&alone.pressure) {
                 assert!(near(*found, known.unwrap_or(f64::NAN)), "{name} {class} {i}: {found} {known:?}");
             }
@@ -122,7 +122,7 @@ fn instances_side_by_side_are_what_each_is_alone() {
     for reading in [Reading::Increment, Reading::Conductance, Reading::Literal, Reading::Geometry] {
         let params = Params { samples: 131, reading, ..Params::default() };
         for ground in [true, false] {
-            agrees_with_single_solves("circle", &network, &conditions(&network, ground), &params);
+            agrees_with_single_solves("circle", &network, &conditions(&network, ground), &params, 1e-12);
         }
     }
     for seed in 0..100 {
@@ -131,7 +131,7 @@ fn instances_side_by_side_are_what_each_is_alone() {
         let vessels = nodes + draw.below(nodes);
         let network = random_network(&mut draw, nodes, vessels, radii(0.3, 2.0));
         let conditions = boundary(&network, &random_conditions(&mut draw, nodes));
-        agrees_with_single_solves("random", &network, &conditions, &Params { samples: 9, seed, ..Params::default() });
+        agrees_with_single_solves("random", &network, &conditions, &Params { samples: 9, seed, ..Params::default() }, 1e-12);
     }
 }
 
@@ -144,7 +144,8 @@ fn a_dense_network_goes_to_the_sparse_solver() {
     let conditions = boundary(&network, &[(0, Condition::Pressure(100.0 * common::MMHG)), (1, Condition::Pressure(0.0))]);
     let params = Params { samples: 2, classes: Class::PAPER[..1].to_vec(), ..Params::default() };
     assert_eq!(run(&network, &conditions, &params).solver, "cholesky");
-    agrees_with_single_solves("dense", &network, &conditions, &params);
+    // Alone it is solved by iteration.
+    agrees_with_single_solves("dense", &network, &conditions, &params, 1e-9);
 }
 
 fn bits(result: &Modulation) -> Vec<u64> {

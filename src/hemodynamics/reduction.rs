@@ -135,9 +135,9 @@ fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) ->
         let tree = trees.entry((at, end.to_bits())).or_insert_with(|| Tree { node: at, end, vessels: Vec::new() });
         let flow = circuit.conductance[link] * (share * rest);
         tree.vessels.extend(members[link].iter().map(|row| (*row, flow)));
-        root[node] = (at, rest * (1.0 - share));
+        // What hangs on a fixed pressure goes by that.
         if circuit.fixed[node].is_none() {
-            root[node].1 = rest * (circuit.conductance[link] / (circuit.conductance[link] + circuit.shunt[node]));
+            root[node] = (at, rest * (circuit.conductance[link] / (circuit.conductance[link] + circuit.shunt[node])));
         }
     }
     trees.into_values().collect()
