@@ -7,18 +7,7 @@ use willis::network::Origin::{Candidate, Observed};
 use willis::network::{Condition, Network, Node, Origin, Role, Vessel};
 
 fn vessel(length: f64, radius: f64, origin: Origin) -> Vessel {
-    Vessel {
-        length,
-        radius,
-        resistance: None,
-        label: String::new(),
-        origin,
-        prior: 1.0,
-        certain: false,
-        evidence: None,
-        kept: None,
-        path: Vec::new(),
-    }
+    Vessel::new(length, radius, origin)
 }
 
 /// A chain 0-1-2-3 of observed vessels with a dead-end tree at 2 (4, 5), a ring at 1 (6, 7), a detour 0-3 and a dead-end

@@ -181,18 +181,9 @@ fn candidate(target: &Target, params: &Params) -> Vessel {
         CandidateRadius::Mean => 0.5 * (a + b),
     };
     let radius = params.max_radius.map_or(radius, |most| radius.min(most));
-    Vessel {
-        length: distance(target.from.position, target.site.position),
-        radius,
-        resistance: None,
-        label: String::new(),
-        origin: Origin::Candidate,
-        prior: 1.0,
-        certain: false,
-        evidence: None,
-        kept: None,
-        path: [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec(),
-    }
+    let length = distance(target.from.position, target.site.position);
+    let path = [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
+    Vessel { path, ..Vessel::new(length, radius, Origin::Candidate) }
 }
 
 /// Makes every length one that survives being written in millimetres.

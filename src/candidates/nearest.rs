@@ -32,18 +32,7 @@ pub fn join_nearest(network: &mut Network, ends: &[usize], k: usize) {
             let (a, b) = (network.node(end), network.node(other));
             let length = distance(a.position.unwrap_or_default(), b.position.unwrap_or_default());
             let radius = a.radius.unwrap_or(f64::INFINITY).min(b.radius.unwrap_or(f64::INFINITY));
-            let vessel = Vessel {
-                length: as_stored(length),
-                radius: as_stored(radius),
-                resistance: None,
-                label: String::new(),
-                origin: Origin::Candidate,
-                prior: 1.0,
-                certain: false,
-                evidence: None,
-                kept: None,
-                path: Vec::new(),
-            };
+            let vessel = Vessel::new(as_stored(length), as_stored(radius), Origin::Candidate);
             network.add_vessel([end, other], vessel);
         }
     }

@@ -3,17 +3,14 @@
 //! Nodes are eliminated in the order of their places. A join is kept where a ray is, or where two rays of the graph itself meet
 //! (one level of fill); all others are dropped.
 
-use super::{Elimination, NOWHERE};
+use super::{Elimination, NOWHERE, Program};
 
 /// A compiled incomplete elimination; node k is the k-th of the core.
 #[derive(Debug, Clone)]
 pub struct Incomplete {
-    star: Vec<u32>,
-    ray_to: Vec<u32>,
+    program: Program,
     /// Per ray that of the elimination whose conductance it begins with; [`NOWHERE`] for fill.
     from: Vec<u32>,
-    mesh_start: Vec<u32>,
-    mesh: Vec<u32>,
 }
 
 impl Incomplete {
@@ -29,60 +26,24 @@ impl Incomplete {
                 rays[*low as usize].extend(to[i + 1..].iter().map(|high| (*high, NOWHERE)));
             }
         }
-        let mut program = Self { star: vec![0], ray_to: Vec::new(), from: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
         for rays in &mut rays {
             // Of a ray and its fill the ray comes first.
             rays.sort_unstable();
             rays.dedup_by_key(|(to, _)| *to);
-            program.ray_to.extend(rays.iter().map(|(to, _)| to));
-            program.from.extend(rays.iter().map(|(_, from)| from));
-            program.star.push(program.ray_to.len() as u32);
         }
-        for k in 0..nodes {
-            let to = program.star(k);
-            for i in to.clone() {
-                let low = program.star(program.ray_to[i] as usize);
-                let targets = &program.ray_to[low.clone()];
-                for high in &program.ray_to[i + 1..to.end] {
-                    program.mesh.push(targets.binary_search(high).map_or(NOWHERE, |at| (low.start + at) as u32));
-                }
-            }
-            program.mesh_start.push(program.mesh.len() as u32);
-        }
-        program
+        let from = rays.iter().flatten().map(|(_, from)| *from).collect();
+        let to = rays.into_iter().map(|rays| rays.into_iter().map(|(to, _)| to).collect());
+        Self { program: Program::new(to, nodes), from }
     }
 
-    /// How many nodes the core has.
-    pub fn nodes(&self) -> usize {
-        self.star.len() - 1
-    }
-
-    /// The joins of one sample.
-    pub fn joins(&self) -> usize {
-        self.mesh.len()
-    }
-
-    /// The rays of the k-th node.
-    #[inline]
-    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
-        self.star[k] as usize..self.star[k + 1] as usize
-    }
-
-    /// The node each ray leads to, later than its own.
-    #[inline]
-    pub fn ray_to(&self) -> &[u32] {
-        &self.ray_to
+    /// Its joins.
+    pub fn program(&self) -> &Program {
+        &self.program
     }
 
     /// Per ray that of the elimination whose conductance it begins with; [`NOWHERE`] for fill.
     #[inline]
     pub fn from(&self) -> &[u32] {
         &self.from
-    }
-
-    /// The rays that the pairs of the k-th star add to; [`NOWHERE`] where the join is dropped.
-    #[inline]
-    pub fn mesh(&self, k: usize) -> &[u32] {
-        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
     }
 }

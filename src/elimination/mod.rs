@@ -7,10 +7,12 @@
 mod graph;
 mod incomplete;
 mod order;
+mod program;
 
 pub use incomplete::Incomplete;
 
 pub use order::{Star, least_degree};
+pub use program::Program;
 
 use order::{least_fill, low_degrees, reverse_cuthill_mckee};
 
@@ -25,10 +27,7 @@ pub const NOWHERE: u32 = u32::MAX;
 pub struct Elimination {
     /// Per node its place in the order.
     place: Vec<u32>,
-    star: Vec<u32>,
-    ray_to: Vec<u32>,
-    mesh_start: Vec<u32>,
-    mesh: Vec<u32>,
+    program: Program,
     /// How many nodes are eliminated; the others are the core.
     eliminated: usize,
 }
@@ -65,24 +64,13 @@ impl Elimination {
         for (at, star) in stars.iter().enumerate() {
             place[star.center] = at as u32;
         }
-        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new(), eliminated };
-        for star in stars {
-            let mut to: Vec<u32> = star.neighbours.iter().map(|node| program.place[*node]).collect();
+        let rays = stars.iter().map(|star| {
+            let mut to: Vec<u32> = star.neighbours.iter().map(|node| place[*node]).collect();
             to.sort_unstable();
-            program.ray_to.extend(to);
-            program.star.push(program.ray_to.len() as u32);
-        }
-        for k in 0..eliminated {
-            let to = program.star(k);
-            for i in to.clone() {
-                for j in i + 1..to.end {
-                    let target = program.ray(program.ray_to[i], program.ray_to[j]);
-                    program.mesh.push(target);
-                }
-            }
-            program.mesh_start.push(program.mesh.len() as u32);
-        }
-        program
+            to
+        });
+        let program = Program::new(rays, eliminated);
+        Self { place, program, eliminated }
     }
 
     /// The place of a node in the order.
@@ -92,7 +80,7 @@ impl Elimination {
 
     /// How many nodes have a place.
     pub fn nodes(&self) -> usize {
-        self.star.len() - 1
+        self.program.nodes()
     }
 
     /// How many nodes are eliminated; the places from there on are the core.
@@ -102,41 +90,39 @@ impl Elimination {
 
     /// How many rays there are in all.
     pub fn rays(&self) -> usize {
-        self.ray_to.len()
+        self.program.ray_to().len()
     }
 
     /// How many of them lie in the core.
     pub fn core_rays(&self) -> usize {
-        self.rays() - self.star[self.eliminated] as usize
+        (self.eliminated..self.nodes()).map(|k| self.star(k).len()).sum()
     }
 
     /// The joins of one sample: the length of the program.
     pub fn joins(&self) -> usize {
-        self.mesh.len()
+        self.program.joins()
     }
 
-    /// The ray between two different places that are neighbours when the earlier one is eliminated.
+    /// The ray between two different places that are neighbours when the earlier one is eliminated; [`NOWHERE`] for others.
     pub fn ray(&self, a: u32, b: u32) -> u32 {
-        let (low, high) = (a.min(b), a.max(b));
-        let star = self.star(low as usize);
-        (star.start + self.ray_to[star].partition_point(|to| *to < high)) as u32
+        self.program.ray(a.min(b), a.max(b)).unwrap_or(NOWHERE)
     }
 
     /// The rays of the k-th node.
     #[inline]
     pub fn star(&self, k: usize) -> std::ops::Range<usize> {
-        self.star[k] as usize..self.star[k + 1] as usize
+        self.program.star(k)
     }
 
     /// The place each ray leads to.
     #[inline]
     pub fn ray_to(&self) -> &[u32] {
-        &self.ray_to
+        self.program.ray_to()
     }
 
     /// The rays that the pairs of the k-th star add to.
     #[inline]
     pub fn mesh(&self, k: usize) -> &[u32] {
-        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
+        self.program.mesh(k)
     }
 }

@@ -102,19 +102,7 @@ pub(super) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
     if !(length > 0.0 && length.is_finite() || length == 0.0 && ends[0] == ends[1]) {
         return None;
     }
-    let (label, origin) = (label.to_owned(), Origin::Observed);
-    let vessel = Vessel {
-        length,
-        radius,
-        resistance: None,
-        label,
-        origin,
-        prior: 1.0,
-        certain: false,
-        evidence: None,
-        kept: None,
-        path: Vec::new(),
-    };
+    let vessel = Vessel { label: label.to_owned(), ..Vessel::new(length, radius, Origin::Observed) };
     network.add_vessel(ends, vessel);
     Some(())
 }

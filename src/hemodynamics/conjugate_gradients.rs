@@ -49,8 +49,6 @@ pub struct Workspace<const B: usize> {
     direction: Vec<Lanes<B>>,
     flow: Vec<Lanes<B>>,
     dead_ends: dead_end::Workspace,
-    /// Steps that the slowest sample took.
-    pub steps: usize,
 }
 
 impl ConjugateGradients {
@@ -70,25 +68,25 @@ impl ConjugateGradients {
 
     /// Joins of a sample, exact and incomplete.
     pub fn joins(&self) -> usize {
-        self.mesh.updates() + self.incomplete.joins()
+        self.mesh.updates() + self.incomplete.program().joins()
     }
 
     /// Conductances of the core that a step passes over, those of the incomplete elimination twice.
     pub fn rays(&self) -> usize {
-        2 * self.incomplete.ray_to().len() + self.mesh.program().core_rays()
+        2 * self.incomplete.program().ray_to().len() + self.mesh.program().core_rays()
     }
 
     /// Nodes of the core.
     pub fn core(&self) -> usize {
-        self.incomplete.nodes()
+        self.incomplete.program().nodes()
     }
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> Workspace<B> {
-        let core = || vec![Lanes::ZERO; self.incomplete.nodes()];
+        let core = || vec![Lanes::ZERO; self.incomplete.program().nodes()];
         Workspace {
             mesh: self.mesh.workspace(),
-            weight: vec![[0.0; B]; self.incomplete.ray_to().len()],
+            weight: vec![[0.0; B]; self.incomplete.program().ray_to().len()],
             inverse: core(),
             answer: core(),
             residual: core(),
@@ -96,12 +94,10 @@ impl ConjugateGradients {
             direction: core(),
             flow: core(),
             dead_ends: dead_end::Workspace::default(),
-            steps: 0,
         }
     }
 
-    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does; the largest residual, as a share of what
-    /// flows through a node's conductances at the highest pressure.
+    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does; [`Self::pressures`] are those found.
     #[inline(always)]
     pub fn solve<S: Simd, const B: usize>(
         &self,
@@ -150,9 +146,9 @@ impl ConjugateGradients {
             *ground = map(simd, own, |g| simd.mul_f64s(g, simd.splat_f64s(self.scale)));
         }
         let grounded = splat(simd, GROUNDED);
-        let ray_to = self.incomplete.ray_to();
-        for k in 0..self.incomplete.nodes() {
-            let star = self.incomplete.star(k);
+        let ray_to = self.incomplete.program().ray_to();
+        for k in 0..self.incomplete.program().nodes() {
+            let star = self.incomplete.program().star(k);
             let (done, later) = weight.split_at_mut(star.end);
             let rays = &mut done[star.clone()];
             let own = ground[k];
@@ -162,7 +158,7 @@ impl ConjugateGradients {
             }
             let one_over = inverse(simd, &total);
             let to = &ray_to[star.clone()];
-            let mut mesh = self.incomplete.mesh(k).iter();
+            let mut mesh = self.incomplete.program().mesh(k).iter();
             for i in 0..rays.len() {
                 let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
                 rays[i] = narrow(&weight, 1.0);
@@ -190,11 +186,11 @@ impl ConjugateGradients {
     /// What the incomplete elimination makes of a residual.
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
-        let ray_to = self.incomplete.ray_to();
+        let ray_to = self.incomplete.program().ray_to();
         let Workspace { weight, inverse, residual, better, .. } = work;
         better.copy_from_slice(residual);
-        for k in 0..self.incomplete.nodes() {
-            let star = self.incomplete.star(k);
+        for k in 0..self.incomplete.program().nodes() {
+            let star = self.incomplete.program().star(k);
             let own = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 let sum = &mut better[*to as usize];
@@ -202,8 +198,8 @@ impl ConjugateGradients {
             }
             better[k] = zip(simd, &own, &inverse[k], |b, i| simd.mul_f64s(b, i));
         }
-        for k in (0..self.incomplete.nodes()).rev() {
-            let star = self.incomplete.star(k);
+        for k in (0..self.incomplete.program().nodes()).rev() {
+            let star = self.incomplete.program().star(k);
             let mut sum = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 sum = plus_product(simd, &sum, &wide(weight), &better[*to as usize]);
@@ -238,13 +234,13 @@ impl ConjugateGradients {
     fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let core = self.mesh.program().eliminated();
         work.answer.fill(Lanes::ZERO);
-        work.residual.copy_from_slice(&work.mesh.pressure[core..][..self.incomplete.nodes()]);
+        work.residual.copy_from_slice(&work.mesh.pressure[core..][..self.incomplete.program().nodes()]);
         self.improve(simd, work);
         work.direction.copy_from_slice(&work.better);
         let mut energy = dot(simd, &work.residual, &work.better);
         let enough = map(simd, &energy, |e| simd.mul_f64s(e, simd.splat_f64s(ENERGY)));
-        work.steps = 0;
-        while energy.iter().zip(enough.iter()).any(|(energy, enough)| energy > enough) && work.steps < MOST_STEPS {
+        let mut steps = 0;
+        while energy.iter().zip(enough.iter()).any(|(energy, enough)| energy > enough) && steps < MOST_STEPS {
             self.flows(simd, &work.mesh, &work.direction, &mut work.flow);
             let bend = dot(simd, &work.direction, &work.flow);
             // A sample that is solved stands still, so that no other one changes it.
@@ -274,7 +270,7 @@ impl ConjugateGradients {
                     *energy = now[lane];
                 }
             }
-            work.steps += 1;
+            steps += 1;
         }
     }
 }

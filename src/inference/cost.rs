@@ -1,6 +1,6 @@
 //! What a sample is expected to cost by each solver and forest algorithm: the model that chooses between them.
 //!
-//! The constants are measured (`benches/`); where they are off on another machine, so is the point of change, not the result.
+//! The constants are rough; where they are off on a machine, so is the point of change, not the result.
 
 use crate::hemodynamics::conjugate_gradients::ConjugateGradients;
 

@@ -62,6 +62,18 @@ pub struct Core {
     pub ties: Ties,
 }
 
+/// What the samples of a block share.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    pub core: &'a Core,
+    pub block: Block<'a>,
+    /// Per link the samples in which it is open.
+    pub masks: &'a [u64],
+    /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
+    pub stranded: &'a [(usize, u64)],
+    pub weight: Weight,
+}
+
 /// How the resilience of a link follows from pressures.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkFlow {
@@ -246,9 +258,10 @@ impl Reduced {
         let stranded = &stranded(&core.circuit, masks, block.samples);
         let weight = self.weight;
         sums.clear();
+        let job = Job { core, block, masks, stranded, weight };
         let residual = match way {
-            Way::Lanes(memory) => self.instructions.run(InLanes { core, block, masks, stranded, weight, memory, sums }),
-            Way::OneByOne(memory) => self.instructions.run(OneByOne { core, block, masks, stranded, weight, memory, sums }),
+            Way::Lanes(memory) => self.instructions.run(InLanes { job, memory, sums }),
+            Way::OneByOne(memory) => self.instructions.run(OneByOne { job, memory, sums }),
         }?;
         sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {

@@ -7,8 +7,7 @@ use super::census::open_vessels;
 use super::forest::keys;
 use super::likelihood::Sums;
 use super::params::Weight;
-use super::reduced::{Core, MOST, Solve};
-use super::sampler::Block;
+use super::reduced::{Core, Job, MOST, Solve};
 use super::tally::{Samples, expectation};
 use super::ties;
 use crate::error::{Error, Result};
@@ -50,13 +49,7 @@ impl Memory {
 
 /// A block whose samples are taken in groups of eight; how well the first is solved.
 pub struct InLanes<'a> {
-    pub core: &'a Core,
-    pub block: Block<'a>,
-    /// Per link the samples in which it is open.
-    pub masks: &'a [u64],
-    /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
-    pub stranded: &'a [(usize, u64)],
-    pub weight: Weight,
+    pub job: Job<'a>,
     pub memory: &'a mut Memory,
     /// Receives the sums of the vessels that stand for others, and what is no vessel's own.
     pub sums: &'a mut Sums,
@@ -67,7 +60,7 @@ impl Kernel for InLanes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<Residual> {
-        let Self { core, block, masks, stranded, weight, memory, sums } = self;
+        let Self { job: Job { core, block, masks, stranded, weight }, memory, sums } = self;
         let Memory { flow, resilience, key, taken, ties, check } = memory;
         let (Solve::Lanes(solver), Some(forest), Some(flow)) = (&core.solve, &core.bottleneck, flow) else {
             return Err(Error::Breakdown);

@@ -5,9 +5,7 @@
 use super::census::open_vessels;
 use super::forest::{Forest, key};
 use super::likelihood::Sums;
-use super::params::Weight;
-use super::reduced::{Core, MOST, Solve};
-use super::sampler::Block;
+use super::reduced::{Core, Job, MOST, Solve};
 use super::tally::{Samples, expectation};
 use super::ties;
 use crate::error::{Error, Result};
@@ -57,13 +55,7 @@ impl Memory {
 
 /// A block whose samples are taken one by one; how well the first is solved.
 pub struct OneByOne<'a> {
-    pub core: &'a Core,
-    pub block: Block<'a>,
-    /// Per link the samples in which it is open.
-    pub masks: &'a [u64],
-    /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
-    pub stranded: &'a [(usize, u64)],
-    pub weight: Weight,
+    pub job: Job<'a>,
     pub memory: &'a mut Memory,
     /// Receives the sums of the vessels that stand for others, and what is no vessel's own.
     pub sums: &'a mut Sums,
@@ -74,27 +66,30 @@ impl Kernel for OneByOne<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<Residual> {
-        let present = open_vessels(simd, self.block.masks);
+        let present = open_vessels(simd, self.job.block.masks);
         let (mut global, mut residual) = (Samples::ZERO, Residual::default());
-        for first in (0..self.block.samples).step_by(B) {
-            match (&self.core.solve, &mut self.memory.flow) {
-                (Solve::Lanes(program), FlowMemory::Lanes(work)) => program.solve(simd, self.masks, first, self.stranded, work),
+        for first in (0..self.job.block.samples).step_by(B) {
+            match (&self.job.core.solve, &mut self.memory.flow) {
+                (Solve::Lanes(program), FlowMemory::Lanes(work)) => {
+                    program.solve(simd, self.job.masks, first, self.job.stranded, work);
+                }
                 (Solve::Gradients(program), FlowMemory::Gradients(work)) => {
-                    program.solve(simd, self.masks, first, self.stranded, work);
+                    program.solve(simd, self.job.masks, first, self.job.stranded, work);
                 }
                 _ => {}
             }
-            for sample in first..self.block.samples.min(first + B) {
+            for sample in first..self.job.block.samples.min(first + B) {
                 self.pressures(first, sample)?;
                 if sample == 0 {
                     let Memory { check, pressure, .. } = &mut *self.memory;
-                    residual = check.residual(&self.core.circuit, self.masks, 0, self.stranded, |node| pressure[node]);
+                    residual =
+                        check.residual(&self.job.core.circuit, self.job.masks, 0, self.job.stranded, |node| pressure[node]);
                 }
                 global[sample] = self.one(sample, present[sample]);
             }
         }
-        self.sums.samples = self.block.samples as u64;
-        self.sums.network_resilience = expectation(&global, self.block.probability);
+        self.sums.samples = self.job.block.samples as u64;
+        self.sums.network_resilience = expectation(&global, self.job.block.probability);
         Ok(residual)
     }
 }
@@ -103,17 +98,17 @@ impl OneByOne<'_> {
     /// The pressures of a sample, those of the eight from `first` on being solved.
     fn pressures(&mut self, first: usize, sample: usize) -> Result<()> {
         let Memory { flow, pressure, .. } = &mut *self.memory;
-        match (&self.core.solve, flow) {
+        match (&self.job.core.solve, flow) {
             (Solve::Lanes(program), FlowMemory::Lanes(work)) => {
                 for (node, p) in pressure.iter_mut().enumerate() {
                     *p = work.pressure[program.slot(node)][sample - first];
                 }
             }
             (Solve::Gradients(program), FlowMemory::Gradients(work)) => {
-                program.pressures(self.masks, first, sample, work, pressure);
+                program.pressures(self.job.masks, first, sample, work, pressure);
             }
             (Solve::Cholesky(factor), FlowMemory::Cholesky(work)) => {
-                factor.solve(|link| self.masks[link] >> sample & 1 == 1, work, |node, p| pressure[node] = p)?;
+                factor.solve(|link| self.job.masks[link] >> sample & 1 == 1, work, |node, p| pressure[node] = p)?;
             }
             _ => return Err(Error::Breakdown),
         }
@@ -122,7 +117,7 @@ impl OneByOne<'_> {
 
     /// Adds a sample to the sums; its ρ_G, given how many vessels are open.
     fn one(&mut self, sample: usize, present: f64) -> f64 {
-        let (core, memory) = (self.core, &mut *self.memory);
+        let (core, memory) = (self.job.core, &mut *self.memory);
         let Memory { pressure, resilience, forest, ties, .. } = memory;
         let level = core.circuit.level;
         let rho = |flow: f64, factor: f64, a: f64, b: f64| {
@@ -130,7 +125,7 @@ impl OneByOne<'_> {
         };
         for (row, (link, out)) in core.links.iter().zip(&mut *resilience).enumerate() {
             let [a, b] = link.slots.map(|node| pressure[node as usize]);
-            let open = self.masks[row] >> sample & 1 == 1;
+            let open = self.job.masks[row] >> sample & 1 == 1;
             *out = [if open { rho(link.conductance * (a - b), link.factor, a, b) } else { 0.0 }];
         }
         core.ties.settle::<1, _>(|link| core.links[link].factor, resilience, ties);
@@ -143,8 +138,8 @@ impl OneByOne<'_> {
         let of_trees: f64 = (0..core.trees.len()).map(|row| core.trees[row].whole * of_tree(row)).sum();
         let global = if present > 0.0 { (of_links + of_trees) / present } else { 0.0 };
 
-        let (weight, sums) = (self.weight, &mut *self.sums);
-        let one = self.block.probability.map_or(1.0, |p| p[sample]);
+        let (weight, sums) = (self.job.weight, &mut *self.sums);
+        let one = self.job.block.probability.map_or(1.0, |p| p[sample]);
         let mut add = |row: u32, rho: f64| {
             let (row, value) = (row as usize, weight.of(rho, global));
             sums.likelihood[row] += value * one;

@@ -52,18 +52,9 @@ impl RadiusRule {
 impl Vessel {
     /// An observed vessel along a centerline.
     pub fn along(path: Vec<PathPoint>, rule: RadiusRule) -> Self {
-        Self {
-            length: path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
-            radius: rule.radius(&path),
-            resistance: None,
-            label: String::new(),
-            origin: Origin::Observed,
-            prior: 1.0,
-            certain: false,
-            evidence: None,
-            kept: None,
-            path,
-        }
+        let length = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+        let radius = rule.radius(&path);
+        Self { path, ..Self::new(length, radius, Origin::Observed) }
     }
 }
 

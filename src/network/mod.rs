@@ -155,6 +155,22 @@ pub struct Vessel {
 const END_POINTS: usize = 10;
 
 impl Vessel {
+    /// A vessel of a length and radius (m) about which nothing else is known.
+    pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
+        Self {
+            length,
+            radius,
+            resistance: None,
+            label: String::new(),
+            origin,
+            prior: 1.0,
+            certain: false,
+            evidence: None,
+            kept: None,
+            path: Vec::new(),
+        }
+    }
+
     /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.
     pub fn end_radius(&self, last: bool) -> f64 {
         let n = self.path.len().min(END_POINTS);

@@ -30,8 +30,7 @@ const BEND: f64 = 0.05;
 /// Exactly `edges` vessels in 12 trees, each from the surface of the box into a territory of its own.
 ///
 /// A territory with more than one leaf is cut across its longest side; a branch runs to about the middle of each part, where
-/// it branches in turn. Volume goes by leaves, so these fill space evenly, as supply-dependent models of arteries do (Beard and
-/// Bassingthwaighte, J Vasc Res 37:282-296, 2000; Karch et al., Comput Biol Med 29:19-38, 1999). At a branching
+/// it branches in turn. Volume goes by leaves, so these fill space evenly. At a branching
 /// r₀³ = r₁³ + r₂³, in proportion to the parts' volumes within a fifth. A branch is one to three vessels in series, two in the mean.
 ///
 /// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::branching_tree`] gives it.

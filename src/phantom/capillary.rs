@@ -30,10 +30,8 @@ const ATTEMPTS: u64 = 40;
 /// Within 2 % (mostly 0.5 %) of `edges` vessels of one connected network of degree 3 at most, feeders included.
 ///
 /// Capillaries join neighbours on a cubic lattice of 50 µm, in random order as long as neither has three vessels yet; what does not
-/// hang together with the rest is left out. Cortical capillaries are such a mesh: almost all of their junctions join three
-/// vessels, and it is full of loops (Blinder et al., Nat Neurosci 16:889-897, 2013); lengths of some 50 µm and radii of some 3 µm
-/// are in the range of the human cortex (Cassot et al., Microcirculation 13:1-18, 2006). Spacing and radii (log-normal, median
-/// 2.7 µm, standard deviation of the logarithm 0.25) are round figures of that range, fitted to nothing.
+/// hang together with the rest is left out. Spacing and radii (log-normal, median 2.7 µm, standard deviation of the logarithm 0.25) are
+/// round figures, fitted to nothing.
 ///
 /// Feeders begin a lattice spacing above the block and run straight down to half of its depth at least, from 8 to 4 µm radius:
 /// in turn inlets at 100 mmHg (penetrating arterioles) and outlets at 0 (venules); 20, 40 and 300 at 10⁴, 10⁵, 10⁶ vessels.

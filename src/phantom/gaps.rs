@@ -4,12 +4,12 @@ use rand::seq::index;
 
 use super::damage::Sampled;
 use super::extraction::extract;
-use super::large::{GAPS, add_node, straight};
+use super::large::{GAPS, add_node};
 use super::{Break, BreakKind, Breaks, Truth};
 use crate::candidates::join_nearest;
 use crate::centerline::Centerlines;
 use crate::error::{Error, Result};
-use crate::network::{Network, Node, Origin, PathPoint, Role, fragments};
+use crate::network::{Network, Node, Origin, PathPoint, Role, Vessel, fragments};
 use crate::rng::block_stream;
 
 /// Which vessels are interrupted, and how finely the others are drawn.
@@ -118,7 +118,7 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
             let path = if vessel.path.is_empty() { Vec::new() } else { path.collect() };
             let length = sampled.step * (piece[1] - piece[0]) as f64;
             let label = vessel.label.clone();
-            graph.add_vessel(ends, crate::network::Vessel { label, ..straight(length, vessel.radius, Origin::Observed, path) });
+            graph.add_vessel(ends, Vessel { label, path, ..Vessel::new(length, vessel.radius, Origin::Observed) });
         }
         let stretch = [near[1], far[0]].map(|at| at as f64 * sampled.step);
         truth.breaks.push(Break { ids: loose.map(|node| node as u64 + 1), kind: BreakKind::Vessel, vessel: row, stretch });

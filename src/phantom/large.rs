@@ -57,7 +57,7 @@ impl Large {
             let lumen = &mut network.node_mut(end).radius;
             *lumen = Some(lumen.map_or(radius, |standing| standing.max(radius)));
         }
-        network.add_vessel(ends, straight(length, radius, Origin::Observed, path));
+        network.add_vessel(ends, Vessel { path, ..Vessel::new(length, radius, Origin::Observed) });
     }
 }
 
@@ -65,20 +65,4 @@ impl Large {
 pub(super) fn add_node(network: &mut Network, node: Node) -> usize {
     let id = (network.node_count() + 1).to_string();
     network.add_node(Node { id, ..node })
-}
-
-/// A vessel without a name.
-pub(super) fn straight(length: f64, radius: f64, origin: Origin, path: Vec<PathPoint>) -> Vessel {
-    Vessel {
-        length,
-        radius,
-        resistance: None,
-        label: String::new(),
-        origin,
-        prior: 1.0,
-        certain: false,
-        evidence: None,
-        kept: None,
-        path,
-    }
 }
