@@ -46,7 +46,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
     while let Some(row) = rows.next()? {
-        if row.fields().next().is_none() {
+        if row.texts().next().is_none() {
             continue;
         }
         let name = row.text(fragment);

@@ -121,9 +121,9 @@ impl Row<'_> {
         self.fields.get(column).unwrap_or_default()
     }
 
-    /// Names and texts of the columns that are not empty.
-    pub(super) fn fields(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.header.iter().map(String::as_str).zip(self.fields.iter()).filter(|(_, text)| !text.is_empty())
+    /// Texts that are not empty, with their columns.
+    pub(super) fn texts(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.fields.iter().enumerate().filter(|(_, text)| !text.is_empty())
     }
 
     /// The number in a column; NaN for an empty one.

@@ -1,5 +1,6 @@
 //! GraphML as NetworkX, igraph and this program write it.
 
+mod keys;
 mod read;
 mod write;
 

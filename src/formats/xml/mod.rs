@@ -1,4 +1,10 @@
-//! What the XML formats share: the name of the root element, parse errors in one line, escaping.
+//! What the XML formats share: the name of the root element, a stream of elements and texts, escaping.
+
+mod events;
+mod tree;
+
+pub(super) use events::{Event, Events, Tag};
+pub(super) use tree::Element;
 
 use std::borrow::Cow;
 
@@ -26,20 +32,6 @@ pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
 /// Where `needle` starts first.
 pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
     bytes.windows(needle.len()).position(|w| w == needle)
-}
-
-/// Parses a document; an error is one line with its place.
-pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
-    roxmltree::Document::parse(text).map_err(|error| {
-        let line = match error.pos().row as usize {
-            // Errors without a place of their own are those of a text that ends too early.
-            1 if matches!(error, roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream) => {
-                text.lines().count()
-            }
-            row => row,
-        };
-        Fault::line(line, format!("not well-formed XML: {error}"), "expected a complete XML file")
-    })
 }
 
 /// The text of bytes that must be UTF-8.
