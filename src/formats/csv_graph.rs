@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, BufRead, Write};
 
-use super::attributes::{Records, nodes, vessels};
+use super::attributes::{Records, is_wanted, nodes, vessels};
 use super::graph_columns::{graph_columns, points_column};
 use super::rows::{Rows, columns, delimiter};
 use super::table::write_csv;
@@ -11,6 +11,8 @@ use crate::error::Fault;
 use crate::network::{Network, Node};
 use crate::units::Scale;
 
+/// The columns of the names of nodes.
+const NAMES: [&str; 2] = ["node", "id"];
 const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 
 /// The nodes of a table and the name by which the edges know each.
@@ -32,8 +34,13 @@ pub(super) fn is_header(line: &str) -> bool {
 ///
 /// A table without `node` and `id`, a name or id that comes twice, an attribute that is wrong.
 pub fn read_csv_nodes(input: impl BufRead, scale: &Scale) -> Result<NodeTable, Fault> {
-    let (header, records) = table(input)?;
-    let Some(key) = ["node", "id"].into_iter().find(|key| header.iter().any(|h| h == key)) else {
+    nodes_of(&all(input)?, scale)
+}
+
+/// The same of bytes that are there.
+pub(super) fn nodes_of(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
+    let (header, records) = table(bytes)?;
+    let Some(key) = NAMES.into_iter().find(|key| header.iter().any(|h| h == key)) else {
         return Err(Fault::line(1, columns(&header), "expected a column node or id"));
     };
     let mut row_of = HashMap::with_capacity(records.len());
@@ -62,7 +69,12 @@ pub fn read_csv_edges(
     table_of_nodes: Option<NodeTable>,
     scale: &Scale,
 ) -> Result<(Network, Vec<String>), Fault> {
-    let (header, records) = table(input)?;
+    edges_of(&all(input)?, table_of_nodes, scale)
+}
+
+/// The same of bytes that are there.
+pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+    let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let accepted = if header.iter().any(|column| column == "node") {
             "these are nodes; give the table of edges, with columns node_a,node_b or source,target"
@@ -117,7 +129,7 @@ const PLACES: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", 
 
 /// The nodes' positions, from the columns of one side of an edge for each.
 fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
-    let mut nodes = Records::named(["x_mm", "y_mm", "z_mm"].map(str::to_owned));
+    let mut nodes = Records::named(&["x_mm", "y_mm", "z_mm"]);
     for place in placed {
         let edge = place.map(|(row, side)| (edges.get(row), PLACES[side]));
         nodes.begin(edge.map_or(0, |(record, _)| record.line));
@@ -143,16 +155,23 @@ pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) 
     write_csv(edges, &vessel_columns)
 }
 
-/// The header and the rows of a file.
-fn table(mut input: impl BufRead) -> Result<(Vec<String>, Records), Fault> {
+fn all(mut input: impl BufRead) -> Result<Vec<u8>, Fault> {
     let mut bytes = Vec::new();
     input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::open(&bytes)?;
+    Ok(bytes)
+}
+
+/// The header and the rows of a file, these without the columns that nothing asks for.
+fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
+    let mut rows = Rows::open(bytes)?;
     let header = rows.header().to_vec();
-    let mut records = Records::named(header.iter().cloned());
+    let own = [&NAMES[..], ENDS.as_flattened(), PLACES.as_flattened()];
+    let wanted: Vec<bool> =
+        header.iter().map(|name| is_wanted(name) || own.iter().any(|names| names.contains(&&**name))).collect();
+    let mut records = Records::named(&header);
     while let Some(row) = rows.next()? {
         records.begin(row.line);
-        for (column, text) in row.texts() {
+        for (column, text) in row.texts().filter(|(column, _)| wanted[*column]) {
             records.put(column, text);
         }
     }

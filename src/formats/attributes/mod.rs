@@ -16,6 +16,38 @@ use crate::error::Fault;
 use crate::geometry::radius_of;
 use crate::units::{Scale, metres};
 
+/// Whether anything here asks for an attribute of this name, or names it in a message.
+pub(super) fn is_wanted(name: &str) -> bool {
+    const OF_NODES: [&str; 19] = [
+        "x_mm",
+        "y_mm",
+        "z_mm",
+        "x",
+        "y",
+        "z",
+        "X",
+        "Y",
+        "Z",
+        "pos_x",
+        "pos_y",
+        "pos_z",
+        "pos",
+        "label",
+        "role",
+        "alone",
+        "pressure_mmHg",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
+    const OF_EDGES: [&str; 10] =
+        ["origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
+    const SIZES: [&str; 5] = ["avgCrossSection", "diameter", "r", "d", "resistance_mmHg_s_per_mL"];
+    let lower = name.to_ascii_lowercase();
+    lower.contains("radius")
+        || lower.contains("length")
+        || [&OF_NODES[..], &OF_EDGES, &SIZES].iter().any(|names| names.contains(&name))
+}
+
 /// A node or edge, which knows what to call itself in a message.
 struct Item<'a> {
     record: Record<'a>,

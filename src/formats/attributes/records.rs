@@ -38,8 +38,8 @@ pub(in super::super) struct Record<'a> {
 
 impl Records {
     /// Without items, of attributes with these names.
-    pub(in super::super) fn named(names: impl IntoIterator<Item = String>) -> Self {
-        Self { names: names.into_iter().map(Some).collect(), ..Self::default() }
+    pub(in super::super) fn named(names: &[impl AsRef<str>]) -> Self {
+        Self { names: names.iter().map(|name| Some(name.as_ref().to_owned())).collect(), ..Self::default() }
     }
 
     /// Names the attributes, in the order of their numbers, and says what items have that do not say otherwise.

@@ -5,4 +5,5 @@ mod read;
 mod write;
 
 pub use read::read_graphml;
+pub(super) use read::stream_graphml;
 pub use write::write_graphml;

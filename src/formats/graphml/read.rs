@@ -1,10 +1,10 @@
 //! Reads a GraphML graph through its keys, defaults included, as one stream.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
+use std::io::BufRead;
 
 use super::super::attributes::{Records, nodes, vessels};
-use super::super::xml::{self, Event, Events, Tag};
+use super::super::xml::{Events, Step, Tag};
 use super::keys::Keys;
 use crate::error::Fault;
 use crate::network::Network;
@@ -12,13 +12,22 @@ use crate::units::Scale;
 
 /// What has been read of a file.
 #[derive(Default)]
-struct Graph<'a> {
-    keys: Keys<'a>,
-    ids: Vec<Cow<'a, str>>,
+struct Graph {
+    keys: Keys,
+    ids: Vec<String>,
+    row_of: HashMap<String, usize>,
     nodes: Records,
-    ends: Vec<[Cow<'a, str>; 2]>,
+    ends: Vec<[End; 2]>,
     edges: Records,
     directed: bool,
+    /// The text of an element, kept for the next one.
+    text: String,
+}
+
+/// The end of an edge: the row of a node, or the id of one that has not come yet.
+enum End {
+    Row(usize),
+    Id(String),
 }
 
 /// Reads a graph with its nodes and edges in the order of the file; returns also what a person should know.
@@ -28,21 +37,28 @@ struct Graph<'a> {
 /// XML that is not well-formed or declares entities, more or fewer than one graph, a nested graph, hyperedge or port, a key
 /// that is not declared, a node id that comes twice, an edge to a node that does not exist, an attribute that is wrong.
 pub fn read_graphml(bytes: &[u8], scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
-    let mut events = Events::new(xml::utf8(bytes)?);
+    stream_graphml(bytes, scale)
+}
+
+/// The same from a stream, of which it keeps what it needs alone.
+pub(in super::super) fn stream_graphml(input: impl BufRead, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+    let mut events = Events::new(input);
     let mut graph = Graph::default();
     let mut graphs = 0;
-    while let Some(event) = events.next()? {
-        match event {
-            Event::Start(_) if events.depth() == 1 => {}
-            Event::Start(tag) if tag.name == "key" => graph.keys.declare(&tag, &mut events)?,
-            Event::Start(tag) if tag.name == "graph" => {
+    while let Some(step) = events.next()? {
+        if step != Step::Start || events.depth() == 1 {
+            continue;
+        }
+        match events.tag().name() {
+            "key" => graph.keys.declare(&mut events)?,
+            "graph" => {
                 graphs += 1;
-                if graphs == 1 { graph.read(&tag, &mut events)? } else { events.skip(|_| Ok(()))? }
+                if graphs == 1 { graph.read(&mut events)? } else { events.skip(|_| Ok(()))? }
             }
-            Event::Start(_) => events.skip(|_| Ok(()))?,
-            _ => {}
+            _ => events.skip(|_| Ok(()))?,
         }
     }
+    drop(events);
     if graphs != 1 {
         return Err(Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"));
     }
@@ -51,41 +67,45 @@ pub fn read_graphml(bytes: &[u8], scale: &Scale) -> Result<(Network, Vec<String>
 
 /// Refuses what is no simple graph.
 fn simple(tag: &Tag) -> Result<(), Fault> {
-    match tag.name {
-        "graph" | "hyperedge" | "port" => {
-            Err(Fault::line(tag.line, format!("a <{}> within the graph", tag.name), "expected only nodes and edges"))
+    match tag.name() {
+        name @ ("graph" | "hyperedge" | "port") => {
+            Err(Fault::line(tag.line, format!("a <{name}> within the graph"), "expected only nodes and edges"))
         }
         _ => Ok(()),
     }
 }
 
-impl<'a> Graph<'a> {
+impl Graph {
     /// Reads a `<graph>`, which has begun, up to its end.
-    fn read(&mut self, tag: &Tag<'a>, events: &mut Events<'a>) -> Result<(), Fault> {
-        self.directed = tag.attribute("edgedefault")?.as_deref() == Some("directed");
+    fn read(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
+        self.directed = events.tag().attribute("edgedefault")?.as_deref() == Some("directed");
         let depth = events.depth();
         while events.depth() >= depth {
-            let tag = match events.next()? {
-                Some(Event::Start(tag)) => tag,
+            match events.next()? {
+                Some(Step::Start) => {}
                 Some(_) => continue,
                 None => break,
-            };
-            simple(&tag)?;
-            match tag.name {
+            }
+            let tag = events.tag();
+            simple(tag)?;
+            match tag.name() {
                 "node" => {
                     let missing = || Fault::line(tag.line, format!("node {} has no id", self.ids.len()), "expected an id");
-                    self.ids.push(tag.attribute("id")?.ok_or_else(missing)?);
-                    item(&mut self.nodes, &mut self.keys, &tag, events)?;
+                    let id = tag.attribute("id")?.ok_or_else(missing)?.into_owned();
+                    self.row_of.entry(id.clone()).or_insert(self.ids.len());
+                    self.ids.push(id);
+                    item(&mut self.nodes, &mut self.keys, events, &mut self.text)?;
                 }
                 "edge" => {
                     self.directed |= tag.attribute("directed")?.as_deref() == Some("true");
                     let row = self.ends.len();
                     let end = |side: &str| {
                         let missing = || Fault::line(tag.line, format!("edge {row} has no {side}"), "expected the id of a node");
-                        tag.attribute(side)?.ok_or_else(missing)
+                        let id = tag.attribute(side)?.ok_or_else(missing)?;
+                        Ok(self.row_of.get(&*id).map_or_else(|| End::Id(id.into_owned()), |row| End::Row(*row)))
                     };
                     self.ends.push([end("source")?, end("target")?]);
-                    item(&mut self.edges, &mut self.keys, &tag, events)?;
+                    item(&mut self.edges, &mut self.keys, events, &mut self.text)?;
                 }
                 _ => events.skip(simple)?,
             }
@@ -103,7 +123,7 @@ impl<'a> Graph<'a> {
         for node in nodes(&self.ids, &self.nodes, scale)? {
             network.add_node(node);
         }
-        self.nodes = Records::default();
+        (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
         let mut notes = vessels(&mut network, &ends, &self.edges, scale)?;
         if self.directed {
@@ -114,15 +134,18 @@ impl<'a> Graph<'a> {
 
     /// The rows of the nodes at the ends of each edge.
     fn rows(&mut self) -> Result<Vec<[usize; 2]>, Fault> {
-        let row_of: HashMap<&str, usize> = self.ids.iter().enumerate().map(|(row, id)| (id.as_ref(), row)).collect();
         let mut rows = Vec::with_capacity(self.ends.len());
-        for (row, ids) in std::mem::take(&mut self.ends).into_iter().enumerate() {
+        let row_of = std::mem::take(&mut self.row_of);
+        for (row, both) in std::mem::take(&mut self.ends).iter().enumerate() {
             let mut ends = [0; 2];
-            for (end, (id, side)) in ends.iter_mut().zip(ids.iter().zip(["source", "target"])) {
-                *end = *row_of.get(id.as_ref()).ok_or_else(|| {
-                    let found = format!("edge {row}: {side} \"{id}\" does not exist");
-                    Fault::line(self.edges.get(row).line, found, "expected the id of a node")
-                })?;
+            for (place, (end, side)) in ends.iter_mut().zip(both.iter().zip(["source", "target"])) {
+                *place = match end {
+                    End::Row(node) => *node,
+                    End::Id(id) => *row_of.get(id).ok_or_else(|| {
+                        let found = format!("edge {row}: {side} \"{id}\" does not exist");
+                        Fault::line(self.edges.get(row).line, found, "expected the id of a node")
+                    })?,
+                };
             }
             rows.push(ends);
         }
@@ -130,18 +153,24 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// Reads the data of a node or edge, which has begun, up to its end.
-fn item<'a>(records: &mut Records, keys: &mut Keys<'a>, tag: &Tag<'a>, events: &mut Events<'a>) -> Result<(), Fault> {
-    records.begin(tag.line);
+/// Reads the data of a node or edge, which has begun, up to its end; `text` is for the texts.
+fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead>, text: &mut String) -> Result<(), Fault> {
+    records.begin(events.tag().line);
     let depth = events.depth();
     while events.depth() >= depth {
         match events.next()? {
-            Some(Event::Start(data)) if data.name == "data" => {
-                let key = keys.number(data.attribute("key")?.unwrap_or_default(), data.line);
-                records.put(key, &events.text(simple)?);
+            Some(Step::Start) if events.tag().name() == "data" => {
+                let tag = events.tag();
+                let key = keys.number(&tag.attribute("key")?.unwrap_or_default(), tag.line);
+                if keys.is_wanted(key) {
+                    events.text(simple, text)?;
+                    records.put(key, text);
+                } else {
+                    events.skip(simple)?;
+                }
             }
-            Some(Event::Start(other)) => {
-                simple(&other)?;
+            Some(Step::Start) => {
+                simple(events.tag())?;
                 events.skip(simple)?;
             }
             Some(_) => {}

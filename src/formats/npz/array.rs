@@ -4,6 +4,7 @@ use std::io::Read;
 
 use py_literal::Value;
 
+use super::super::limit::Room;
 use crate::error::Fault;
 
 /// Values of one array at the most: 1 GiB of float64.
@@ -39,7 +40,7 @@ pub(super) struct Array {
 
 impl Array {
     /// Reads a member of the archive, which takes `stored` bytes there. Nothing is allocated on the word of the file alone.
-    pub(super) fn read(name: &str, mut member: impl Read, stored: u64) -> Result<Self, Fault> {
+    pub(super) fn read(name: &str, mut member: impl Read, stored: u64, room: &Room) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
         let unreadable = || fault(format!("header {}", text.trim_end()), "expected descr, fortran_order and shape");
@@ -77,6 +78,7 @@ impl Array {
         if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
             return Err(short(stored as usize));
         }
+        room.take(bytes).map_err(|(found, accepted)| fault(found, accepted))?;
         let mut data = Vec::new();
         let whole = member.take(bytes as u64 + 1).read_to_end(&mut data);
         whole.map_err(|e| fault(format!("cannot be read: {e}"), "expected a whole file"))?;

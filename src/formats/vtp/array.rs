@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::super::limit::Room;
 use super::super::polydata::LIMIT;
 use super::super::xml::Element;
 use super::block::{Encoding, Source};
@@ -13,6 +14,8 @@ pub(super) struct Arrays<'a> {
     pub(super) encoding: Encoding,
     /// The appended data, after its underscore.
     pub(super) appended: Option<Source<'a>>,
+    /// What they may unpack to, all together.
+    pub(super) room: &'a Room,
 }
 
 /// The numbers of an array.
@@ -73,8 +76,7 @@ impl Arrays<'_> {
             "Int64" | "UInt64" | "Float64" => 8,
             _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
         };
-        let found =
-            if is_ascii(array) { ascii(array, kind, count)? } else { self.binary(array, kind, size, count)? };
+        let found = if is_ascii(array) { ascii(array, kind, count)? } else { self.binary(array, kind, size, count)? };
         let length = match &found {
             Numbers::Real(values) => values.len(),
             Numbers::Whole(values) => values.len(),
@@ -104,7 +106,10 @@ impl Arrays<'_> {
             let offset = array.attribute("offset").trim();
             fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>")
         })?;
-        Ok(self.encoding.bytes(source, limit).map_err(|found| fault(array, found, accepted))?.into_owned())
+        let most = limit.min(self.room.left().saturating_add(1));
+        let bytes = self.encoding.bytes(source, most).map_err(|found| fault(array, found, accepted))?.into_owned();
+        self.room.take(bytes.len()).map_err(|(found, accepted)| fault(array, found, accepted))?;
+        Ok(bytes)
     }
 
     fn binary(&self, array: &Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {

@@ -1,5 +1,6 @@
 //! Reads the lines and radii of a VTP file.
 
+use super::super::limit::{MAX_INPUT, Room};
 use super::super::polydata::{Array, LIMIT, PolyData, RadiusArray, Values, centerlines, is_wanted};
 use super::super::xml::{self, Element};
 use super::array::Arrays;
@@ -19,8 +20,18 @@ use crate::units::Scale;
 /// XML that is not well-formed, an encoding that cannot be read, arrays that contradict each other, a point on a line
 /// without finite coordinates, no radius array, or a surface instead of lines.
 pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+    unpack_vtp(bytes, scale, radius_array, &Room::of(bytes.len(), MAX_INPUT))
+}
+
+/// The same, of arrays that unpack to so much at the most.
+pub(in super::super) fn unpack_vtp(
+    bytes: &[u8],
+    scale: &Scale,
+    radius_array: RadiusArray<'_>,
+    room: &Room,
+) -> Result<(Centerlines, Vec<String>), Fault> {
     let (head, appended) = split(bytes)?;
-    let root = Element::root(xml::utf8(&head)?)?;
+    let root = Element::root(&head)?;
     let little = match root.attribute("byte_order") {
         "LittleEndian" | "" => true,
         "BigEndian" => false,
@@ -36,7 +47,7 @@ pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> R
         "vtkZLibDataCompressor" => true,
         other => return Err(Fault::file(format!("compressor {other}"), "expected vtkZLibDataCompressor or none")),
     };
-    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended };
+    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended, room };
     let polydata = root.named("PolyData").next();
     let pieces: Vec<&Element> = polydata.into_iter().flat_map(|p| p.named("Piece")).collect();
     let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();
@@ -75,8 +86,7 @@ fn read_piece(piece: &Element, arrays: &Arrays, choice: RadiusArray<'_>, before:
     let coordinates = coordinates.ok_or_else(|| Fault::file("no <Points>", "expected an array of 3 components"))?;
     let coordinates = arrays.reals(coordinates, 3 * points)?;
     let point_data = named(piece, "PointData", arrays, choice, [0, points])?;
-    let cells =
-        |name| array(piece, "Lines", name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
+    let cells = |name| array(piece, "Lines", name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
     let ends = arrays.indices(cells("offsets")?, lines)?;
     let total = ends.last().and_then(|end| usize::try_from(*end).ok()).filter(|end| *end <= LIMIT);
     let total = total.ok_or_else(|| {
@@ -114,13 +124,13 @@ fn named(
     Ok(out)
 }
 
-fn array<'a>(piece: &'a Element<'_>, group: &str, name: &str) -> Option<&'a Element<'a>> {
+fn array<'a>(piece: &'a Element, group: &str, name: &str) -> Option<&'a Element> {
     piece.named(group).next()?.named("DataArray").find(|a| a.attribute("Name").trim() == name)
 }
 
 /// Arrays of texts may be `<Array>` instead.
 fn is_array(element: &Element) -> bool {
-    matches!(element.name, "DataArray" | "Array")
+    matches!(element.name.as_str(), "DataArray" | "Array")
 }
 
 /// A count that a piece announces; absent is 0.

@@ -3,12 +3,10 @@
 mod events;
 mod tree;
 
-pub(super) use events::{Event, Events, Tag};
+pub(super) use events::{Events, Step, Tag};
 pub(super) use tree::Element;
 
 use std::borrow::Cow;
-
-use crate::error::Fault;
 
 /// The local name of the root element and the text of its start tag, if the bytes look like XML.
 pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
@@ -32,14 +30,6 @@ pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
 /// Where `needle` starts first.
 pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
     bytes.windows(needle.len()).position(|w| w == needle)
-}
-
-/// The text of bytes that must be UTF-8.
-pub(super) fn utf8(bytes: &[u8]) -> Result<&str, Fault> {
-    std::str::from_utf8(bytes).map_err(|error| {
-        let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
-        Fault::line(line, format!("byte {} is not UTF-8", error.valid_up_to()), "expected UTF-8 text")
-    })
 }
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.

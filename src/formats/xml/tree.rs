@@ -1,8 +1,6 @@
-//! A small XML file as a tree of elements, whose texts are borrowed from it.
+//! A small XML file as a tree of elements.
 
-use std::borrow::Cow;
-
-use super::{Event, Events};
+use super::{Events, Step};
 use crate::error::Fault;
 
 /// Elements at the most: more than any file has that is read as a tree.
@@ -10,48 +8,48 @@ const MOST_ELEMENTS: usize = 1 << 18;
 
 /// An element with all that is in it.
 #[derive(Debug)]
-pub(in super::super) struct Element<'a> {
+pub(in super::super) struct Element {
     /// Its name without prefix.
-    pub(in super::super) name: &'a str,
+    pub(in super::super) name: String,
     /// The name of the element around it; empty for the root.
-    pub(in super::super) within: &'a str,
+    pub(in super::super) within: String,
     /// The text that stands directly within it.
-    pub(in super::super) text: Cow<'a, str>,
-    attributes: Vec<(&'a str, Cow<'a, str>)>,
-    children: Vec<Element<'a>>,
+    pub(in super::super) text: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<Element>,
 }
 
-impl<'a> Element<'a> {
-    /// The root element of a text.
+impl Element {
+    /// The root element of a file.
     ///
     /// # Errors
     ///
     /// Those of [`Events::next`], or more elements than any file has.
-    pub(in super::super) fn root(text: &'a str) -> Result<Self, Fault> {
-        let mut events = Events::new(text);
-        let (mut open, mut count) = (Vec::<Self>::new(), 0);
+    pub(in super::super) fn root(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut events = Events::new(bytes);
         // The innermost open element is the last one; a closed one goes to the element around it.
-        let mut root = None;
-        while let Some(event) = events.next()? {
-            match event {
-                Event::Start(tag) => {
+        let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
+        while let Some(step) = events.next()? {
+            match step {
+                Step::Start => {
+                    let tag = events.tag();
                     count += 1;
                     if count > MOST_ELEMENTS {
                         return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
                     }
-                    let (within, text) = (open.last().map_or("", |parent| parent.name), Cow::Borrowed(""));
-                    let attributes = tag.attributes()?;
-                    open.push(Self { name: tag.name, within, text, attributes, children: Vec::new() });
+                    let within = open.last().map(|parent| parent.name.clone()).unwrap_or_default();
+                    let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
+                    open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });
                 }
-                Event::End => match (open.pop(), open.last_mut()) {
+                Step::End => match (open.pop(), open.last_mut()) {
                     (Some(closed), Some(parent)) => parent.children.push(closed),
                     (closed, _) => root = closed,
                 },
-                Event::Text(part) => match open.last_mut() {
-                    Some(element) if element.text.is_empty() => element.text = part,
-                    Some(element) => element.text.to_mut().push_str(&part),
-                    None => {}
-                },
+                Step::Text => {
+                    if let Some(element) = open.last_mut() {
+                        element.text.push_str(events.part());
+                    }
+                }
             }
         }
         // A stream without a root element ends in a fault.
@@ -70,6 +68,6 @@ impl<'a> Element<'a> {
 
     /// An attribute; empty when there is none.
     pub(in super::super) fn attribute(&self, name: &str) -> &str {
-        self.attributes.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value)
+        self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
     }
 }
