@@ -331,12 +331,8 @@ fn network(
                 }
                 notes.push(format!("{} without any radius: took --default-radius", plural(without.len(), "vessel")));
             }
-            let size = format!(
-                "{}, {}{}",
-                plural(network.node_count(), "node"),
-                plural(network.vessel_count(), "vessel"),
-                radii(&network)
-            );
+            let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
+            let size = format!("{nodes}, {vessels}{}", radii(&network));
             terminal.say("read", format!("{}: {heading}: {size}", input.display()));
             Ok((network, None))
         }

@@ -9,7 +9,7 @@ use super::limit::{Counted, MAX_INPUT, Room, bytes_within};
 use super::npz::unpack_skeleton_npz;
 use super::sniff::{Format, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
-use super::unit_check::unit_check;
+use super::unit_check::{check_extent, unit_check};
 use super::vtp::unpack_vtp;
 use super::vtrails::unpack_vtrails;
 use super::{RadiusArray, add_loops, pair, read_markups, read_points, read_tre, read_vtk, xml};
@@ -71,6 +71,7 @@ impl Default for ReadOptions {
 /// A file that cannot be read, is in none of the formats, or has a fault in its content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let (format, mut content, mut notes, sha256) = read_any(path, options)?;
+    check_extent(&content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());

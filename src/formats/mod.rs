@@ -54,7 +54,7 @@ pub use prior::{read_prior_csv, read_prior_npy};
 pub use sniff::Format;
 pub use swc::{add_loops, is_forest, read_swc, write_swc};
 pub use swc_points::{write_centerlines_swc, write_loops};
-pub use table::write_csv;
+pub use table::{plain, write_csv};
 pub use tre::{read_tre, write_tre};
 pub use vesselvio::{VertexTable, read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
 pub use voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};

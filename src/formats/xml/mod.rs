@@ -15,6 +15,8 @@ pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
         let end: &[u8] = match rest {
             [b'<', b'?', ..] => b"?>",
             [b'<', b'!', b'-', b'-', ..] => b"-->",
+            // What a document type declares stands in brackets.
+            [b'<', b'!', ..] if find(rest, b"[") < find(rest, b">") && find(rest, b"[").is_some() => b"]>",
             [b'<', b'!', ..] => b">",
             [b'<', ..] => break,
             _ => return None,
