@@ -12,7 +12,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use peers::{document, network_of, read_first};
 use willis::centerline::Centerlines;
-use willis::formats::{Content, ReadOptions, read_csv_edges, read_csv_nodes, write_csv_graph};
+use willis::formats::{Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv_graph};
+use willis::network::Network;
 use willis::units::Scale;
 
 fn refused(name: &str, content: &[u8]) -> String {
@@ -150,4 +151,13 @@ fn tables_carry_no_formulas_and_bring_every_label_back() {
     let found: Vec<&str> = again.vessels().map(|(_, vessel)| vessel.label.as_str()).collect();
     assert_eq!(found, labels);
     assert!(matches!(document("edges.csv", &edges).map(|d| d.content), Ok(Content::Graph(_))));
+}
+
+/// Found by fuzzing: the parser of NumPy's headers took time that doubled with every bracket.
+#[test]
+fn a_numpy_header_of_brackets_is_refused_at_once() {
+    let header = format!("{{'descr': '<f8', {:<101}", "[".repeat(48));
+    let file = [&b"\x93NUMPY\x01\x00\x76\x00"[..], header.as_bytes(), b"\n"].concat();
+    let fault = read_prior_npy(&file, &mut Network::new()).unwrap_err();
+    assert_eq!(fault.found, "not a NumPy array");
 }

@@ -86,7 +86,8 @@ pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &
     let given = table_of_nodes.is_some();
     let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
     // Nodes without a table: their names, and the edge and the side that place each.
-    let (mut made, mut placed): (Vec<&str>, Vec<Option<(usize, usize)>>) = (Vec::new(), Vec::new());
+    let mut made: Vec<&str> = Vec::new();
+    let mut placed: Vec<Option<(usize, usize)>> = Vec::new();
     let mut rows = Vec::with_capacity(records.len());
     for (row, record) in records.iter().enumerate() {
         let mut both = [0; 2];

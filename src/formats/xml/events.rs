@@ -72,7 +72,7 @@ impl<R: BufRead> BufRead for Lines<R> {
     fn consume(&mut self, amount: usize) {
         let passed = self.inner.fill_buf().unwrap_or_default();
         let passed = &passed[..amount.min(passed.len())];
-        let ends = |part: &[u8]| part.iter().filter(|b| **b == b'\n').count();
+        let ends = |part: &[u8]| part.iter().fold(0, |sum, b| sum + usize::from(*b == b'\n'));
         let all = ends(passed);
         self.passed += all;
         match passed.iter().rposition(|b| !b.is_ascii_whitespace()) {
