@@ -88,28 +88,49 @@ impl Centerlines {
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
         let reach = tolerance * box_diagonal(self.points.iter().copied());
-        let mut same = UnionFind::<usize>::new(n);
+        let mut degree = vec![0_u32; n];
+        for end in self.links.iter().flatten() {
+            degree[*end as usize] += 1;
+        }
+        let places = Places::of(&self.points, &self.strand);
+        // Beside the points, two elements for each place: one for the free ends there, which are always one point, and one for
+        // its other points, once they are.
+        let [ends, others] = [0, 1].map(|which| move |place: usize| n + 2 * place + which);
+        let mut same = UnionFind::<usize>::new(n + 2 * places.at.len());
+        let mut is_one = vec![false; places.at.len()];
+        let mut has_end = vec![false; places.at.len()];
+        for (point, place) in places.of.iter().enumerate().filter(|(point, _)| degree[*point] == 1) {
+            has_end[*place] = true;
+            same.union(point, ends(*place));
+        }
         for link in &self.links {
             let (a, b) = (link[0] as usize, link[1] as usize);
             if distance(self.points[a], self.points[b]) <= reach {
                 same.union(a, b);
             }
         }
-        let mut degree = vec![0_u32; n];
-        for end in self.links.iter().flatten() {
-            degree[*end as usize] += 1;
-        }
-        for (a, b) in pairs_within(&self.points, reach) {
-            if self.strand[a] != self.strand[b] || (degree[a] == 1 && degree[b] == 1) {
-                same.union(a, b);
+        let within = (0..places.at.len()).filter(|place| places.strand[*place].is_none()).map(|place| (place, place));
+        for (a, b) in within.chain(pairs_within(&places.at, reach)) {
+            if places.strand[a].is_none() || places.strand[a] != places.strand[b] {
+                (is_one[a], is_one[b]) = (true, true);
+                for element in [others(a), ends(b), others(b)] {
+                    same.union(ends(a), element);
+                }
+            } else if has_end[a] && has_end[b] {
+                same.union(ends(a), ends(b));
             }
         }
-        self.merge(&same.into_labeling())
+        for (point, place) in places.of.iter().enumerate().filter(|(_, place)| is_one[**place]) {
+            same.union(point, others(*place));
+        }
+        let mut class = same.into_labeling();
+        class.truncate(n);
+        self.merge(&class)
     }
 
     /// Replaces every point by the first one of its class, with the largest radius in it; drops links that became void or double.
     fn merge(&mut self, class: &[usize]) -> usize {
-        let mut first_of = vec![None; class.len()];
+        let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
         let mut new_index = vec![0_u32; class.len()];
         let mut kept = Vec::new();
         for (point, label) in class.iter().enumerate() {
@@ -144,6 +165,35 @@ impl Centerlines {
 /// Whether a file's radius can be used: finite and positive.
 pub fn is_radius(r: f64) -> bool {
     r.is_finite() && r > 0.0
+}
+
+/// The different positions of points: any number of points may share one.
+struct Places {
+    at: Vec<Point>,
+    /// The strand of all points there; none where there are several.
+    strand: Vec<Option<u32>>,
+    /// The place of each point.
+    of: Vec<usize>,
+}
+
+impl Places {
+    fn of(points: &[Point], strands: &[u32]) -> Self {
+        let mut places = Self { at: Vec::new(), strand: Vec::new(), of: Vec::with_capacity(points.len()) };
+        let mut number_of = HashMap::with_capacity(points.len());
+        for (point, strand) in points.iter().zip(strands) {
+            // The sum makes one zero of both.
+            let place = *number_of.entry(point.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                places.at.push(*point);
+                places.strand.push(Some(*strand));
+                places.at.len() - 1
+            });
+            if places.strand[place] != Some(*strand) {
+                places.strand[place] = None;
+            }
+            places.of.push(place);
+        }
+        places
+    }
 }
 
 /// All pairs (a < b) of points no further apart than `reach`, by b, then a.

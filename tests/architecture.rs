@@ -49,6 +49,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
     ("hdf5_reader", &["formats/vtrails.rs"]),
+    ("quick_xml", &["formats/xml/events.rs"]),
     ("argmin", &["candidates/prior/minimise.rs"]),
     ("statrs", &["stats/gamma.rs"]),
 ];

@@ -8,7 +8,7 @@ use willis::candidates::evidence::Search;
 use willis::candidates::{self, Attach, CandidateRadius};
 use willis::centerline::{Centerlines, WELD_TOLERANCE};
 use willis::error::{Error, Result};
-use willis::formats::{Content, ReadOptions, read};
+use willis::formats::{Content, ReadOptions, byte_count, read};
 use willis::network::{Network, Origin, RadiusRule, contract, fragments};
 use willis::phenotype::divide;
 use willis::quantity::Dimension;
@@ -74,6 +74,9 @@ pub struct ReadingArgs {
     /// Take the vessels of a graph file as observed and build candidates around them
     #[arg(long)]
     observed: bool,
+    /// The largest file to read, on the disk and unpacked
+    #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = byte_count)]
+    max_input: u64,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
@@ -231,6 +234,7 @@ impl ReadingArgs {
             radius_array: self.radius_array.clone(),
             radius_optional: default_radius.is_some(),
             loops: self.loops(input),
+            max_input: self.max_input,
         };
         let document = read(input, &options)?;
         let given = [
@@ -327,12 +331,8 @@ fn network(
                 }
                 notes.push(format!("{} without any radius: took --default-radius", plural(without.len(), "vessel")));
             }
-            let size = format!(
-                "{}, {}{}",
-                plural(network.node_count(), "node"),
-                plural(network.vessel_count(), "vessel"),
-                radii(&network)
-            );
+            let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
+            let size = format!("{nodes}, {vessels}{}", radii(&network));
             terminal.say("read", format!("{}: {heading}: {size}", input.display()));
             Ok((network, None))
         }

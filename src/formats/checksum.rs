@@ -1,6 +1,6 @@
 //! The SHA-256 by which a file is known again.
 
-use std::io::{self, Sink, Write};
+use std::io::{self, Read, Sink, Write};
 
 use sha2::{Digest, Sha256};
 
@@ -25,19 +25,19 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().flat_map(digits).collect()
 }
 
-/// Writes on while it takes the [`checksum`] of what it writes.
-pub struct Checksummed<W> {
-    out: W,
+/// Reads or writes on while it takes the [`checksum`] of what passes.
+pub struct Checksummed<F> {
+    file: F,
     sum: Sha256,
 }
 
-impl<W: Write> Checksummed<W> {
-    /// Writes to `out`.
-    pub fn new(out: W) -> Self {
-        Self { out, sum: Sha256::new() }
+impl<F> Checksummed<F> {
+    /// Reads from `file`, or writes to it.
+    pub fn new(file: F) -> Self {
+        Self { file, sum: Sha256::new() }
     }
 
-    /// The checksum of all that was written.
+    /// The checksum of all that was read and written.
     pub fn finish(self) -> String {
         hexadecimal(&self.sum.finalize())
     }
@@ -45,12 +45,20 @@ impl<W: Write> Checksummed<W> {
 
 impl<W: Write> Write for Checksummed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.out.write(bytes)?;
+        let written = self.file.write(bytes)?;
         self.sum.update(&bytes[..written]);
         Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
+        self.file.flush()
+    }
+}
+
+impl<R: Read> Read for Checksummed<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(bytes)?;
+        self.sum.update(&bytes[..read]);
+        Ok(read)
     }
 }

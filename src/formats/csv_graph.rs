@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, BufRead, Write};
 
-use super::attributes::{Record, nodes, vessels};
+use super::attributes::{Records, is_wanted, nodes, vessels};
 use super::graph_columns::{graph_columns, points_column};
 use super::rows::{Rows, columns, delimiter};
 use super::table::write_csv;
@@ -11,6 +11,8 @@ use crate::error::Fault;
 use crate::network::{Network, Node};
 use crate::units::Scale;
 
+/// The columns of the names of nodes.
+const NAMES: [&str; 2] = ["node", "id"];
 const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 
 /// The nodes of a table and the name by which the edges know each.
@@ -32,24 +34,27 @@ pub(super) fn is_header(line: &str) -> bool {
 ///
 /// A table without `node` and `id`, a name or id that comes twice, an attribute that is wrong.
 pub fn read_csv_nodes(input: impl BufRead, scale: &Scale) -> Result<NodeTable, Fault> {
-    let (header, records) = table(input)?;
-    let Some(key) = ["node", "id"].into_iter().find(|key| header.iter().any(|h| h == key)) else {
+    nodes_of(&all(input)?, scale)
+}
+
+/// The same of bytes that are there.
+pub(super) fn nodes_of(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
+    let (header, records) = table(bytes)?;
+    let Some(key) = NAMES.into_iter().find(|key| header.iter().any(|h| h == key)) else {
         return Err(Fault::line(1, columns(&header), "expected a column node or id"));
     };
     let mut row_of = HashMap::with_capacity(records.len());
-    let mut named = Vec::with_capacity(records.len());
-    for (row, mut record) in records.into_iter().enumerate() {
-        let name = record.values.remove(key).unwrap_or_default();
-        if name.is_empty() {
+    let mut ids = Vec::with_capacity(records.len());
+    for (row, record) in records.iter().enumerate() {
+        let Some(name) = record.text(key) else {
             return Err(Fault::line(record.line, format!("no {key}"), "expected the name of a node"));
-        }
-        let id = record.values.remove("id").filter(|id| !id.is_empty()).unwrap_or_else(|| name.clone());
-        if row_of.insert(name.clone(), row).is_some() {
+        };
+        ids.push(record.text("id").unwrap_or(name));
+        if row_of.insert(name.to_owned(), row).is_some() {
             return Err(Fault::line(record.line, format!("{key} {name} comes twice"), "expected every node once"));
         }
-        named.push((id, record));
     }
-    Ok(NodeTable { nodes: nodes(&named, scale)?, row_of })
+    Ok(NodeTable { nodes: nodes(&ids, &records, scale)?, row_of })
 }
 
 /// Reads a table of edges: `node_a,node_b` (or `source,target`) and the attributes of GraphML edges; returns also what
@@ -64,7 +69,12 @@ pub fn read_csv_edges(
     table_of_nodes: Option<NodeTable>,
     scale: &Scale,
 ) -> Result<(Network, Vec<String>), Fault> {
-    let (header, records) = table(input)?;
+    edges_of(&all(input)?, table_of_nodes, scale)
+}
+
+/// The same of bytes that are there.
+pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+    let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let accepted = if header.iter().any(|column| column == "node") {
             "these are nodes; give the table of edges, with columns node_a,node_b or source,target"
@@ -75,52 +85,62 @@ pub fn read_csv_edges(
     };
     let given = table_of_nodes.is_some();
     let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
-    let mut made: Vec<(String, Record)> = Vec::new();
-    let mut edges = Vec::with_capacity(records.len());
-    for (row, record) in records.into_iter().enumerate() {
-        let mut rows = [0; 2];
-        for (side, column) in ends.iter().enumerate() {
-            let name = record.values.get(*column).map_or("", String::as_str);
-            if name.is_empty() {
+    // Nodes without a table: their names, and the edge and the side that place each.
+    let mut made: Vec<&str> = Vec::new();
+    let mut placed: Vec<Option<(usize, usize)>> = Vec::new();
+    let mut rows = Vec::with_capacity(records.len());
+    for (row, record) in records.iter().enumerate() {
+        let mut both = [0; 2];
+        for (side, (end, column)) in both.iter_mut().zip(ends).enumerate() {
+            let Some(name) = record.text(column) else {
                 return Err(Fault::line(record.line, format!("edge {row}: no {column}"), "expected the name of a node"));
-            }
-            rows[side] = match row_of.get(name) {
+            };
+            *end = match row_of.get(name) {
                 Some(node) => *node,
                 None if given => {
                     let wrong = format!("edge {row}: {column} {name} is not in the table of nodes");
                     return Err(Fault::line(record.line, wrong, "expected a name of its column node"));
                 }
                 None => {
-                    made.push((name.to_owned(), Record { line: record.line, ..Record::default() }));
+                    made.push(name);
+                    placed.push(None);
                     row_of.insert(name.to_owned(), made.len() - 1);
                     made.len() - 1
                 }
             };
-            if let Some((_, node)) = made.get_mut(rows[side]).filter(|(_, node)| node.values.is_empty()) {
-                place(node, &record, ["a", "b"][side]);
+            if let Some(place @ None) = placed.get_mut(*end) {
+                *place = PLACES[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
             }
         }
-        edges.push((rows, record));
+        rows.push(both);
     }
-    if edges.is_empty() {
+    if rows.is_empty() {
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
     let mut network = Network::new();
-    for node in if given { found } else { nodes(&made, scale)? } {
+    for node in if given { found } else { nodes(&made, &places(&records, &placed), scale)? } {
         network.add_node(node);
     }
-    let notes = vessels(&mut network, &edges, scale)?;
+    let notes = vessels(&mut network, &rows, &records, scale)?;
     Ok((network, notes))
 }
 
-/// Takes a node's position from the columns of one side of an edge.
-fn place(node: &mut Record, edge: &Record, side: &str) {
-    for axis in ["x", "y", "z"] {
-        if let Some(value) = edge.values.get(&format!("{side}{axis}_mm")).filter(|value| !value.is_empty()) {
-            node.values.insert(format!("{axis}_mm"), value.clone());
+/// The columns of the positions of the two ends of an edge.
+const PLACES: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
+
+/// The nodes' positions, from the columns of one side of an edge for each.
+fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
+    let mut nodes = Records::named(&["x_mm", "y_mm", "z_mm"]);
+    for place in placed {
+        let edge = place.map(|(row, side)| (edges.get(row), PLACES[side]));
+        nodes.begin(edge.map_or(0, |(record, _)| record.line));
+        for (axis, column) in edge.iter().flat_map(|(_, columns)| columns.iter().enumerate()) {
+            if let Some(text) = edge.and_then(|(record, _)| record.text(column)) {
+                nodes.put(axis, text);
+            }
         }
     }
-    node.line = edge.line;
+    nodes
 }
 
 /// Writes a network as the two tables that [`read_csv_nodes`] and [`read_csv_edges`] take, with every attribute of GraphML:
@@ -136,15 +156,25 @@ pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) 
     write_csv(edges, &vessel_columns)
 }
 
-/// The header and the rows of a file.
-fn table(mut input: impl BufRead) -> Result<(Vec<String>, Vec<Record>), Fault> {
+fn all(mut input: impl BufRead) -> Result<Vec<u8>, Fault> {
     let mut bytes = Vec::new();
     input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::open(&bytes)?;
-    let mut records = Vec::new();
+    Ok(bytes)
+}
+
+/// The header and the rows of a file, these without the columns that nothing asks for.
+fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
+    let mut rows = Rows::open(bytes)?;
+    let header = rows.header().to_vec();
+    let own = [&NAMES[..], ENDS.as_flattened(), PLACES.as_flattened()];
+    let wanted: Vec<bool> =
+        header.iter().map(|name| is_wanted(name) || own.iter().any(|names| names.contains(&&**name))).collect();
+    let mut records = Records::named(&header);
     while let Some(row) = rows.next()? {
-        let values = row.fields().map(|(name, value)| (name.to_owned(), value.to_owned())).collect();
-        records.push(Record { line: row.line, values });
+        records.begin(row.line);
+        for (column, text) in row.texts().filter(|(column, _)| wanted[*column]) {
+            records.put(column, text);
+        }
     }
-    Ok((rows.header().to_vec(), records))
+    Ok((header, records))
 }

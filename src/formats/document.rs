@@ -1,14 +1,18 @@
 //! Reads a file of any format: the one place that knows every reader.
 
+use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use super::csv_graph::{edges_of, nodes_of};
+use super::graphml::stream_graphml;
+use super::limit::{Counted, MAX_INPUT, Room, bytes_within};
+use super::npz::unpack_skeleton_npz;
 use super::sniff::{Format, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
-use super::unit_check::unit_check;
-use super::{
-    RadiusArray, add_loops, checksum, pair, read_csv_edges, read_csv_nodes, read_graphml, read_markups, read_points,
-    read_skeleton_npz, read_tre, read_vtk, read_vtp, read_vtrails,
-};
+use super::unit_check::{check_extent, unit_check};
+use super::vtp::unpack_vtp;
+use super::vtrails::unpack_vtrails;
+use super::{RadiusArray, add_loops, pair, read_markups, read_points, read_tre, read_vtk, xml};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
@@ -39,7 +43,7 @@ pub struct Document {
 }
 
 /// How a file is to be read.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
@@ -49,6 +53,15 @@ pub struct ReadOptions {
     pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
+    /// Bytes at the most, of each file and of all that is compressed in it.
+    pub max_input: u64,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        let scale = Scale::default();
+        Self { scale, radius_array: None, radius_optional: false, loops: None, max_input: MAX_INPUT }
+    }
 }
 
 /// Reads centerlines or a graph.
@@ -57,21 +70,42 @@ pub struct ReadOptions {
 ///
 /// A file that cannot be read, is in none of the formats, or has a fault in its content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
-    let all = bytes_of(path)?;
-    let bytes = without_mark(&all);
-    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
-    let (format, mut content, mut notes) = read_as(format, path, bytes, options)?;
+    let (format, mut content, mut notes, sha256) = read_any(path, options)?;
+    check_extent(&content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
             return Err(Error::parameter("--loops", loops.display(), accepted));
         };
-        let bytes = bytes_of(loops)?;
+        let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(without_mark(&bytes), lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{added} links are those of {}", loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
-    Ok(Document { format, content, notes, sha256: checksum(&all) })
+    Ok(Document { format, content, notes, sha256 })
+}
+
+/// Bytes that show whether a file is GraphML.
+const HEAD: u64 = 1 << 16;
+
+/// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
+/// stream.
+fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
+    let mut file = Counted::open(path, options.max_input)?;
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let mut all = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
+    if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
+        let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
+        let (graph, notes) = stream_graphml(stream, &options.scale).map_err(|fault| fault.in_file(path))?;
+        return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
+    }
+    file.read_to_end(&mut all).map_err(unread)?;
+    let sha256 = file.checksum();
+    let bytes = without_mark(&all);
+    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let (format, content, notes) = read_as(format, path, bytes, options)?;
+    Ok((format, content, notes, sha256))
 }
 
 /// The format of a file with what lies beside it, what it holds, and what a person should know about it.
@@ -82,6 +116,7 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
         None if optional => RadiusArray::Optional,
         None => RadiusArray::Usual,
     };
+    let room = Room::of(bytes.len(), options.max_input);
     let here = |fault: Fault| fault.in_file(path);
     let lines = |read: Result<(Centerlines, Vec<String>), Fault>| {
         read.map_err(here).map(|(lines, notes)| (Content::Centerlines(lines), notes))
@@ -89,30 +124,30 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     let read = match format {
         Format::Swc => return read_tracing(path, bytes, options),
         Format::ICafe => read_table_of_vessels(path, bytes, options),
-        Format::Csv => read_tables(path, bytes, scale),
+        Format::Csv => read_tables(path, bytes, options),
         Format::Voreen => pair::read_voreen(path, bytes, options),
         Format::VesselVio => pair::read_vesselvio(path, bytes, options),
-        Format::GraphMl => read_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
-        Format::Npz => read_skeleton_npz(bytes, scale, optional).map_err(here),
-        Format::Vtp => lines(read_vtp(bytes, scale, radius)),
+        Format::GraphMl => stream_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
+        Format::Npz => unpack_skeleton_npz(bytes, scale, optional, &room).map_err(here),
+        Format::Vtp => lines(unpack_vtp(bytes, scale, radius, &room)),
         Format::Vtk => lines(read_vtk(bytes, scale, radius)),
         Format::Tre => lines(read_tre(bytes, scale, optional)),
         Format::Markups => lines(read_markups(bytes, scale, radius)),
         Format::Points => lines(read_points(bytes, scale, optional)),
-        Format::VTrails => lines(read_vtrails(bytes, scale, optional)),
+        Format::VTrails => lines(unpack_vtrails(bytes, scale, optional, &room)),
     };
     read.map(|(content, notes)| (format, content, notes))
 }
 
 /// A table of edges, with the table of nodes beside it.
-fn read_tables(path: &Path, bytes: &[u8], scale: &Scale) -> Result<(Content, Vec<String>)> {
-    let beside = pair::nodes_beside(path);
+fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
+    let (beside, scale) = (pair::nodes_beside(path), &options.scale);
     let read = |nodes: &PathBuf| {
-        let bytes = bytes_of(nodes)?;
-        read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
+        let bytes = bytes_within(nodes, options.max_input)?;
+        nodes_of(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
     };
     let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) = read_csv_edges(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
+    let (network, mut notes) = edges_of(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
     notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
     Ok((Content::Graph(network), notes))
 }
@@ -121,9 +156,9 @@ fn read_tables(path: &Path, bytes: &[u8], scale: &Scale) -> Result<(Content, Vec
 ///
 /// # Errors
 ///
-/// It cannot be read: names it.
+/// It cannot be read, or has more than [`MAX_INPUT`]: names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+    bytes_within(path, MAX_INPUT)
 }
 
 /// The bytes after a byte order mark.

@@ -98,7 +98,7 @@ pub fn read_traced_vessels(mut input: impl BufRead, scale: &Scale) -> Result<Vec
     let count = rows.find(&["NumPts"]);
     let mut vessels = Vec::new();
     while let Some(row) = rows.next()? {
-        if row.fields().next().is_none() {
+        if row.texts().next().is_none() {
             continue;
         }
         let ends = [row.position(ends[0])?, row.position(ends[1])?];

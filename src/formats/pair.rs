@@ -1,8 +1,10 @@
 //! Graphs in two tables, one of nodes and one of edges: finds the other one beside the one given, and reads both.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::document::{Content, ReadOptions, bytes_of};
+use super::document::{Content, ReadOptions};
+use super::limit::bytes_within;
 use super::rows::Rows;
 use super::{read_vesselvio_edges, read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes};
 use crate::error::{Fault, Result};
@@ -44,7 +46,7 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
 /// Reads the two tables of Voreen, whichever of them is given.
 pub(super) fn read_voreen(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let ends = ["node1id", "node2id"];
-    let (nodes, edges, note) = both(path, bytes, &ends)?;
+    let (nodes, edges, note) = both(path, bytes, &ends, options.max_input)?;
     let table = read_voreen_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
     let read = read_voreen_edges(&edges.1, table, &options.scale, options.radius_optional);
     let (network, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
@@ -55,7 +57,7 @@ pub(super) fn read_voreen(path: &Path, bytes: &[u8], options: &ReadOptions) -> R
 /// Reads the two tables of VesselVio, whichever of them is given.
 pub(super) fn read_vesselvio(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let ends = ["source id", "source"];
-    let (vertices, edges, note) = both(path, bytes, &ends)?;
+    let (vertices, edges, note) = both(path, bytes, &ends, options.max_input)?;
     let table = read_vesselvio_vertices(&vertices.1, &options.scale).map_err(|fault| fault.in_file(&vertices.0))?;
     let read = read_vesselvio_edges(&edges.1, table, &options.scale, options.radius_optional);
     let (content, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
@@ -66,7 +68,7 @@ pub(super) fn read_vesselvio(path: &Path, bytes: &[u8], options: &ReadOptions) -
 type File = (PathBuf, Vec<u8>);
 
 /// The table of nodes, that of edges, which has one of the columns `ends`, and a line about the one that was found.
-fn both(path: &Path, bytes: &[u8], ends: &[&str]) -> Result<(File, File, String)> {
+fn both(path: &Path, bytes: &[u8], ends: &[&str], most: u64) -> Result<(File, File, String)> {
     let given = || (path.to_owned(), bytes.to_vec());
     let missing = |what: &str| {
         let renamed = "with \"nodes\" for \"edges\" in its name, or nodes.csv and edges.csv";
@@ -75,7 +77,7 @@ fn both(path: &Path, bytes: &[u8], ends: &[&str]) -> Result<(File, File, String)
     let is_edges = Rows::open(bytes).map_err(|fault| fault.in_file(path))?.find(ends).is_some();
     let other = if is_edges { nodes_beside(path) } else { edges_beside(path) };
     let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
-    let found = (other.clone(), bytes_of(&other)?);
+    let found = (other.clone(), bytes_within(&other, most)?);
     if is_edges {
         Ok((found, given(), format!("nodes are those of {}", other.display())))
     } else {
@@ -85,7 +87,11 @@ fn both(path: &Path, bytes: &[u8], ends: &[&str]) -> Result<(File, File, String)
 
 /// Whether the edges of a table refer to the rows of the table of nodes, as VesselVio's do: that table has no names.
 pub(super) fn refers_to_rows(edges: &Path) -> bool {
-    let Some(bytes) = nodes_beside(edges).and_then(|nodes| std::fs::read(nodes).ok()) else { return false };
+    let mut bytes = Vec::new();
+    let head = |nodes| std::fs::File::open(nodes).and_then(|file| file.take(1 << 16).read_to_end(&mut bytes)).ok();
+    if nodes_beside(edges).and_then(head).is_none() {
+        return false;
+    }
     Rows::open(&bytes).is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
 }
 

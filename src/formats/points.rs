@@ -6,6 +6,7 @@ use std::io::{self, BufRead, Write};
 use super::column::real;
 use super::polyline::polylines;
 use super::rows::{Rows, columns as describe};
+use super::table::plain;
 use crate::centerline::{Centerlines, is_radius};
 use crate::error::Fault;
 use crate::network::Network;
@@ -46,7 +47,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
     while let Some(row) = rows.next()? {
-        if row.fields().next().is_none() {
+        if row.texts().next().is_none() {
             continue;
         }
         let name = row.text(fragment);
@@ -95,11 +96,11 @@ pub fn write_points(out: impl Write, network: &Network) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record(["fragment", "x_mm", "y_mm", "z_mm", "radius_mm", "label"])?;
     for (row, points) in polylines(network)?.into_iter().enumerate() {
-        let (fragment, label) = (row.to_string(), &network.vessel(row).label);
+        let (fragment, label) = (row.to_string(), plain(&network.vessel(row).label));
         for point in points {
             let [x, y, z] = point.position.map(|x| real(millimetres(x)));
             let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { String::new() };
-            csv.write_record([&fragment, &x, &y, &z, &radius, label])?;
+            csv.write_record([&*fragment, &x, &y, &z, &radius, &label])?;
         }
     }
     csv.flush()

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::number::number;
+use super::table::unplain;
 use crate::error::Fault;
 
 /// A table of which the header has been read.
@@ -118,12 +119,12 @@ impl Row<'_> {
 
     /// The text of a column; empty where the row has none.
     pub(super) fn text(&self, column: usize) -> &str {
-        self.fields.get(column).unwrap_or_default()
+        unplain(self.fields.get(column).unwrap_or_default())
     }
 
-    /// Names and texts of the columns that are not empty.
-    pub(super) fn fields(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.header.iter().map(String::as_str).zip(self.fields.iter()).filter(|(_, text)| !text.is_empty())
+    /// Texts that are not empty, with their columns.
+    pub(super) fn texts(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.fields.iter().map(unplain).enumerate().filter(|(_, text)| !text.is_empty())
     }
 
     /// The number in a column; NaN for an empty one.

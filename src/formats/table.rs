@@ -1,8 +1,9 @@
 //! CSV tables: one header line, one row a node or vessel, every number with the digits that bring it back.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::column::{Column, check_rows};
+use super::column::{Column, Values, check_rows};
 
 /// Writes columns of equal length as CSV with `\n` line ends; NaN is an empty field, infinity is `inf`.
 ///
@@ -22,7 +23,28 @@ pub(super) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
         csv.write_record(columns.iter().map(|c| c.name))?;
     }
     for row in 0..rows {
-        csv.write_record(columns.iter().map(|c| c.values.text(row)))?;
+        for column in columns {
+            match &column.values {
+                Values::Text(texts) => csv.write_field(plain(&texts[row]).as_bytes())?,
+                values => csv.write_field(values.text(row))?,
+            }
+        }
+        csv.write_record(None::<&[u8]>)?;
     }
     csv.flush()
+}
+
+/// Whether a spreadsheet would take a text for a formula, after any number of apostrophes.
+fn is_formula(text: &str) -> bool {
+    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// A text for a table: before what a spreadsheet would take for a formula stands an apostrophe, which readers here take off.
+pub fn plain(text: &str) -> Cow<'_, str> {
+    if is_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+}
+
+/// The text that [`plain`] was given.
+pub(super) fn unplain(text: &str) -> &str {
+    text.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(text)
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::document::{Content, ReadOptions, bytes_of, without_mark};
+use super::document::{Content, ReadOptions, without_mark};
+use super::limit::bytes_within;
 use super::sniff::Format;
 use super::{icafe, name_stretches, read_swc, read_traced_vessels};
 use crate::centerline::Centerlines;
@@ -14,7 +15,7 @@ pub(super) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
     if let Some(table) = icafe::table_beside(path)
-        && let Some(note) = name_vessels(&mut lines, &bytes_of(&table)?, &table, &options.scale)?
+        && let Some(note) = name_vessels(&mut lines, &bytes_within(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
         notes.push(note);
@@ -27,7 +28,7 @@ pub(super) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 pub(super) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
     let tracing = icafe::tracing_beside(path).map_err(here)?;
-    let traced = bytes_of(&tracing)?;
+    let traced = bytes_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
     let wrong = || Fault::file("none of its vessels begins and ends at points of the tracing", "expected those of one image");

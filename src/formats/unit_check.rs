@@ -2,18 +2,41 @@
 
 use super::document::Content;
 use crate::centerline::is_radius;
+use crate::error::Fault;
 use crate::geometry::{Point, box_diagonal};
 use crate::stats::median;
 use crate::units::{LengthUnit, Scale, millimetres};
 
 /// Median radii of brain vessels, mm: from capillaries to the internal carotid artery.
 const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
+/// No coordinate lies so far off, m.
+const MOST_METRES: f64 = 1e9;
 /// A share of coordinates or radii above which they are called whole numbers.
 const MOST: f64 = 0.95;
 /// Fewer points than this prove nothing.
 const FEWEST: usize = 10;
 /// How far from a whole number a voxel index or a squared distance of voxels may lie.
 const ROUNDING: f64 = 1e-4;
+
+/// Refuses positions whose distances no number holds.
+pub(super) fn check_extent(content: &Content) -> Result<(), Fault> {
+    let check = |item: &dyn Fn() -> String, p: Point| match p.into_iter().find(|x| x.abs() > MOST_METRES) {
+        None => Ok(()),
+        Some(x) => {
+            let found = format!("coordinate {:e} mm", millimetres(x));
+            Err(Fault::item(item(), found, format!("expected one within {:e} mm", millimetres(MOST_METRES))))
+        }
+    };
+    match content {
+        Content::Centerlines(lines) => {
+            lines.points.iter().zip(&lines.ids).try_for_each(|(p, id)| check(&|| format!("point {id}"), *p))
+        }
+        Content::Vessels(network) | Content::Graph(network) => network.nodes().try_for_each(|node| {
+            let item = || format!("node {}", node.id);
+            node.position.map_or(Ok(()), |p| check(&item, p))
+        }),
+    }
+}
 
 /// What a person should know about the unit, one line each; nothing where all looks like vessels.
 pub(super) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
+use super::limit::{MAX_INPUT, Room};
 use crate::centerline::Centerlines;
 use crate::error::Fault;
 use crate::units::Scale;
@@ -24,9 +25,19 @@ const MOST_POINTS: u64 = 1 << 26;
 /// A file that is broken or of another kind; a path that is not points x 3 or not finite; no radius to be had, which
 /// `radius_optional` says is known.
 pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
+    unpack_vtrails(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
+}
+
+/// The same, of paths that unpack to so much at the most.
+pub(super) fn unpack_vtrails(
+    bytes: &[u8],
+    scale: &Scale,
+    radius_optional: bool,
+    room: &Room,
+) -> Result<(Centerlines, Vec<String>), Fault> {
     let options = OpenOptions::default()
-        .with_max_read_bytes(24 * MOST_POINTS as usize)
-        .with_max_chunk_bytes(1 << 28)
+        .with_max_read_bytes(room.left())
+        .with_max_chunk_bytes(room.left().min(1 << 28))
         .with_max_object_header_bytes(1 << 22);
     let broken = |e: hdf5_reader::error::Error| {
         let word = e.to_string().replace(['\n', '\r'], " ");
@@ -57,12 +68,12 @@ pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Resul
             if path.attribute("MATLAB_empty").is_ok() {
                 void += 1;
             } else {
-                add(&mut lines, path, row, scale)?;
+                add(&mut lines, path, row, scale, room)?;
             }
         }
     } else {
         // A struct of one element holds its field itself.
-        add(&mut lines, &paths, 0, scale)?;
+        add(&mut lines, &paths, 0, scale, room)?;
     }
     if lines.links.is_empty() {
         return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));
@@ -76,7 +87,7 @@ pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Resul
 }
 
 /// Adds a path: MATLAB's points x 3 lie in HDF5 as 3 x points.
-fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale) -> Result<(), Fault> {
+fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &Room) -> Result<(), Fault> {
     let fault = |found: String, accepted: &str| Fault::item(format!("{STRUCT}({}).{FIELD}", row + 1), found, accepted);
     let [3, n] = *path.shape() else {
         let shape: Vec<String> = path.shape().iter().rev().map(u64::to_string).collect();
@@ -85,6 +96,7 @@ fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale) -> Re
     if n.saturating_add(lines.points.len() as u64) > MOST_POINTS {
         return Err(fault(format!("{n} points"), "expected fewer than 2^26 in all"));
     }
+    room.take(24 * n as usize).map_err(|(found, accepted)| fault(found, accepted))?;
     let values = path.read_array::<f64>().map_err(|e| fault(format!("cannot be read: {e}"), "expected numbers"))?;
     let values = values.as_slice().unwrap_or_default();
     let n = n as usize;

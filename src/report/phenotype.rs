@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::staged::write_file;
 use super::summary::{Provenance, input};
 use crate::error::Result;
-use crate::formats::{Column, write_csv};
+use crate::formats::{Column, plain, write_csv};
 use crate::network::Network;
 use crate::phenotype::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::units::ml_per_min;
@@ -161,6 +161,7 @@ pub fn write_phenotype(
         columns.extend(RING.iter().map(|artery| format!("p_{artery}")));
         row.extend(posterior.segments.iter().map(f64::to_string));
     }
+    row[0] = plain(subject).into_owned();
     write_file(&folder.join("phenotype.csv"), |out| {
         let mut csv = csv::Writer::from_writer(out);
         csv.write_record(columns)?;

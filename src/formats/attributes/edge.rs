@@ -2,24 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use super::{Item, Record};
+use super::{Item, Name, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::distance;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 
-/// Adds the edges, in their order, to the network that has the nodes; returns what a person should know.
+/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should know.
 pub(in super::super) fn vessels(
     network: &mut Network,
-    edges: &[([usize; 2], Record)],
+    ends: &[[usize; 2]],
+    records: &Records,
     scale: &Scale,
 ) -> Result<Vec<String>, Fault> {
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
     let mut names = BTreeMap::new();
-    for (row, (ends, record)) in edges.iter().enumerate() {
+    for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
         let [a, b] = ends.map(|end| network.node(end));
-        let item = Item { record, name: format!("edge {row} ({} - {})", a.id, b.id) };
+        let item = Item { record, name: Name::Edge(row, [&a.id, &b.id]) };
         let path = path(&item, [a, b])?;
         let length = match length(&item, scale, *ends)? {
             Some(length) => length,
@@ -71,7 +72,7 @@ pub(in super::super) fn vessels(
         network.add_vessel(*ends, vessel);
     }
     let mut notes = Vec::new();
-    if origins == 0 && !edges.is_empty() {
+    if origins == 0 && !ends.is_empty() {
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
     if straight > 0 {
@@ -93,11 +94,11 @@ pub(in super::super) fn vessels(
 
 /// The length that the edge states, m. A self-loop carries no flow, so it alone may have none.
 fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
-    let Some((key, length)) = item.length("length", scale)? else { return Ok(None) };
+    let Some((key, length)) = item.length(scale)? else { return Ok(None) };
     if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
         return Ok(Some(length));
     }
-    Err(item.fault(format!("{key} {}", item.text(&key).unwrap_or_default()), "expected a positive number"))
+    Err(item.fault(format!("{key} {}", item.text(key).unwrap_or_default()), "expected a positive number"))
 }
 
 /// The distance between the nodes, m.

@@ -2,11 +2,13 @@
 
 mod edge;
 mod node;
+mod records;
 
 pub(super) use edge::vessels;
 pub(super) use node::nodes;
+pub(super) use records::{Record, Records};
 
-use std::collections::HashMap;
+use std::fmt;
 
 use super::number::number;
 use crate::centerline::is_radius;
@@ -14,33 +16,73 @@ use crate::error::Fault;
 use crate::geometry::radius_of;
 use crate::units::{Scale, metres};
 
-/// The attributes of a node or edge as text, and the line they stand on. An empty text is as good as none.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Record {
-    pub(super) line: usize,
-    pub(super) values: HashMap<String, String>,
+/// Whether anything here asks for an attribute of this name, or names it in a message.
+pub(super) fn is_wanted(name: &str) -> bool {
+    const OF_NODES: [&str; 19] = [
+        "x_mm",
+        "y_mm",
+        "z_mm",
+        "x",
+        "y",
+        "z",
+        "X",
+        "Y",
+        "Z",
+        "pos_x",
+        "pos_y",
+        "pos_z",
+        "pos",
+        "label",
+        "role",
+        "alone",
+        "pressure_mmHg",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
+    const OF_EDGES: [&str; 10] =
+        ["origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
+    const SIZES: [&str; 5] = ["avgCrossSection", "diameter", "r", "d", "resistance_mmHg_s_per_mL"];
+    let lower = name.to_ascii_lowercase();
+    lower.contains("radius")
+        || lower.contains("length")
+        || [&OF_NODES[..], &OF_EDGES, &SIZES].iter().any(|names| names.contains(&name))
 }
 
-/// A record that knows what to call itself in a message.
+/// A node or edge, which knows what to call itself in a message.
 struct Item<'a> {
-    record: &'a Record,
-    name: String,
+    record: Record<'a>,
+    name: Name<'a>,
+}
+
+/// A node by its id, or an edge by its row and the ids of its ends.
+#[derive(Debug, Clone, Copy)]
+enum Name<'a> {
+    Node(&'a str),
+    Edge(usize, [&'a str; 2]),
+}
+
+impl fmt::Display for Name<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Node(id) => write!(f, "node {id}"),
+            Self::Edge(row, [a, b]) => write!(f, "edge {row} ({a} - {b})"),
+        }
+    }
 }
 
 impl<'a> Item<'a> {
     fn text(&self, key: &str) -> Option<&'a str> {
-        self.record.values.get(key).map(|text| text.trim()).filter(|text| !text.is_empty())
+        self.record.text(key)
     }
 
-    fn fault(&self, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
+    fn fault(&self, found: impl fmt::Display, accepted: impl Into<String>) -> Fault {
         Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
     }
 
     /// A fault of a length in mm that is not there; says what is there under like names.
     fn lacks(&self, name: &str, accepted: &str) -> Fault {
-        let mut like: Vec<&str> = self.record.values.keys().map(String::as_str).collect();
-        like.retain(|key| key.to_ascii_lowercase().contains(name) && self.text(key).is_some());
-        like.sort_unstable();
+        let mut like = self.record.names();
+        like.retain(|key| key.to_ascii_lowercase().contains(name));
         let like = if like.is_empty() { String::new() } else { format!(" but {}", like.join(", ")) };
         self.fault(format!("no {name}_mm{like}"), accepted)
     }
@@ -75,13 +117,12 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// The first of a length in millimetres (`name_mm`) or in the unit of the file (`name`): its key and value in m.
-    fn length(&self, name: &str, scale: &Scale) -> Result<Option<(String, f64)>, Fault> {
-        let key = format!("{name}_mm");
-        if let Some(mm) = self.real(&key)? {
-            return Ok(Some((key, metres(mm))));
+    /// The length in millimetres (`length_mm`) or in the unit of the file (`length`): its key and value in m.
+    fn length(&self, scale: &Scale) -> Result<Option<(&'static str, f64)>, Fault> {
+        if let Some(mm) = self.real("length_mm")? {
+            return Ok(Some(("length_mm", metres(mm))));
         }
-        Ok(self.real(name)?.map(|x| (name.to_owned(), scale.length(x))))
+        Ok(self.real("length")?.map(|x| ("length", scale.length(x))))
     }
 
     /// A radius under any of the names that programs give it: the name and its value in m.

@@ -1,19 +1,20 @@
 //! Nodes of a ready graph: position, radius, label, role and boundary condition.
 
 use super::super::number::number;
-use super::{Item, Record};
+use super::{Item, Name, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::Point;
 use crate::network::{Condition, INLET_PRESSURE_MMHG, Node, Role};
 use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
 
-/// The nodes of records with their ids, which must be unique.
-pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Result<Vec<Node>, Fault> {
-    let items = || records.iter().map(|(id, record)| (id, Item { record, name: format!("node {id}") }));
+/// The nodes of records, each with its id, which must be unique.
+pub(in super::super) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -> Result<Vec<Node>, Fault> {
+    let named = || ids.iter().map(AsRef::as_ref).zip(records.iter());
+    let items = || named().map(|(id, record)| (id, Item { record, name: Name::Node(id) }));
     let has_roles = items().any(|(_, item)| item.text("role").is_some());
     let mut seen = std::collections::HashSet::new();
-    let mut nodes = Vec::with_capacity(records.len());
+    let mut nodes = Vec::with_capacity(ids.len());
     for (id, item) in items() {
         if !seen.insert(id) {
             return Err(item.fault("the id comes twice", "expected every node id once"));
@@ -26,7 +27,7 @@ pub(in super::super) fn nodes(records: &[(String, Record)], scale: &Scale) -> Re
             Some(other) => return Err(item.fault(format!("role \"{other}\""), "expected inlet, outlet or inner")),
         };
         nodes.push(Node {
-            id: id.clone(),
+            id: id.to_owned(),
             position: position(&item, scale)?,
             radius: item.radius(scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
             label: item.text("label").unwrap_or_default().to_owned(),

@@ -4,6 +4,7 @@ use std::io::Read;
 
 use py_literal::Value;
 
+use super::super::limit::Room;
 use crate::error::Fault;
 
 /// Values of one array at the most: 1 GiB of float64.
@@ -12,6 +13,8 @@ const MOST_VALUES: usize = 1 << 27;
 const MOST_INFLATION: u64 = 1100;
 /// The header of a plain array has less than 200 bytes.
 const MOST_HEADER: usize = 4096;
+/// Brackets within one another at the most.
+const MOST_BRACKETS: usize = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -39,7 +42,7 @@ pub(super) struct Array {
 
 impl Array {
     /// Reads a member of the archive, which takes `stored` bytes there. Nothing is allocated on the word of the file alone.
-    pub(super) fn read(name: &str, mut member: impl Read, stored: u64) -> Result<Self, Fault> {
+    pub(super) fn read(name: &str, mut member: impl Read, stored: u64, room: &Room) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
         let unreadable = || fault(format!("header {}", text.trim_end()), "expected descr, fortran_order and shape");
@@ -77,6 +80,7 @@ impl Array {
         if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
             return Err(short(stored as usize));
         }
+        room.take(bytes).map_err(|(found, accepted)| fault(found, accepted))?;
         let mut data = Vec::new();
         let whole = member.take(bytes as u64 + 1).read_to_end(&mut data);
         whole.map_err(|e| fault(format!("cannot be read: {e}"), "expected a whole file"))?;
@@ -177,9 +181,17 @@ fn header(member: &mut impl Read) -> Option<String> {
     };
     let mut text = vec![0; Some(length).filter(|length| *length <= MOST_HEADER)?];
     member.read_exact(&mut text).ok()?;
-    // The parser descends once for each bracket.
-    let brackets = text.iter().filter(|b| b"([{".contains(b)).count();
-    String::from_utf8(text).ok().filter(|_| brackets <= 64)
+    // The parser takes twice as long for each bracket within another: a header has two or three.
+    let (mut depth, mut deepest) = (0_usize, 0);
+    for byte in &text {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        deepest = deepest.max(depth);
+    }
+    String::from_utf8(text).ok().filter(|_| deepest <= MOST_BRACKETS)
 }
 
 fn tuple(shape: &[usize]) -> String {

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use super::super::limit::{MAX_INPUT, Room};
 use super::array::Array;
 use crate::error::Fault;
 
@@ -11,7 +12,7 @@ use crate::error::Fault;
 ///
 /// Another shape or type, or a file that is cut.
 pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
-    let array = Array::read("A", bytes, bytes.len() as u64)?;
+    let array = Array::read("A", bytes, bytes.len() as u64, &Room::of(bytes.len(), MAX_INPUT))?;
     if array.shape != [n, n] {
         let shape = array.shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         return Err(Fault::file(

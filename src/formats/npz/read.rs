@@ -5,6 +5,7 @@ use std::io::Cursor;
 use zip::ZipArchive;
 
 use super::super::document::Content;
+use super::super::limit::{MAX_INPUT, Room};
 use super::super::pair::add_straight;
 use super::super::skeleton::{centerlines, radii_of_points};
 use super::array::Array;
@@ -37,7 +38,17 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 /// A broken archive, another kind of `.npz` (a sparse matrix), Python objects, an array that is missing or whose shape or
 /// type is another, a row that `coords` lacks, a position that is not finite.
 pub fn read_skeleton_npz(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Content, Vec<String>), Fault> {
-    let mut archive = Archive::open(bytes)?;
+    unpack_skeleton_npz(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
+}
+
+/// The same, of arrays that unpack to so much at the most.
+pub(in super::super) fn unpack_skeleton_npz(
+    bytes: &[u8],
+    scale: &Scale,
+    radius_optional: bool,
+    room: &Room,
+) -> Result<(Content, Vec<String>), Fault> {
+    let mut archive = Archive::open(bytes, room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
         return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
     }
@@ -142,15 +153,16 @@ fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
 /// An open `.npz`.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
+    room: &'a Room,
     names: Vec<String>,
 }
 
 impl<'a> Archive<'a> {
-    fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+    fn open(bytes: &'a [u8], room: &'a Room) -> Result<Self, Fault> {
         let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
         let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();
-        Ok(Self { zip, names })
+        Ok(Self { zip, room, names })
     }
 
     fn has(&self, name: &str) -> bool {
@@ -172,6 +184,6 @@ impl<'a> Archive<'a> {
         let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
         let member = self.zip.by_index(row).map_err(broken)?;
         let stored = member.compressed_size();
-        Array::read(name, member, stored).map(Some)
+        Array::read(name, member, stored, self.room).map(Some)
     }
 }

@@ -1,8 +1,10 @@
 //! One VTK data array as numbers, whatever its type and encoding.
 
-use roxmltree::Node as Element;
+use std::borrow::Cow;
 
+use super::super::limit::Room;
 use super::super::polydata::LIMIT;
+use super::super::xml::Element;
 use super::block::{Encoding, Source};
 use crate::error::Fault;
 
@@ -12,6 +14,8 @@ pub(super) struct Arrays<'a> {
     pub(super) encoding: Encoding,
     /// The appended data, after its underscore.
     pub(super) appended: Option<Source<'a>>,
+    /// What they may unpack to, all together.
+    pub(super) room: &'a Room,
 }
 
 /// The numbers of an array.
@@ -24,7 +28,7 @@ const TYPES: &str = "expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64
 
 impl Arrays<'_> {
     /// The first `count` numbers of an array.
-    pub(super) fn reals(&self, array: Element, count: usize) -> Result<Vec<f64>, Fault> {
+    pub(super) fn reals(&self, array: &Element, count: usize) -> Result<Vec<f64>, Fault> {
         Ok(match self.numbers(array, count)? {
             Numbers::Real(values) => values,
             Numbers::Whole(values) => values.into_iter().map(|x| x as f64).collect(),
@@ -32,21 +36,21 @@ impl Arrays<'_> {
     }
 
     /// The first `count` indices of an array.
-    pub(super) fn indices(&self, array: Element, count: usize) -> Result<Vec<i64>, Fault> {
+    pub(super) fn indices(&self, array: &Element, count: usize) -> Result<Vec<i64>, Fault> {
         match self.numbers(array, count)? {
             Numbers::Whole(values) => Ok(values),
             Numbers::Real(_) => {
-                Err(fault(array, format!("type {}", attribute(array, "type")), "expected a type of whole numbers"))
+                Err(fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers"))
             }
         }
     }
 
     /// The first `count` texts of an array; each ends with a zero byte.
-    pub(super) fn texts(&self, array: Element, count: usize) -> Result<Vec<String>, Fault> {
+    pub(super) fn texts(&self, array: &Element, count: usize) -> Result<Vec<String>, Fault> {
         let accepted = || format!("expected {count} texts");
         let bytes = if is_ascii(array) {
             let wrong = |word: &str| fault(array, format!("value \"{word}\""), "expected the codes of characters");
-            let codes = text(array);
+            let codes = &array.text;
             // Programs with signed characters write those above 127 below zero.
             let code = |w: &str| w.parse().ok().filter(|c: &i16| (-128..256).contains(c)).map(|c| c as u8);
             codes.split_ascii_whitespace().map(|w| code(w).ok_or_else(|| wrong(w))).collect::<Result<_, _>>()?
@@ -63,8 +67,8 @@ impl Arrays<'_> {
         Ok(texts)
     }
 
-    fn numbers(&self, array: Element, count: usize) -> Result<Numbers, Fault> {
-        let kind = attribute(array, "type");
+    fn numbers(&self, array: &Element, count: usize) -> Result<Numbers, Fault> {
+        let kind = array.attribute("type");
         let size = match kind {
             "Int8" | "UInt8" => 1,
             "Int16" | "UInt16" => 2,
@@ -72,8 +76,7 @@ impl Arrays<'_> {
             "Int64" | "UInt64" | "Float64" => 8,
             _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
         };
-        let found =
-            if is_ascii(array) { ascii(array, &text(array), kind, count)? } else { self.binary(array, kind, size, count)? };
+        let found = if is_ascii(array) { ascii(array, kind, count)? } else { self.binary(array, kind, size, count)? };
         let length = match &found {
             Numbers::Real(values) => values.len(),
             Numbers::Whole(values) => values.len(),
@@ -82,15 +85,15 @@ impl Arrays<'_> {
     }
 
     /// The first `limit` bytes of an array that is not written in digits.
-    fn bytes(&self, array: Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
-        let own: Vec<u8>;
-        let source = match attribute(array, "format") {
+    fn bytes(&self, array: &Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
+        let own;
+        let source = match array.attribute("format") {
             "binary" => {
-                own = text(array).bytes().filter(|b| !b.is_ascii_whitespace()).collect();
+                own = without_blanks(array.text.trim_ascii().as_bytes());
                 Some(Source::Base64(&own))
             }
             "appended" => {
-                let start = attribute(array, "offset").trim().parse().unwrap_or(usize::MAX);
+                let start = array.attribute("offset").trim().parse().unwrap_or(usize::MAX);
                 match self.appended {
                     Some(Source::Raw(bytes)) => bytes.get(start..).map(Source::Raw),
                     Some(Source::Base64(bytes)) => bytes.get(start..).map(Source::Base64),
@@ -100,13 +103,16 @@ impl Arrays<'_> {
             other => return Err(fault(array, format!("format \"{other}\""), "expected ascii, binary or appended")),
         };
         let source = source.ok_or_else(|| {
-            let offset = attribute(array, "offset").trim();
+            let offset = array.attribute("offset").trim();
             fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>")
         })?;
-        Ok(self.encoding.bytes(source, limit).map_err(|found| fault(array, found, accepted))?.into_owned())
+        let most = limit.min(self.room.left().saturating_add(1));
+        let bytes = self.encoding.bytes(source, most).map_err(|found| fault(array, found, accepted))?.into_owned();
+        self.room.take(bytes.len()).map_err(|(found, accepted)| fault(array, found, accepted))?;
+        Ok(bytes)
     }
 
-    fn binary(&self, array: Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
+    fn binary(&self, array: &Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
         let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
         let mut numbers = bytes.chunks_exact(size).map(|chunk| {
             let mut word = [0_u8; 8];
@@ -132,18 +138,22 @@ impl Arrays<'_> {
     }
 }
 
-fn is_ascii(array: Element) -> bool {
-    matches!(attribute(array, "format"), "ascii" | "")
+fn is_ascii(array: &Element) -> bool {
+    matches!(array.attribute("format"), "ascii" | "")
 }
 
-/// The text within an element.
-fn text(array: Element) -> String {
-    array.children().filter_map(|c| if c.is_text() { c.text() } else { None }).collect()
+/// Base64 without blanks and line ends.
+fn without_blanks(text: &[u8]) -> Cow<'_, [u8]> {
+    if text.iter().any(u8::is_ascii_whitespace) {
+        text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect()
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
-fn ascii(array: Element, text: &str, kind: &str, count: usize) -> Result<Numbers, Fault> {
+fn ascii(array: &Element, kind: &str, count: usize) -> Result<Numbers, Fault> {
     let wrong = |word: &str| fault(array, format!("value \"{word}\""), format!("expected {count} numbers of type {kind}"));
-    let words = text.split_ascii_whitespace().take(count);
+    let words = array.text.split_ascii_whitespace().take(count);
     if kind == "Float32" {
         let single = |w: &str| w.parse().map(|x: f32| f64::from(x)).map_err(|_| wrong(w));
         return words.map(single).collect::<Result<_, _>>().map(Numbers::Real);
@@ -154,12 +164,6 @@ fn ascii(array: Element, text: &str, kind: &str, count: usize) -> Result<Numbers
     words.map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>().map(Numbers::Whole)
 }
 
-/// An attribute of an element; empty when it has none.
-pub(super) fn attribute<'a>(element: Element<'a, '_>, name: &str) -> &'a str {
-    element.attribute(name).unwrap_or_default()
-}
-
-fn fault(array: Element, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
-    let within = array.parent().map_or("", |parent| parent.tag_name().name());
-    Fault::item(format!("array \"{}\" of {within}", attribute(array, "Name").trim()), found.to_string(), accepted)
+fn fault(array: &Element, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
+    Fault::item(format!("array \"{}\" of {}", array.attribute("Name").trim(), array.within), found.to_string(), accepted)
 }

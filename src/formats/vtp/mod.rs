@@ -6,4 +6,5 @@ mod read;
 mod write;
 
 pub use read::read_vtp;
+pub(super) use read::unpack_vtp;
 pub use write::write_vtp;

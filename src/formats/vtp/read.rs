@@ -1,10 +1,9 @@
 //! Reads the lines and radii of a VTP file.
 
-use roxmltree::Node as Element;
-
+use super::super::limit::{MAX_INPUT, Room};
 use super::super::polydata::{Array, LIMIT, PolyData, RadiusArray, Values, centerlines, is_wanted};
-use super::super::xml;
-use super::array::{Arrays, attribute};
+use super::super::xml::{self, Element};
+use super::array::Arrays;
 use super::block::{Encoding, Source};
 use crate::centerline::Centerlines;
 use crate::error::Fault;
@@ -21,29 +20,37 @@ use crate::units::Scale;
 /// XML that is not well-formed, an encoding that cannot be read, arrays that contradict each other, a point on a line
 /// without finite coordinates, no radius array, or a surface instead of lines.
 pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+    unpack_vtp(bytes, scale, radius_array, &Room::of(bytes.len(), MAX_INPUT))
+}
+
+/// The same, of arrays that unpack to so much at the most.
+pub(in super::super) fn unpack_vtp(
+    bytes: &[u8],
+    scale: &Scale,
+    radius_array: RadiusArray<'_>,
+    room: &Room,
+) -> Result<(Centerlines, Vec<String>), Fault> {
     let (head, appended) = split(bytes)?;
-    let text = xml::utf8(&head)?;
-    let document = xml::parse(text)?;
-    let root = document.root_element();
-    let little = match attribute(root, "byte_order") {
+    let root = Element::root(&head)?;
+    let little = match root.attribute("byte_order") {
         "LittleEndian" | "" => true,
         "BigEndian" => false,
         other => return Err(Fault::file(format!("byte_order \"{other}\""), "expected LittleEndian or BigEndian")),
     };
-    let word = match attribute(root, "header_type") {
+    let word = match root.attribute("header_type") {
         "UInt32" | "" => 4,
         "UInt64" => 8,
         other => return Err(Fault::file(format!("header_type \"{other}\""), "expected UInt32 or UInt64")),
     };
-    let zlib = match attribute(root, "compressor") {
+    let zlib = match root.attribute("compressor") {
         "" => false,
         "vtkZLibDataCompressor" => true,
         other => return Err(Fault::file(format!("compressor {other}"), "expected vtkZLibDataCompressor or none")),
     };
-    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended };
-    let polydata = children(root, "PolyData").next();
-    let pieces: Vec<Element> = polydata.into_iter().flat_map(|p| children(p, "Piece")).collect();
-    let count = |name: &str| pieces.iter().map(|p| number(*p, name)).sum::<Result<usize, Fault>>();
+    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended, room };
+    let polydata = root.named("PolyData").next();
+    let pieces: Vec<&Element> = polydata.into_iter().flat_map(|p| p.named("Piece")).collect();
+    let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();
     let (lines, verts) = (count("NumberOfLines")?, count("NumberOfVerts")?);
     let faces = count("NumberOfPolys")?.saturating_add(count("NumberOfStrips")?);
     if lines == 0 && faces > 0 {
@@ -72,15 +79,14 @@ pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> R
     Ok((lines, notes))
 }
 
-fn read_piece(piece: Element, arrays: &Arrays, choice: RadiusArray<'_>, before: [usize; 2]) -> Result<PolyData, Fault> {
+fn read_piece(piece: &Element, arrays: &Arrays, choice: RadiusArray<'_>, before: [usize; 2]) -> Result<PolyData, Fault> {
     let [points, lines, verts] = ["NumberOfPoints", "NumberOfLines", "NumberOfVerts"].map(|name| number(piece, name));
     let (points, lines, verts) = (points?, lines?, verts?);
-    let coordinates = children(piece, "Points").next().and_then(|p| children(p, "DataArray").next());
+    let coordinates = piece.named("Points").next().and_then(|p| p.named("DataArray").next());
     let coordinates = coordinates.ok_or_else(|| Fault::file("no <Points>", "expected an array of 3 components"))?;
     let coordinates = arrays.reals(coordinates, 3 * points)?;
     let point_data = named(piece, "PointData", arrays, choice, [0, points])?;
-    let cells =
-        |name| array(piece, "Lines", |n| n == name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
+    let cells = |name| array(piece, "Lines", name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
     let ends = arrays.indices(cells("offsets")?, lines)?;
     let total = ends.last().and_then(|end| usize::try_from(*end).ok()).filter(|end| *end <= LIMIT);
     let total = total.ok_or_else(|| {
@@ -96,19 +102,19 @@ fn read_piece(piece: Element, arrays: &Arrays, choice: RadiusArray<'_>, before: 
 
 /// The arrays of a group by name, read where they are wanted: `count` values after the first `skipped`.
 fn named(
-    piece: Element,
+    piece: &Element,
     group: &'static str,
     arrays: &Arrays,
     choice: RadiusArray<'_>,
     [skipped, count]: [usize; 2],
 ) -> Result<Vec<Array>, Fault> {
     let mut out = Vec::new();
-    for array in children(piece, group).flat_map(|group| group.children().filter(|c| is_array(*c))) {
-        let name = attribute(array, "Name").trim();
-        let scalar = matches!(attribute(array, "NumberOfComponents").trim(), "" | "1");
+    for array in piece.named(group).flat_map(|group| group.children().filter(|c| is_array(c))) {
+        let name = array.attribute("Name").trim();
+        let scalar = matches!(array.attribute("NumberOfComponents").trim(), "" | "1");
         let values = if !scalar || !is_wanted(name, choice) {
             Values::Unread
-        } else if attribute(array, "type") == "String" {
+        } else if array.attribute("type") == "String" {
             Values::Texts(arrays.texts(array, skipped + count)?.split_off(skipped))
         } else {
             Values::Numbers(arrays.reals(array, skipped + count)?.split_off(skipped))
@@ -118,23 +124,18 @@ fn named(
     Ok(out)
 }
 
-fn array<'a, 'i>(piece: Element<'a, 'i>, group: &'static str, is: impl Fn(&str) -> bool) -> Option<Element<'a, 'i>> {
-    let group = children(piece, group).next()?;
-    children(group, "DataArray").find(|a| is(attribute(*a, "Name").trim()))
+fn array<'a>(piece: &'a Element, group: &str, name: &str) -> Option<&'a Element> {
+    piece.named(group).next()?.named("DataArray").find(|a| a.attribute("Name").trim() == name)
 }
 
 /// Arrays of texts may be `<Array>` instead.
-fn is_array(element: Element) -> bool {
-    element.is_element() && matches!(element.tag_name().name(), "DataArray" | "Array")
-}
-
-fn children<'a, 'i>(parent: Element<'a, 'i>, name: &'static str) -> impl Iterator<Item = Element<'a, 'i>> {
-    parent.children().filter(move |c| c.is_element() && c.tag_name().name() == name)
+fn is_array(element: &Element) -> bool {
+    matches!(element.name.as_str(), "DataArray" | "Array")
 }
 
 /// A count that a piece announces; absent is 0.
-fn number(piece: Element, name: &str) -> Result<usize, Fault> {
-    match attribute(piece, name).trim() {
+fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
+    match piece.attribute(name).trim() {
         "" => Ok(0),
         text => (text.parse().ok().filter(|n| *n <= LIMIT))
             .ok_or_else(|| Fault::item("Piece", format!("{name} \"{text}\""), format!("expected a count up to {LIMIT}"))),

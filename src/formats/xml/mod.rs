@@ -1,8 +1,12 @@
-//! What the XML formats share: the name of the root element, parse errors in one line, escaping.
+//! What the XML formats share: the name of the root element, a stream of elements and texts, escaping.
+
+mod events;
+mod tree;
+
+pub(super) use events::{Events, Step, Tag};
+pub(super) use tree::Element;
 
 use std::borrow::Cow;
-
-use crate::error::Fault;
 
 /// The local name of the root element and the text of its start tag, if the bytes look like XML.
 pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
@@ -11,6 +15,8 @@ pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
         let end: &[u8] = match rest {
             [b'<', b'?', ..] => b"?>",
             [b'<', b'!', b'-', b'-', ..] => b"-->",
+            // What a document type declares stands in brackets.
+            [b'<', b'!', ..] if find(rest, b"[") < find(rest, b">") && find(rest, b"[").is_some() => b"]>",
             [b'<', b'!', ..] => b">",
             [b'<', ..] => break,
             _ => return None,
@@ -26,28 +32,6 @@ pub(super) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
 /// Where `needle` starts first.
 pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
     bytes.windows(needle.len()).position(|w| w == needle)
-}
-
-/// Parses a document; an error is one line with its place.
-pub(super) fn parse(text: &str) -> Result<roxmltree::Document<'_>, Fault> {
-    roxmltree::Document::parse(text).map_err(|error| {
-        let line = match error.pos().row as usize {
-            // Errors without a place of their own are those of a text that ends too early.
-            1 if matches!(error, roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream) => {
-                text.lines().count()
-            }
-            row => row,
-        };
-        Fault::line(line, format!("not well-formed XML: {error}"), "expected a complete XML file")
-    })
-}
-
-/// The text of bytes that must be UTF-8.
-pub(super) fn utf8(bytes: &[u8]) -> Result<&str, Fault> {
-    std::str::from_utf8(bytes).map_err(|error| {
-        let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
-        Fault::line(line, format!("byte {} is not UTF-8", error.valid_up_to()), "expected UTF-8 text")
-    })
 }
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.

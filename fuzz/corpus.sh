@@ -1,0 +1,60 @@
+#!/bin/sh
+# Makes the corpus: a small network in every format, from the program's own writers. Needs the program (cargo build --release).
+set -eu
+cd "$(dirname "$0")"
+willis=${WILLIS:-../target/release/willis}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cat > "$work/small.swc" <<'SWC'
+# a bifurcation, and a fragment beyond a gap
+1 1 0 0 0 1 -1
+2 1 1 0 0 1 1
+3 2 2 0.5 0 0.8 2
+4 2 3 1 0 0.8 3
+5 3 2 -0.5 0 0.7 2
+6 3 3 -1 0.25 0.7 5
+7 4 3.5 1.5 0 0.6 -1
+8 4 4 2 0.5 0.6 7
+SWC
+"$willis" candidates "$work/small.swc" -o "$work/graph.graphml" -q
+put() { mkdir -p "corpus/$1"; cp "$2" "corpus/$1/$(basename "$2")"; }
+# The tables of nodes and edges in one file, as the targets take them apart.
+both() { mkdir -p "corpus/$1"; { cat "$2"; printf '\n====\n'; cat "$3"; } > "corpus/$1/small"; }
+put swc "$work/small.swc"
+put graphml "$work/graph.graphml"
+put infer "$work/small.swc"
+put infer "$work/graph.graphml"
+for ending in vtp vtk tre npz json; do
+    "$willis" convert "$work/small.swc" "$work/small.$ending" -q
+done
+put vtp "$work/small.vtp"
+put vtk "$work/small.vtk"
+put tre "$work/small.tre"
+put npz "$work/small.npz"
+put markups "$work/small.json"
+"$willis" convert "$work/graph.graphml" "$work/edges.csv" -q
+both csv "$work/nodes.csv" "$work/edges.csv"
+put prior-csv "$work/edges.csv"
+for format in voreen vesselvio; do
+    mkdir "$work/$format"
+    "$willis" convert "$work/small.swc" "$work/$format/edges.csv" --to "$format" -q
+    both "$format" "$work/$format"/[nv]*.csv "$work/$format/edges.csv"
+done
+"$willis" convert "$work/small.swc" "$work/points.csv" --to points -q
+put points "$work/points.csv"
+printf 'id_a,id_b\n4,7\n' > "$work/loops.csv"
+both loops "$work/small.swc" "$work/loops.csv"
+printf 'node_a,node_b\n4,7\n' > "$work/links.csv"
+put links "$work/links.csv"
+printf 'label,x_mm,y_mm,z_mm\nR-ICA,0,0,0\nBA,1,2,3\n' > "$work/landmarks.csv"
+put landmarks "$work/landmarks.csv"
+printf 'node,kind,value,unit\n1,pressure,100,mmHg\n8,resistance,5,mmHg s/mL\n' > "$work/conditions.csv"
+put conditions-csv "$work/conditions.csv"
+put weights ../src/candidates/prior/weights.toml
+printf '[[condition]]\nnode = "1"\nkind = "pressure"\nvalue = 100\nunit = "mmHg"\n' > "$work/conditions.toml"
+put conditions-toml "$work/conditions.toml"
+printf 'Name,Type,Length,AverageRadius,StartPointPositionX,StartPointPositionY,StartPointPositionZ,EndPointPositionX,EndPointPositionY,EndPointPositionZ\nICA,1,3,1,0,0,0,3,0,0\n' > "$work/icafe.csv"
+put icafe "$work/icafe.csv"
+printf '\223NUMPY\001\000\166\000%-117s\n' "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1), }" > "$work/prior.npy"
+printf '\000\000\000\000\000\000\360\077' >> "$work/prior.npy"
+put prior-npy "$work/prior.npy"

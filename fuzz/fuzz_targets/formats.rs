@@ -1,0 +1,80 @@
+//! Gives bytes to the reader of one format, which the variable WILLIS_FORMAT names: it reads or refuses them.
+#![no_main]
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use willis::candidates::prior::Weights;
+use willis::centerline::Centerlines;
+use willis::error::Fault;
+use willis::formats::{self, RadiusArray, conditions};
+use willis::network::{Network, RadiusRule, contract};
+use willis::phantom::{cerebral, circle_of_willis};
+use willis::phenotype::read_landmarks;
+use willis::units::Scale;
+
+static FORMAT: LazyLock<String> = LazyLock::new(|| std::env::var("WILLIS_FORMAT").expect("WILLIS_FORMAT names a format"));
+static CIRCLE: LazyLock<Network> = LazyLock::new(|| cerebral(&circle_of_willis(1e-2)));
+
+/// What divides the two tables of a graph.
+const BETWEEN: &[u8] = b"\n====\n";
+
+fn two(bytes: &[u8]) -> (&[u8], &[u8]) {
+    match bytes.windows(BETWEEN.len()).position(|w| w == BETWEEN) {
+        Some(at) => (&bytes[..at], &bytes[at + BETWEEN.len()..]),
+        None => (&[], bytes),
+    }
+}
+
+/// Centerlines go on to become vessels.
+fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
+    if let Ok((mut lines, _)) = read {
+        lines.weld(1e-6);
+        let _ = contract(&lines, RadiusRule::Mean, Some(1e-3));
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let mm = Scale::default();
+    let text = String::from_utf8_lossy(bytes);
+    let (first, second) = two(bytes);
+    match FORMAT.as_str() {
+        "graphml" => drop(formats::read_graphml(bytes, &mm)),
+        "csv" => {
+            let nodes = formats::read_csv_nodes(first, &mm).ok();
+            let _ = formats::read_csv_edges(second, nodes, &mm);
+        }
+        "swc" => lines(formats::read_swc(bytes, &mm)),
+        "vtp" => lines(formats::read_vtp(bytes, &mm, RadiusArray::Optional)),
+        "vtk" => lines(formats::read_vtk(bytes, &mm, RadiusArray::Optional)),
+        "tre" => lines(formats::read_tre(bytes, &mm, true)),
+        "markups" => lines(formats::read_markups(bytes, &mm, RadiusArray::Optional)),
+        "points" => lines(formats::read_points(bytes, &mm, true)),
+        "mat" => lines(formats::read_vtrails(bytes, &mm, true)),
+        "npz" => drop(formats::read_skeleton_npz(bytes, &mm, true)),
+        "voreen" => {
+            if let Ok(nodes) = formats::read_voreen_nodes(first, &mm) {
+                let _ = formats::read_voreen_edges(second, nodes, &mm, true);
+            }
+        }
+        "vesselvio" => {
+            if let Ok(vertices) = formats::read_vesselvio_vertices(first, &mm) {
+                let _ = formats::read_vesselvio_edges(second, vertices, &mm, true);
+            }
+        }
+        "icafe" => drop(formats::read_traced_vessels(bytes, &mm)),
+        "links" => drop(formats::read_links(bytes)),
+        "loops" => {
+            if let Ok((mut lines, _)) = formats::read_swc(first, &mm) {
+                let _ = formats::add_loops(second, &mut lines);
+            }
+        }
+        "landmarks" => drop(read_landmarks(&text, &mm)),
+        "conditions-csv" => drop(conditions::read_csv(&text)),
+        "conditions-toml" => drop(conditions::read_toml(&text)),
+        "weights" => drop(Weights::read(&text)),
+        "prior-csv" => drop(formats::read_prior_csv(bytes, &mut CIRCLE.clone())),
+        "prior-npy" => drop(formats::read_prior_npy(bytes, &mut CIRCLE.clone())),
+        other => panic!("WILLIS_FORMAT {other} is not known"),
+    }
+});

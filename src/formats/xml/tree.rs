@@ -1,0 +1,73 @@
+//! A small XML file as a tree of elements.
+
+use super::{Events, Step};
+use crate::error::Fault;
+
+/// Elements at the most: more than any file has that is read as a tree.
+const MOST_ELEMENTS: usize = 1 << 18;
+
+/// An element with all that is in it.
+#[derive(Debug)]
+pub(in super::super) struct Element {
+    /// Its name without prefix.
+    pub(in super::super) name: String,
+    /// The name of the element around it; empty for the root.
+    pub(in super::super) within: String,
+    /// The text that stands directly within it.
+    pub(in super::super) text: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<Element>,
+}
+
+impl Element {
+    /// The root element of a file.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Events::next`], or more elements than any file has.
+    pub(in super::super) fn root(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut events = Events::new(bytes);
+        // The innermost open element is the last one; a closed one goes to the element around it.
+        let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
+        while let Some(step) = events.next()? {
+            match step {
+                Step::Start => {
+                    let tag = events.tag();
+                    count += 1;
+                    if count > MOST_ELEMENTS {
+                        return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
+                    }
+                    let within = open.last().map(|parent| parent.name.clone()).unwrap_or_default();
+                    let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
+                    open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });
+                }
+                Step::End => match (open.pop(), open.last_mut()) {
+                    (Some(closed), Some(parent)) => parent.children.push(closed),
+                    (closed, _) => root = closed,
+                },
+                Step::Text => {
+                    if let Some(element) = open.last_mut() {
+                        element.text.push_str(events.part());
+                    }
+                }
+            }
+        }
+        // A stream without a root element ends in a fault.
+        root.ok_or_else(|| Fault::file("no element", "expected a complete XML file"))
+    }
+
+    /// The elements directly within it.
+    pub(in super::super) fn children(&self) -> impl Iterator<Item = &Self> {
+        self.children.iter()
+    }
+
+    /// Those of a name.
+    pub(in super::super) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
+        self.children.iter().filter(move |child| child.name == name)
+    }
+
+    /// An attribute; empty when there is none.
+    pub(in super::super) fn attribute(&self, name: &str) -> &str {
+        self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
+    }
+}
