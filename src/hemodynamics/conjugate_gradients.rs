@@ -14,7 +14,7 @@ use crate::elimination::{Incomplete, NOWHERE};
 use crate::simd::{Lanes, Simd, map, plus, plus_product, splat, zip};
 
 /// Nodes of at most so many neighbours are eliminated exactly.
-const FEW: usize = 8;
+const FEW: usize = 6;
 /// The share of a dropped join that goes to ground.
 const GROUNDED: f64 = 0.03;
 /// The energy of the error, as a share of that of the answer, at which a sample is solved: the square of 1e-13.
@@ -41,13 +41,11 @@ pub struct Workspace<const B: usize> {
     /// is enough for a preconditioner, and half of the memory that every step passes over.
     weight: Vec<[f32; B]>,
     /// 1/S of its stars.
-    inverse: Vec<Lanes<B>>,
-    answer: Vec<Lanes<B>>,
+    inverse: Vec<[f32; B]>,
     residual: Vec<Lanes<B>>,
-    /// The residual made better by the incomplete elimination.
-    better: Vec<Lanes<B>>,
     direction: Vec<Lanes<B>>,
-    flow: Vec<Lanes<B>>,
+    /// What flows out at the direction and, once that is used, what the incomplete elimination makes of the residual.
+    product: Vec<Lanes<B>>,
     dead_ends: dead_end::Workspace,
 }
 
@@ -83,16 +81,14 @@ impl ConjugateGradients {
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> Workspace<B> {
-        let core = || vec![Lanes::ZERO; self.incomplete.program().nodes()];
+        let core = || vec![Lanes::ZERO; self.core()];
         Workspace {
             mesh: self.mesh.workspace(),
             weight: vec![[0.0; B]; self.incomplete.program().ray_to().len()],
-            inverse: core(),
-            answer: core(),
+            inverse: vec![[0.0; B]; self.core()],
             residual: core(),
-            better: core(),
             direction: core(),
-            flow: core(),
+            product: core(),
             dead_ends: dead_end::Workspace::default(),
         }
     }
@@ -111,8 +107,6 @@ impl ConjugateGradients {
         self.mesh.eliminate(simd, &mut work.mesh);
         self.precondition(simd, work);
         self.iterate(simd, work);
-        let core = self.mesh.program().eliminated();
-        work.mesh.pressure[core..][..self.core()].copy_from_slice(&work.answer);
         self.mesh.substitute_back(simd, &mut work.mesh);
     }
 
@@ -179,7 +173,8 @@ impl ConjugateGradients {
                 let share = plus_product(simd, &zip(simd, &weight, &own, |w, g| simd.mul_f64s(w, g)), &grounded, &lost);
                 *ground = plus(simd, ground, &share);
             }
-            inverses[k] = one_over;
+            // What single precision cannot hold belongs to a node that is all but cut off.
+            inverses[k] = narrow(&map(simd, &one_over, |i| simd.min_f64s(i, simd.splat_f64s(f64::from(f32::MAX)))), 1.0);
         }
     }
 
@@ -187,7 +182,7 @@ impl ConjugateGradients {
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.incomplete.program().ray_to();
-        let Workspace { weight, inverse, residual, better, .. } = work;
+        let Workspace { weight, inverse, residual, product: better, .. } = work;
         better.copy_from_slice(residual);
         for k in 0..self.incomplete.program().nodes() {
             let star = self.incomplete.program().star(k);
@@ -196,7 +191,7 @@ impl ConjugateGradients {
                 let sum = &mut better[*to as usize];
                 *sum = plus_product(simd, sum, &wide(weight), &own);
             }
-            better[k] = zip(simd, &own, &inverse[k], |b, i| simd.mul_f64s(b, i));
+            better[k] = zip(simd, &own, &wide(&inverse[k]), |b, i| simd.mul_f64s(b, i));
         }
         for k in (0..self.incomplete.program().nodes()).rev() {
             let star = self.incomplete.program().star(k);
@@ -230,19 +225,21 @@ impl ConjugateGradients {
         }
     }
 
+    /// From what flows into the core to its pressures.
     #[inline(always)]
     fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
-        let core = self.mesh.program().eliminated();
-        work.answer.fill(Lanes::ZERO);
-        work.residual.copy_from_slice(&work.mesh.pressure[core..][..self.incomplete.program().nodes()]);
+        let core = self.mesh.program().eliminated()..self.mesh.program().nodes();
+        let answer = &mut work.mesh.pressure[core.clone()];
+        work.residual.copy_from_slice(answer);
+        answer.fill(Lanes::ZERO);
         self.improve(simd, work);
-        work.direction.copy_from_slice(&work.better);
-        let mut energy = dot(simd, &work.residual, &work.better);
+        work.direction.copy_from_slice(&work.product);
+        let mut energy = dot(simd, &work.residual, &work.product);
         let enough = map(simd, &energy, |e| simd.mul_f64s(e, simd.splat_f64s(ENERGY)));
         let mut steps = 0;
         while energy.iter().zip(enough.iter()).any(|(energy, enough)| energy > enough) && steps < MOST_STEPS {
-            self.flows(simd, &work.mesh, &work.direction, &mut work.flow);
-            let bend = dot(simd, &work.direction, &work.flow);
+            self.flows(simd, &work.mesh, &work.direction, &mut work.product);
+            let bend = dot(simd, &work.direction, &work.product);
             // A sample that is solved stands still, so that no other one changes it.
             let moving = |ratio: Lanes<B>| {
                 let mut out = ratio;
@@ -254,15 +251,16 @@ impl ConjugateGradients {
                 out
             };
             let step = moving(zip(simd, &energy, &bend, |e, b| simd.div_f64s(e, b)));
-            for k in 0..work.answer.len() {
-                work.answer[k] = plus_product(simd, &work.answer[k], &step, &work.direction[k]);
-                let lost = zip(simd, &step, &work.flow[k], |s, f| simd.mul_f64s(s, f));
+            let answer = &mut work.mesh.pressure[core.clone()];
+            for (k, answer) in answer.iter_mut().enumerate() {
+                *answer = plus_product(simd, answer, &step, &work.direction[k]);
+                let lost = zip(simd, &step, &work.product[k], |s, f| simd.mul_f64s(s, f));
                 work.residual[k] = zip(simd, &work.residual[k], &lost, |r, l| simd.sub_f64s(r, l));
             }
             self.improve(simd, work);
-            let now = dot(simd, &work.residual, &work.better);
+            let now = dot(simd, &work.residual, &work.product);
             let turn = moving(zip(simd, &now, &energy, |now, before| simd.div_f64s(now, before)));
-            for (direction, better) in work.direction.iter_mut().zip(&work.better) {
+            for (direction, better) in work.direction.iter_mut().zip(&work.product) {
                 *direction = plus_product(simd, better, &turn, direction);
             }
             for (lane, energy) in energy.iter_mut().enumerate() {

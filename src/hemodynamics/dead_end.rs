@@ -26,7 +26,6 @@ pub struct Workspace {
     entered: Vec<u32>,
     low: Vec<u32>,
     next: Vec<u32>,
-    stack: Vec<u32>,
     dead: Vec<bool>,
 }
 
@@ -81,17 +80,17 @@ impl DeadEnds {
         work.next.clear();
         work.next.extend_from_slice(&self.start[..all]);
         work.order.clear();
-        work.stack.clear();
-        work.stack.push(root as u32);
         (work.entered[root], work.low[root]) = (0, 0);
         work.order.push(root as u32);
-        while let Some(node) = work.stack.last().map(|node| *node as usize) {
+        let mut node = root;
+        loop {
             if work.next[node] == self.start[node + 1] {
-                work.stack.pop();
-                if node != root {
-                    let up = work.parent[node] as usize;
-                    work.low[up] = work.low[up].min(work.low[node]);
+                if node == root {
+                    break;
                 }
+                let up = work.parent[node] as usize;
+                work.low[up] = work.low[up].min(work.low[node]);
+                node = up;
                 continue;
             }
             let (other, vessel) = self.links[work.next[node] as usize];
@@ -105,7 +104,7 @@ impl DeadEnds {
                 work.low[at] = work.order.len() as u32;
                 work.parent[at] = node as u32;
                 work.order.push(other);
-                work.stack.push(other);
+                node = at;
             } else {
                 work.low[node] = work.low[node].min(work.entered[at]);
             }

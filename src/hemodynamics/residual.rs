@@ -14,12 +14,8 @@ pub struct Residual {
 /// The memory of a check.
 #[derive(Debug, Clone, Default)]
 pub struct Check {
-    /// What flows into each node less what flows out, m³/s.
-    net: Vec<f64>,
-    /// b: what drives flow into each node, m³/s.
-    driven: Vec<f64>,
-    /// The conductance at each node, m³/(Pa s).
-    total: Vec<f64>,
+    /// By node, one after another: its conductance, what drives flow into it, what flows in less what flows out.
+    at: Vec<f64>,
 }
 
 impl Check {
@@ -33,28 +29,37 @@ impl Check {
         stranded: &[(usize, u64)],
         pressure: impl Fn(usize) -> f64,
     ) -> Residual {
-        let Self { net, driven, total } = self;
+        let at = &mut self.at;
         let is_set = |word: u64| word >> sample & 1 == 1;
-        net.clone_from(&circuit.source);
-        stranded.iter().filter(|(_, samples)| is_set(*samples)).for_each(|(node, _)| net[*node] = 0.0);
-        driven.clone_from(net);
-        total.clone_from(&circuit.shunt);
-        for (vessel, [a, b]) in circuit.ends.iter().copied().enumerate().filter(|(vessel, _)| is_set(masks[*vessel])) {
-            let c = circuit.conductance[vessel];
-            let flow = c * (pressure(a) - pressure(b));
-            net[a] -= flow;
-            net[b] += flow;
-            driven[a] += c * circuit.fixed[b].unwrap_or(0.0);
-            driven[b] += c * circuit.fixed[a].unwrap_or(0.0);
-            total[a] += c;
-            total[b] += c;
+        let open = || circuit.ends.iter().zip(&circuit.conductance).zip(masks).filter(|(_, mask)| is_set(**mask)).map(|(v, _)| v);
+        let free = || (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none());
+
+        at.clone_from(&circuit.shunt);
+        for ([a, b], c) in open() {
+            at[*a] += c;
+            at[*b] += c;
         }
-        let (mut error, mut right, mut left) = (0.0, 0.0, 0.0);
-        for node in (0..net.len()).filter(|node| circuit.fixed[*node].is_none()) {
-            error += (net[node] - circuit.shunt[node] * pressure(node)).powi(2);
-            right += driven[node].powi(2);
-            left += (total[node] * pressure(node)).powi(2);
+        let left: f64 = free().map(|node| (at[node] * pressure(node)).powi(2)).sum();
+
+        let sources = |at: &mut Vec<f64>| {
+            at.clone_from(&circuit.source);
+            stranded.iter().filter(|(_, samples)| is_set(*samples)).for_each(|(node, _)| at[*node] = 0.0);
+        };
+        sources(at);
+        for ([a, b], c) in open() {
+            at[*a] += c * circuit.fixed[*b].unwrap_or(0.0);
+            at[*b] += c * circuit.fixed[*a].unwrap_or(0.0);
         }
+        let right: f64 = free().map(|node| at[node].powi(2)).sum();
+
+        sources(at);
+        for ([a, b], c) in open() {
+            let flow = c * (pressure(*a) - pressure(*b));
+            at[*a] -= flow;
+            at[*b] += flow;
+        }
+        let error: f64 = free().map(|node| (at[node] - circuit.shunt[node] * pressure(node)).powi(2)).sum();
+
         let share = |all: f64| if all > 0.0 { (error / all).sqrt() } else { 0.0 };
         Residual { relative: share(right), backward: share(right + left) }
     }

@@ -57,6 +57,13 @@ pub struct Workspace<const B: usize> {
     pub pressure: Vec<Lanes<B>>,
 }
 
+impl<const B: usize> Workspace<B> {
+    /// The pressures, and memory that is free until the next group is solved.
+    pub fn spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
+        (&self.pressure, &mut self.conductance)
+    }
+}
+
 impl StarMesh {
     /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
@@ -137,6 +144,15 @@ impl StarMesh {
     /// Where the pressure of a node stands in a workspace.
     pub fn slot(&self, node: usize) -> usize {
         self.slot[node] as usize
+    }
+
+    /// The memory for groups of `B` samples, with at least so many [`Workspace::spare`] places.
+    pub fn workspace_with<const B: usize>(&self, spare: usize) -> Workspace<B> {
+        let mut work = self.workspace();
+        if spare > work.conductance.len() {
+            work.conductance = vec![Lanes::ZERO; spare];
+        }
+        work
     }
 
     /// The memory for groups of `B` samples.

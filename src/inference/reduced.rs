@@ -5,12 +5,14 @@
 //! leaves out.
 
 use super::bottleneck::Bottleneck;
+use super::census::open_vessels;
 use super::cost;
 use super::likelihood::Sums;
 use super::params::{Params, Solver, Weight};
 use super::reduced_lanes::{self, InLanes};
 use super::reduced_single::{self, OneByOne};
 use super::sampler::{Block, Method};
+use super::tally::Samples;
 use super::ties::Ties;
 use crate::error::{Error, Result};
 use crate::hemodynamics::cholesky::Cholesky;
@@ -21,7 +23,8 @@ use crate::hemodynamics::steady::MOST_BACKWARD;
 use crate::hemodynamics::{Circuit, StarMesh};
 use crate::network::Network;
 use crate::resilience::resilience_per_square_flow;
-use crate::simd::InstructionSet;
+use crate::rng::BLOCK;
+use crate::simd::{InstructionSet, Scalar};
 
 use std::f64::consts::PI;
 
@@ -38,14 +41,8 @@ pub struct Reduced {
 /// Resiliences are cut here, so that their keys stay finite as doubles.
 pub const MOST: f64 = f64::MAX / 8.0;
 
-/// The memory of one worker.
-pub struct Workspace {
-    /// Per link the samples in which it is open.
-    masks: Vec<u64>,
-    way: Way,
-}
-
-enum Way {
+/// The memory of one worker, by the way in which its samples are taken.
+pub enum Workspace {
     Lanes(Box<reduced_lanes::Memory>),
     OneByOne(Box<reduced_single::Memory>),
 }
@@ -66,7 +63,11 @@ pub struct Core {
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
     pub core: &'a Core,
-    pub block: Block<'a>,
+    pub samples: usize,
+    /// What each sample counts, for an enumeration; one without.
+    pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// |Ẽ| of each.
+    pub present: &'a Samples,
     /// Per link the samples in which it is open.
     pub masks: &'a [u64],
     /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
@@ -236,12 +237,9 @@ impl Reduced {
 
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
-        Workspace {
-            masks: Vec::with_capacity(self.core.links.len()),
-            way: match &self.core.bottleneck {
-                Some(_) => Way::Lanes(Box::new(reduced_lanes::Memory::new(&self.core))),
-                None => Way::OneByOne(Box::new(reduced_single::Memory::new(&self.core))),
-            },
+        match &self.core.bottleneck {
+            Some(_) => Workspace::Lanes(Box::new(reduced_lanes::Memory::new(&self.core))),
+            None => Workspace::OneByOne(Box::new(reduced_single::Memory::new(&self.core))),
         }
     }
 
@@ -251,17 +249,20 @@ impl Reduced {
     ///
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block(&self, block: Block<'_>, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
-        let Workspace { masks, way } = work;
-        let core = &self.core;
-        masks.clear();
-        masks.extend(core.links.iter().map(|link| if link.on_trial { block.masks[link.row as usize] } else { u64::MAX }));
-        let stranded = &stranded(&core.circuit, masks, block.samples);
-        let weight = self.weight;
+        let Block { masks, probability, samples } = block;
+        let (core, weight) = (&self.core, self.weight);
+        let present = &open_vessels(Scalar::new(), masks);
+        // Links are in the order of their rows, so that none is overwritten before it is read.
+        for (at, link) in core.links.iter().enumerate() {
+            masks[at] = if link.on_trial { masks[link.row as usize] } else { u64::MAX };
+        }
+        let masks = &masks[..core.links.len()];
+        let stranded = &stranded(&core.circuit, masks, samples);
         sums.clear();
-        let job = Job { core, block, masks, stranded, weight };
-        let residual = match way {
-            Way::Lanes(memory) => self.instructions.run(InLanes { job, memory, sums }),
-            Way::OneByOne(memory) => self.instructions.run(OneByOne { job, memory, sums }),
+        let job = Job { core, samples, probability, present, masks, stranded, weight };
+        let residual = match work {
+            Workspace::Lanes(memory) => self.instructions.run(InLanes { job, memory, sums }),
+            Workspace::OneByOne(memory) => self.instructions.run(OneByOne { job, memory, sums }),
         }?;
         sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {

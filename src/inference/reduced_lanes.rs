@@ -3,7 +3,6 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::bottleneck::{Bottleneck, TAKEN, Taken};
-use super::census::open_vessels;
 use super::forest::keys;
 use super::likelihood::Sums;
 use super::params::Weight;
@@ -25,8 +24,6 @@ pub struct Memory {
     flow: Option<star_mesh::Workspace<B>>,
     /// ρ of the weakest vessel of every link.
     resilience: Vec<Lanes<B>>,
-    /// Keys by ray of the forest program.
-    key: Vec<Lanes<B>>,
     taken: Vec<Taken<B>>,
     ties: ties::Workspace,
     check: Check,
@@ -37,9 +34,14 @@ impl Memory {
     pub fn new(core: &Core) -> Self {
         let links = core.links.len();
         Self {
-            flow: if let Solve::Lanes(program) = &core.solve { Some(program.workspace()) } else { None },
+            flow: match &core.solve {
+                Solve::Lanes(program) => {
+                    // The keys of the forest program come to lie where the conductances were.
+                    Some(program.workspace_with(core.bottleneck.as_ref().map_or(0, Bottleneck::rays)))
+                }
+                _ => None,
+            },
             resilience: vec![Lanes::ZERO; links],
-            key: vec![Lanes::ZERO; core.bottleneck.as_ref().map_or(0, Bottleneck::rays)],
             taken: vec![[0; B]; links + 1],
             ties: ties::Workspace::default(),
             check: Check::default(),
@@ -60,18 +62,18 @@ impl Kernel for InLanes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<Residual> {
-        let Self { job: Job { core, block, masks, stranded, weight }, memory, sums } = self;
-        let Memory { flow, resilience, key, taken, ties, check } = memory;
+        let Self { job: Job { core, samples, probability, present, masks, stranded, weight }, memory, sums } = self;
+        let Memory { flow, resilience, taken, ties, check } = memory;
         let (Solve::Lanes(solver), Some(forest), Some(flow)) = (&core.solve, &core.bottleneck, flow) else {
             return Err(Error::Breakdown);
         };
-        let present = open_vessels(simd, block.masks);
         let (mut global, mut residual) = (Samples::ZERO, Residual::default());
-        for first in (0..block.samples).step_by(B) {
+        for first in (0..samples).step_by(B) {
             solver.solve(simd, masks, first, stranded, flow);
-            let group = Group { core, pressure: &flow.pressure, level: core.circuit.level, masks, first };
+            let (pressure, key) = flow.spare();
+            let group = Group { core, pressure, level: core.circuit.level, masks, first };
             if first == 0 {
-                residual = check.residual(&core.circuit, masks, 0, stranded, |node| flow.pressure[solver.slot(node)][0]);
+                residual = check.residual(&core.circuit, masks, 0, stranded, |node| pressure[solver.slot(node)][0]);
             }
             group.resiliences(simd, resilience);
             core.ties.settle::<B, _>(|link| core.links[link].factor, resilience, ties);
@@ -86,16 +88,16 @@ impl Kernel for InLanes<'_> {
             offer(simd, forest, resilience, key);
             forest.grow(simd, key, taken);
             let mut counted = Lanes::ZERO;
-            for lane in 0..(block.samples - first).min(B) {
+            for lane in 0..(samples - first).min(B) {
                 let open = present[first + lane];
                 total[lane] = if open > 0.0 { total[lane] / open } else { 0.0 };
                 global[first + lane] = total[lane];
-                counted[lane] = block.probability.map_or(1.0, |p| p[first + lane]);
+                counted[lane] = probability.map_or(1.0, |p| p[first + lane]);
             }
             group.add_up(simd, &Worth { weight, global: total, counted }, resilience, taken, sums);
         }
-        sums.samples = block.samples as u64;
-        sums.network_resilience = expectation(&global, block.probability);
+        sums.samples = samples as u64;
+        sums.network_resilience = expectation(&global, probability);
         Ok(residual)
     }
 }

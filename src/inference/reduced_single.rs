@@ -2,7 +2,6 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::census::open_vessels;
 use super::forest::{Forest, key};
 use super::likelihood::Sums;
 use super::reduced::{Core, Job, MOST, Solve};
@@ -66,9 +65,8 @@ impl Kernel for OneByOne<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<Residual> {
-        let present = open_vessels(simd, self.job.block.masks);
         let (mut global, mut residual) = (Samples::ZERO, Residual::default());
-        for first in (0..self.job.block.samples).step_by(B) {
+        for first in (0..self.job.samples).step_by(B) {
             match (&self.job.core.solve, &mut self.memory.flow) {
                 (Solve::Lanes(program), FlowMemory::Lanes(work)) => {
                     program.solve(simd, self.job.masks, first, self.job.stranded, work);
@@ -78,18 +76,18 @@ impl Kernel for OneByOne<'_> {
                 }
                 _ => {}
             }
-            for sample in first..self.job.block.samples.min(first + B) {
+            for sample in first..self.job.samples.min(first + B) {
                 self.pressures(first, sample)?;
                 if sample == 0 {
                     let Memory { check, pressure, .. } = &mut *self.memory;
                     residual =
                         check.residual(&self.job.core.circuit, self.job.masks, 0, self.job.stranded, |node| pressure[node]);
                 }
-                global[sample] = self.one(sample, present[sample]);
+                global[sample] = self.one(sample, self.job.present[sample]);
             }
         }
-        self.sums.samples = self.job.block.samples as u64;
-        self.sums.network_resilience = expectation(&global, self.job.block.probability);
+        self.sums.samples = self.job.samples as u64;
+        self.sums.network_resilience = expectation(&global, self.job.probability);
         Ok(residual)
     }
 }
@@ -139,7 +137,7 @@ impl OneByOne<'_> {
         let global = if present > 0.0 { (of_links + of_trees) / present } else { 0.0 };
 
         let (weight, sums) = (self.job.weight, &mut *self.sums);
-        let one = self.job.block.probability.map_or(1.0, |p| p[sample]);
+        let one = self.job.probability.map_or(1.0, |p| p[sample]);
         let mut add = |row: u32, rho: f64| {
             let (row, value) = (row as usize, weight.of(rho, global));
             sums.likelihood[row] += value * one;

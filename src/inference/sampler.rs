@@ -58,10 +58,10 @@ enum Memory {
 }
 
 /// Samples that are taken together.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Block<'a> {
-    /// Per vessel the samples in which it is open; no bit beyond `samples`.
-    pub masks: &'a [u64],
+    /// Per vessel the samples in which it is open, no bit beyond `samples`. May be overwritten.
+    pub masks: &'a mut [u64],
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
     /// How many samples, at most 64.
@@ -126,7 +126,7 @@ impl Sampler {
         for mask in &mut work.masks {
             *mask &= valid;
         }
-        let block = Block { masks: &work.masks, probability, samples: samples as usize };
+        let block = Block { masks: &mut work.masks, probability, samples: samples as usize };
         match (&self.how, &mut work.how) {
             (How::Whole(whole), Memory::Whole(memory)) => whole.block(block, memory, sums),
             (How::Reduced(reduced), Memory::Reduced(memory)) => reduced.block(block, memory, sums)?,
