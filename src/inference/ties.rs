@@ -34,9 +34,9 @@ impl Ties {
         }
         let bare = |node: usize| circuit.fixed[node].is_none() && circuit.shunt[node] == 0.0 && circuit.source[node] == 0.0;
         let may_tie = |links: &[u32]| {
-            let mut factors: Vec<u64> = links.iter().map(|link| factor[*link as usize].to_bits()).collect();
-            factors.sort_unstable();
-            factors.windows(2).any(|pair| pair[0] == pair[1])
+            let mut factors: Vec<f64> = links.iter().map(|link| factor[*link as usize]).collect();
+            factors.sort_unstable_by(f64::total_cmp);
+            factors.windows(2).any(|pair| same(pair[0], pair[1]))
         };
         let mut ties = Self { start: vec![0], links: Vec::new() };
         let (mut seen, mut stack) = (vec![false; nodes], Vec::new());
@@ -82,7 +82,7 @@ impl Ties {
             }
             for lane in (0..B).filter(|lane| count[*lane] == 2) {
                 let links = [two[0][lane], two[1][lane]];
-                if factor(links[0] as usize) == factor(links[1] as usize) {
+                if same(factor(links[0] as usize), factor(links[1] as usize)) {
                     ties.push(Tie { links, lane: lane as u32 });
                 }
             }
@@ -98,4 +98,9 @@ impl Ties {
             ties.iter().for_each(&mut level);
         }
     }
+}
+
+/// Whether two are one up to the rounding of radii, such as of the mean of two that are equal.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.max(b)
 }
