@@ -139,8 +139,10 @@ impl<'a> Apart<'a> {
         // A file of priors is known by its content, not by its name; a run that failed does not tell it.
         let prior = |run: &Self| run.record.as_ref().map_or(Value::Null, |r| r["parameters"]["prior"]["sha256"].clone());
         match [prior(self), prior(other)] {
-            by if self.record.is_err() || by.iter().any(|sha256| !sha256.is_null()) => stated("prior", by),
-            _ => {}
+            [_, Value::Null] => {}
+            [Value::Null, _] if self.record.is_ok() => {}
+            [Value::Null, _] => stated("prior", [Value::Null, Value::Null]),
+            both => stated("prior", both),
         }
         differing(&pair[0], &pair[1])
     }

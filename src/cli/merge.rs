@@ -43,16 +43,17 @@ impl MergeArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         StagedFolder::check(&self.output, force)?;
-        let folders = paths(&self.folders, "folder of a shard or a run", |path| Kind::of(path).is_ok_and(|kind| kind.is_some()))?;
+        let is_known = |path: &Path| Kind::in_folder(path).is_ok_and(|kind| kind.is_some());
+        let folders = paths(&self.folders, "folder of a shard or a run", is_known)?;
         let kinds = folders.iter().map(|folder| Kind::of(folder)).collect::<Result<Vec<_>>>()?;
-        if let Some(run) = kinds.iter().position(|kind| *kind == Some(Kind::Run)) {
-            if let Some(other) = kinds.iter().position(|kind| matches!(kind, Some(Kind::Shard | Kind::FailedShard))) {
+        if let Some(run) = kinds.iter().position(|kind| *kind == Kind::Run) {
+            if let Some(shard) = kinds.iter().position(|kind| *kind != Kind::Run) {
                 let found = format!("a shard, where {} is a run", folders[run].display());
-                return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[other]));
+                return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[shard]));
             }
             return gather(&folders, &self.output, force, self.json, terminal);
         }
-        if kinds.contains(&Some(Kind::FailedShard)) {
+        if kinds.contains(&Kind::FailedShard) {
             return self.fail(&folders, force, terminal);
         }
         let (mut shards, mut graph): (Vec<(&Path, Record)>, _) = (Vec::new(), Network::new());
@@ -136,8 +137,17 @@ enum Kind {
 }
 
 impl Kind {
-    /// Of a folder; `None` where it is neither.
-    fn of(folder: &Path) -> Result<Option<Self>> {
+    /// Of a folder that must hold something.
+    fn of(folder: &Path) -> Result<Self> {
+        match Self::in_folder(folder)? {
+            Some(kind) => Ok(kind),
+            // Which says what is missing.
+            None => Record::read(folder).map(|_| Self::Shard),
+        }
+    }
+
+    /// Of a folder; `None` where it is none of them.
+    fn in_folder(folder: &Path) -> Result<Option<Self>> {
         Ok(if Run::stands_in(folder) {
             Some(Self::Run)
         } else if folder.join(SHARD_MARK).is_file() {

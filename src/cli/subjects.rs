@@ -39,19 +39,20 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     {
         return Ok(Inputs::One(input.clone()));
     }
-    Ok(Inputs::Many(named(paths(given, "file", |path| path.is_file() || Run::stands_in(path))?)))
+    let mut known = HashSet::new();
+    let found = paths(given, "file", |path| path.is_file() || Run::stands_in(path))?;
+    Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
 }
 
-/// The paths that the arguments mean, each once; of what a pattern matches those that fit, a `kind` of file.
+/// The paths that the arguments mean, as often as they do; of what a pattern matches those that fit, a `kind` of file.
 ///
 /// # Errors
 ///
 /// As [`expand`].
 pub fn paths(given: &[PathBuf], kind: &str, fits: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {
-    let (mut found, mut known) = (Vec::new(), HashSet::new());
+    let mut found = Vec::new();
     for path in given {
-        let matched = if is_pattern(path) { matches(path, kind, &fits)? } else { vec![path.clone()] };
-        found.extend(matched.into_iter().filter(|path| known.insert(path.clone())));
+        found.extend(if is_pattern(path) { matches(path, kind, &fits)? } else { vec![path.clone()] });
     }
     Ok(found)
 }
