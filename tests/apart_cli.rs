@@ -4,6 +4,7 @@ mod command;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use command::{contents, data, folder, stderr, willis};
 use serde_json::Value;
@@ -89,6 +90,29 @@ fn runs_made_apart_are_the_cohort_of_one_command() {
         .collect();
     assert_eq!(statuses, ["ok", "ok", "ok"]);
     refused(here, &["infer", "p1/t.swc", "p2/t.swc", "-o", "again"], &["holds a cohort of willis merge"]);
+}
+
+/// Needs `WILLIS_CHROMIUM`: what a browser makes of the page, read off its document.
+#[test]
+fn the_links_of_the_page_work_in_chromium() {
+    let Ok(chromium) = std::env::var("WILLIS_CHROMIUM") else {
+        eprintln!("skipped: WILLIS_CHROMIUM names no Chromium");
+        return;
+    };
+    let here = folder();
+    let here = here.path();
+    scans(here);
+    for (input, out) in [("other.swc", "on/run & 1"), ("bad.swc", "on/run 2")] {
+        done(here, &["infer", input, "-n", "64", "--record-failure", "-o", out, "-q"]);
+    }
+    done(here, &["merge", "on/*", "-o", "far/cohort", "-q"]);
+    let mut browser = Command::new(chromium);
+    browser.args(["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=5000", "--dump-dom"]);
+    let address = format!("file://{}", here.join("far/cohort/cohort.html").display());
+    let output = browser.arg(format!("--user-data-dir={}", here.join("profile").display())).arg(address).output().expect("runs");
+    let document = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(document.contains("<a href=\"../../on/run%20%26%201/report.html\">other</a>"), "{}", stderr(&output));
+    assert!(document.contains("<tr class=\"failed\"><td class=\"text\">bad</td>"));
 }
 
 #[test]

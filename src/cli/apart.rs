@@ -135,7 +135,9 @@ impl<'a> Apart<'a> {
                 pair.iter_mut().zip(by).for_each(|(parameters, value)| parameters[name] = value);
             }
         };
-        OWN.into_iter().for_each(|name| stated(name, [Value::Null, Value::Null]));
+        for name in OWN {
+            stated(name, [Value::Null, Value::Null]);
+        }
         // A file of priors is known by its content, not by its name; a run that failed does not tell it.
         let prior = |run: &Self| run.record.as_ref().map_or(Value::Null, |r| r["parameters"]["prior"]["sha256"].clone());
         match [prior(self), prior(other)] {
