@@ -165,7 +165,7 @@ fn shards_of_other_runs_are_refused_by_what_differs() {
     refused(&["b"], &["b: samples 0..64 before it are in no shard"]);
     shard("c", &input, "128..256", &[]);
     done(here, &["merge", "c", "a", "-o", "fine", "-q"]);
-    refused(&["a", "fine"], &["fine: a folder without shard.json"]);
+    refused(&["a", "fine"], &["a: a shard, where fine is a run"]);
     refused(&["a", "absent"], &["absent: cannot be read"]);
     refused(&["a/shard.json", "b"], &["a/shard.json: no folder"]);
     let text = fs::read_to_string(here.join("c/shard.json")).expect("a record");

@@ -94,6 +94,7 @@ impl Cohort<'_> {
                 subject: name.clone(),
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
+                page: None,
                 figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
             }
         };

@@ -1,9 +1,10 @@
 //! `willis infer`: from centerlines or a candidate graph to the likelihood matrix and the plausible topology.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, FromArgMatches, ValueEnum};
 use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
@@ -16,13 +17,14 @@ use super::boundary::{BoundaryArgs, say_boundary};
 use super::checkpoint::{Interval, parse_interval};
 use super::circle::CircleArgs;
 use super::cohort::{Cohort, Work};
+use super::failure::Failure;
 use super::input::{CandidateArgs, ReadingArgs, viscosity};
 use super::job::Job;
 use super::keep::parse_rule;
 use super::prior::{Prior, PriorArgs};
-use super::provenance::{command_line, command_line_of};
+use super::provenance::{command_line, command_line_of, words_of};
 use super::run::state_inlets;
-use super::shard::{blocks_of, write_shard};
+use super::shard::{blocks_of, samples_of, write_shard};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 use super::tell::say_built;
@@ -118,6 +120,10 @@ pub struct InferArgs {
     #[serde(skip)]
     #[arg(long, value_name = "A..B", conflicts_with_all = ["until", "exact", "json"], help_heading = "Sampling", allow_hyphen_values = true)]
     range: Option<String>,
+    /// Where the input cannot be used, write why to OUT, as failed.json alone, and end with status 0: willis merge makes a row of it
+    #[serde(skip)]
+    #[arg(long, help_heading = "Sampling")]
+    record_failure: bool,
     /// How often what is finished is kept beside OUT, in .willis-NAME, for the same command to go on from after a stop or a kill: auto
     /// (once sampling takes over a minute), off, or so many seconds apart; Ctrl-C keeps it at once
     #[serde(skip)]
@@ -188,15 +194,28 @@ impl InferArgs {
             Inputs::Many(subjects) => return inference.cohort(&subjects, terminal, force),
         };
         StagedFolder::check(&self.output, force)?;
-        let job = inference.job(&input, command_line(), terminal)?;
+        if self.record_failure {
+            inference.check()?;
+        }
+        let job = match inference.job(&input, command_line(), terminal) {
+            Err(error) => return inference.fail(error, &input, range.as_ref(), force, terminal),
+            Ok(job) => job,
+        };
         listen();
         let folder = StagedFolder::new(&self.output, force)?;
-        let records = match &range {
-            None => job.write(&inference.runs, &folder, self.checkpoint, start, terminal)?,
+        let written = match &range {
+            None => job.write(&inference.runs, &folder, self.checkpoint, start, terminal),
             Some(blocks) => {
-                write_shard(job, &inference.runs[0], blocks, &folder, self.checkpoint, terminal)?;
-                Vec::new()
+                let shard = write_shard(job, &inference.runs[0], blocks, &folder, self.checkpoint, terminal);
+                shard.map(|()| Vec::new())
             }
+        };
+        let records = match written {
+            Err(error) => {
+                drop(folder);
+                return inference.fail(error, &input, range.as_ref(), force, terminal);
+            }
+            Ok(records) => records,
         };
         folder.commit()?;
         if self.json {
@@ -204,6 +223,15 @@ impl InferArgs {
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
+    }
+
+    /// All options of a command line that change a result, as the ledger of a cohort has them; `None` for another command's.
+    pub fn parameters_of(command: &str) -> Option<Value> {
+        let words = words_of(command);
+        let options = words.strip_prefix(&["willis".to_owned(), "infer".to_owned()][..])?;
+        let all = ["infer", "--output", "-"].map(str::to_owned).into_iter().chain(options.iter().cloned());
+        let matches = Self::augment_args(clap::Command::new("infer")).try_get_matches_from(all).ok()?;
+        serde_json::to_value(Self::from_arg_matches(&matches).ok()?).ok()
     }
 
     fn paper(&self) -> bool {
@@ -298,6 +326,23 @@ impl Inference<'_> {
         })
     }
 
+    /// Refuses options that are wrong whatever the input.
+    fn check(&self) -> Result<()> {
+        self.args.reading.check()?;
+        self.args.prior.check()?;
+        self.args.candidates.params(RadiusRule::Mean, self.args.paper(), false).map(drop)
+    }
+
+    /// Hands an error on, or records it in the place of the run where it is one of the input.
+    fn fail(&self, error: Error, input: &Path, blocks: Option<&Range<u64>>, force: bool, terminal: Terminal) -> Result<()> {
+        if !self.args.record_failure || !Failure::is_of_input(&error) {
+            return Err(error);
+        }
+        let range = blocks.map(|blocks| samples_of(blocks, self.args.samples));
+        terminal.say("failed", error.to_string());
+        Failure::of(input, command_line(), range, &error).write(&self.args.output, force)
+    }
+
     fn cohort(&self, subjects: &[Subject], terminal: Terminal, force: bool) -> Result<()> {
         let args = self.args;
         if self.runs.len() > 1 {
@@ -307,9 +352,14 @@ impl Inference<'_> {
         if let Some(range) = &args.range {
             return Err(Error::parameter("--range", range, "goes with one INPUT; shard the run of each subject by itself"));
         }
-        args.reading.check()?;
-        args.prior.check()?;
-        args.candidates.params(RadiusRule::Mean, args.paper(), false)?;
+        if args.record_failure {
+            return Err(Error::parameter(
+                "--record-failure",
+                "with several",
+                "goes with one INPUT; a cohort has its failures as rows",
+            ));
+        }
+        self.check()?;
         let parameters = serde_json::to_value(args).map_err(|e| Error::parameter("arguments", "", e.to_string()))?;
         let cohort = Cohort { command: "infer", parameters, output: &args.output, force, json: args.json };
         cohort.run(subjects, self, terminal)

@@ -62,6 +62,14 @@ impl Entry {
     }
 }
 
+/// The first option in which two sets of them differ, and in words what it is in the one and in the other.
+pub fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
+    let (one, other) = one.as_object().zip(other.as_object())?;
+    let name = one.keys().chain(other.keys()).find(|name| one.get(*name) != other.get(*name))?;
+    let said = |value: Option<&Value>| value.filter(|v| !v.is_null()).map_or("not given".into(), Value::to_string);
+    Some((name.replace('_', "-"), [said(one.get(name)), said(other.get(name))]))
+}
+
 impl Ledger {
     /// The ledger of a cohort's folder; `None` where there is none.
     pub fn read(folder: &Path) -> Option<Self> {
@@ -85,13 +93,9 @@ impl Ledger {
         if self.command != earlier.command {
             return refused(format!("holds a cohort of willis {}", earlier.command));
         }
-        if let (Value::Object(now), Value::Object(before)) = (&self.parameters, &earlier.parameters)
-            && self.willis == earlier.willis
-            && let Some(name) = now.keys().chain(before.keys()).find(|name| now.get(*name) != before.get(*name))
+        if self.willis == earlier.willis
+            && let Some((option, [now, before])) = differing(&self.parameters, &earlier.parameters)
         {
-            let said = |value: Option<&Value>| value.filter(|v| !v.is_null()).map_or("not given".into(), Value::to_string);
-            let (now, before) = (said(now.get(name)), said(before.get(name)));
-            let option = name.replace('_', "-");
             return refused(format!("holds a cohort made with other parameters ({option} was {before}, now {now})"));
         }
         let stays = |old: &&Entry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);

@@ -1,4 +1,4 @@
-//! `willis merge`: the shards of one run become the run.
+//! `willis merge`: the shards of one run become the run, runs that were made apart a cohort.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,24 +9,32 @@ use willis::error::{Error, Fault, Result};
 use willis::inference::{Likelihood, Part};
 use willis::network::Network;
 use willis::report::StagedFolder;
+use willis::report::staged::SHARD_MARK;
 
+use super::apart::gather;
+use super::failure::Failure;
 use super::job::Sampled;
+use super::run::Run;
 use super::shard::Record;
 use super::shell::print_json;
+use super::subjects::paths;
 use super::terminal::{Terminal, count, listen, plural};
 
-/// Put the shards of one run together: the same files as from the whole run
+/// Put together what was made apart: the shards of one run to the run, runs of many subjects to a cohort
 ///
-/// A shard is what willis infer --range A..B writes. All shards of a run must be given, in any order; the inputs need not be there.
+/// A shard is what willis infer --range A..B writes; all shards of a run make the files of the whole run, in whatever order they
+/// are given. Runs are the folders of willis infer: they make cohort.csv and cohort.html, with the rows that willis infer writes for all inputs
+/// in one command, and links to the reports where they are. They must have the same options and seed. A folder that
+/// willis infer --record-failure wrote is a row that failed. The inputs need not be there.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// The folders of the shards
-    #[arg(value_name = "SHARD", required = true, value_hint = clap::ValueHint::DirPath)]
-    shards: Vec<PathBuf>,
+    /// The folders of the shards of one run, or of runs; a pattern in quotes ('runs/*') is all that fit it
+    #[arg(value_name = "FOLDER", required = true, value_hint = clap::ValueHint::DirPath)]
+    folders: Vec<PathBuf>,
     /// The folder to write; it must not exist
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
-    /// Print run.json on standard output too, in one line
+    /// Print run.json on standard output too, in one line; of a cohort, its row of each subject
     #[arg(long)]
     json: bool,
 }
@@ -35,8 +43,21 @@ impl MergeArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         StagedFolder::check(&self.output, force)?;
+        let is_known = |path: &Path| Kind::in_folder(path).is_ok_and(|kind| kind.is_some());
+        let folders = paths(&self.folders, "folder of a shard or a run", is_known)?;
+        let kinds = folders.iter().map(|folder| Kind::of(folder)).collect::<Result<Vec<_>>>()?;
+        if let Some(run) = kinds.iter().position(|kind| *kind == Kind::Run) {
+            if let Some(shard) = kinds.iter().position(|kind| *kind != Kind::Run) {
+                let found = format!("a shard, where {} is a run", folders[run].display());
+                return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[shard]));
+            }
+            return gather(&folders, &self.output, force, self.json, terminal);
+        }
+        if kinds.contains(&Kind::FailedShard) {
+            return self.fail(&folders, force, terminal);
+        }
         let (mut shards, mut graph): (Vec<(&Path, Record)>, _) = (Vec::new(), Network::new());
-        for path in &self.shards {
+        for path in &folders {
             let mut record = Record::read(path)?;
             // All have the same graph, which may be large.
             let own = std::mem::take(&mut record.job.graph);
@@ -75,6 +96,67 @@ impl MergeArgs {
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
+    }
+
+    /// Of shards of which some failed: the run failed.
+    fn fail(&self, folders: &[PathBuf], force: bool, terminal: Terminal) -> Result<()> {
+        let failed: Vec<&PathBuf> = folders.iter().filter(|folder| Failure::stands_in(folder)).collect();
+        let Some(first) = failed.first() else { return Ok(()) };
+        let failure = Failure { range: None, ..Failure::read(first)? };
+        for path in folders {
+            let (willis, command) = if Failure::stands_in(path) {
+                let other = Failure::read(path)?;
+                (other.willis, other.command)
+            } else {
+                let other = Record::read(path)?;
+                (other.willis, other.command)
+            };
+            if (&willis, &command) != (&failure.willis, &failure.command) {
+                let found = format!(
+                    "was made by {command} of version {willis}, where {} was by {} of version {}",
+                    first.display(),
+                    failure.command,
+                    failure.willis
+                );
+                return Err(Fault::file(found, "expected the shards of one run").in_file(path));
+            }
+        }
+        terminal.say("failed", &failure.error);
+        failure.write(&self.output, force)
+    }
+}
+
+/// What a folder holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// A run, or why there is none.
+    Run,
+    Shard,
+    /// Why there is no shard.
+    FailedShard,
+}
+
+impl Kind {
+    /// Of a folder that must hold something.
+    fn of(folder: &Path) -> Result<Self> {
+        match Self::in_folder(folder)? {
+            Some(kind) => Ok(kind),
+            // Which says what is missing.
+            None => Record::read(folder).map(|_| Self::Shard),
+        }
+    }
+
+    /// Of a folder; `None` where it is none of them.
+    fn in_folder(folder: &Path) -> Result<Option<Self>> {
+        Ok(if Run::stands_in(folder) {
+            Some(Self::Run)
+        } else if folder.join(SHARD_MARK).is_file() {
+            Some(Self::Shard)
+        } else if Failure::stands_in(folder) {
+            Some(if Failure::read(folder)?.range.is_some() { Self::FailedShard } else { Self::Run })
+        } else {
+            None
+        })
     }
 }
 

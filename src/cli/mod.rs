@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
 
+mod apart;
 mod boundary;
 mod candidates;
 mod checkpoint;
@@ -7,6 +8,7 @@ mod circle;
 mod classify;
 mod cohort;
 mod convert;
+mod failure;
 mod infer;
 mod input;
 mod job;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Options that change no result, with whether a value follows.
-const IMMATERIAL: [(&str, bool); 11] = [
+const IMMATERIAL: [(&str, bool); 12] = [
     ("-o", true),
     ("--output", true),
     ("--threads", true),
@@ -16,6 +16,7 @@ const IMMATERIAL: [(&str, bool); 11] = [
     ("--verbose", false),
     ("--force", false),
     ("--json", false),
+    ("--record-failure", false),
 ];
 
 /// This process's command line without the options that change no result, quoted for a shell.
@@ -51,4 +52,37 @@ fn is_joined(word: &str, name: &str) -> bool {
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:@%+".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+/// The words of such a command line.
+pub fn words_of(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut quotes) = (Vec::new(), None::<String>, false);
+    let mut rest = line.chars();
+    while let Some(c) = rest.next() {
+        match c {
+            '\'' => {
+                quotes = !quotes;
+                word.get_or_insert_default();
+            }
+            ' ' if !quotes => words.extend(word.take()),
+            '\\' if !quotes => word.get_or_insert_default().extend(rest.next()),
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The line is what a POSIX shell would take apart again.
+    #[test]
+    fn a_line_is_its_words() {
+        let words = ["willis", "infer", "it's a scan.swc", "", "--bc", "{}.bc.csv", r"a\b", "''", "-n=64"];
+        let line = words.map(quoted).join(" ");
+        assert_eq!(line, r"willis infer 'it'\''s a scan.swc' '' --bc '{}.bc.csv' 'a\b' ''\'''\''' -n=64");
+        assert_eq!(words_of(&line), words);
+    }
 }

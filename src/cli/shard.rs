@@ -98,6 +98,11 @@ pub fn blocks_of(text: &str, samples: u64) -> Result<Range<u64>> {
     Ok(first / BLOCK..last.div_ceil(BLOCK))
 }
 
+/// The first sample of a range of blocks, and the first after it, of so many samples.
+pub fn samples_of(blocks: &Range<u64>, samples: u64) -> [u64; 2] {
+    [blocks.start * BLOCK, (blocks.end * BLOCK).min(samples)]
+}
+
 fn checksum_of_file(path: &Path) -> Result<String> {
     let read = checksum_of(|out| std::io::copy(&mut std::fs::File::open(path)?, out).map(drop));
     read.map_err(|source| Error::Read { path: path.to_owned(), source })
@@ -143,7 +148,7 @@ pub fn write_shard(
     job.say_sampling(&params, terminal);
     let begun = Instant::now();
     let sampling = Sampling::new(&job.graph, &job.boundary, &params)?;
-    let range = [blocks.start * BLOCK, (blocks.end * BLOCK).min(params.samples)];
+    let range = samples_of(blocks, params.samples);
     let graph = job.graph_checksum();
     let key = job.key(&params, Some(&format!("{}..{}", range[0], range[1])));
     let mut keeper = Keeper::new(interval, folder, &key, &job.provenance.command, terminal);
@@ -191,10 +196,10 @@ impl Record {
     ///
     /// A folder that is no shard.
     pub fn read(folder: &Path) -> Result<Self> {
-        let expected = "expected the folder of a shard, from willis infer --range";
+        let expected = "expected the folder of a shard or of a run, from willis infer";
         let path = if folder.exists() { folder.join(SHARD_MARK) } else { folder.to_owned() };
         if folder.exists() && !path.exists() {
-            let found = if folder.is_dir() { "a folder without shard.json" } else { "no folder" };
+            let found = if folder.is_dir() { "a folder without shard.json or run.json" } else { "no folder" };
             return Err(Fault::file(found, expected).in_file(folder));
         }
         let record: Self =

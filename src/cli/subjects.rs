@@ -39,12 +39,22 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     {
         return Ok(Inputs::One(input.clone()));
     }
-    let (mut found, mut known) = (Vec::new(), HashSet::new());
+    let mut known = HashSet::new();
+    let found = paths(given, "file", |path| path.is_file() || Run::stands_in(path))?;
+    Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
+}
+
+/// The paths that the arguments mean, as often as they do; of what a pattern matches those that fit, a `kind` of file.
+///
+/// # Errors
+///
+/// As [`expand`].
+pub fn paths(given: &[PathBuf], kind: &str, fits: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
     for path in given {
-        let matched = if is_pattern(path) { matches(path)? } else { vec![path.clone()] };
-        found.extend(matched.into_iter().filter(|path| known.insert(path.clone())));
+        found.extend(if is_pattern(path) { matches(path, kind, &fits)? } else { vec![path.clone()] });
     }
-    Ok(Inputs::Many(named(found)))
+    Ok(found)
 }
 
 fn is_pattern(path: &Path) -> bool {
@@ -52,19 +62,19 @@ fn is_pattern(path: &Path) -> bool {
 }
 
 /// The files that a pattern matches, sorted; as in a shell, `*` takes neither `/` nor a leading dot.
-fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
+fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {
     let text = pattern.to_string_lossy();
     let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
     let options = MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
     let mut files = Vec::new();
     for entry in glob_with(&text, options).map_err(|e| refused(format!("no pattern of file names: {e}")))? {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
-        if path.is_file() || Run::stands_in(&path) {
+        if fits(&path) {
             files.push(path);
         }
     }
     if files.is_empty() {
-        return Err(refused("matches no file; expected a file, or a pattern of *, ? and [...]".into()));
+        return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));
     }
     files.sort();
     Ok(files)
@@ -72,7 +82,7 @@ fn matches(pattern: &Path) -> Result<Vec<PathBuf>> {
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
-fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
+pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut times: HashMap<String, usize> = HashMap::new();
     for path in &inputs {

@@ -32,6 +32,8 @@ pub struct Row {
     pub input: String,
     /// The SHA-256 of its input, empty where that cannot be read.
     pub sha256: String,
+    /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
+    pub page: Option<String>,
     /// What came out, by column, or why nothing did.
     pub figures: Result<Vec<(&'static str, Cell)>, String>,
 }
@@ -242,7 +244,7 @@ mod tests {
     use super::*;
 
     fn row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
-        Row { subject: subject.into(), input: String::new(), sha256: String::new(), figures }
+        Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
     }
 
     #[test]

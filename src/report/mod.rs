@@ -22,6 +22,7 @@ pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
+pub use page::FILE as PAGE_FILE;
 pub use part_file::{read_part, write_part};
 pub use phenotype::{
     Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,

@@ -11,6 +11,8 @@ pub const MARK: &str = "run.json";
 pub const SHARD_MARK: &str = "shard.json";
 /// All that such a folder holds.
 const SHARD_FILES: &[&str] = &[SHARD_MARK, "shard.npz"];
+/// The record by which the folder of an input that gave no run is known.
+pub const FAILURE_MARK: &str = "failed.json";
 /// All that such a folder may hold; --force replaces no folder with anything else in it.
 const FILES: &[&str] = &[
     "edges.csv",
@@ -65,9 +67,11 @@ pub fn stranger(folder: &Path) -> Option<PathBuf> {
     if folder.join(MARK).exists() {
         return if is_ours(MARK) { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };
     }
-    if folder.join(SHARD_MARK).exists() {
-        let rest = paths.into_iter().find(|p| !is_named(p, SHARD_FILES));
-        return if is_ours(SHARD_MARK) { rest } else { Some(folder.join(SHARD_MARK)) };
+    for (mark, files) in [(SHARD_MARK, SHARD_FILES), (FAILURE_MARK, &[FAILURE_MARK])] {
+        if folder.join(mark).exists() {
+            let rest = paths.into_iter().find(|p| !is_named(p, files));
+            return if is_ours(mark) { rest } else { Some(folder.join(mark)) };
+        }
     }
     if folder.join(COHORT_MARK).exists() {
         let of_cohort =

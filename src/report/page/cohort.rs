@@ -30,7 +30,7 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
     let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&column.name)).collect();
     let table = Table { title: "Subjects".to_owned(), columns, exact: &EXACT, of_vessels: false };
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
-    let data = json!({
+    let mut data = json!({
         "command": about.line,
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
@@ -38,5 +38,8 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
         "opens": if about.command == "infer" { super::FILE } else { "phenotype.json" },
         "table": encode::table(&table)?,
     });
+    if rows.iter().any(|row| row.page.is_some()) {
+        data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();
+    }
     fill(out, TEMPLATE, &SCRIPTS, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
 }

@@ -3,7 +3,8 @@ const subjects = table(data.table);
 const names = subjects.find("subject"), status = subjects.find("status");
 const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
-names.address = row => bad(row) ? null : `${encodeURIComponent(names.at(row))}/${data.opens}`;
+const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
+names.address = row => bad(row) ? null : page(row).split("/").map(encodeURIComponent).join("/");
 subjects.mark = row => bad(row) ? "failed" : null;
 // Long texts stand at the end.
 const late = ["input", "error"];

@@ -1,0 +1,75 @@
+//! failed.json: why an input gave no run, in the place of its run, for `willis merge` to make a row of it.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use willis::error::{Error, Fault, Result};
+use willis::formats::bytes_of;
+use willis::report::StagedFolder;
+use willis::report::staged::{FAILURE_MARK, write_file};
+
+use super::ledger::Entry;
+use super::subjects::Subject;
+
+/// Why an input gave no run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// The version.
+    pub willis: String,
+    /// The command of the whole run.
+    pub command: String,
+    pub input: Input,
+    /// The first sample and the first after the last, where it stands for a shard.
+    pub range: Option<[u64; 2]>,
+    /// The one line that says why.
+    pub error: String,
+}
+
+/// The file that was given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    pub path: String,
+    /// None where it cannot be read.
+    pub sha256: Option<String>,
+}
+
+impl Failure {
+    /// Of an input and its run, or a range of its samples.
+    pub fn of(input: &Path, command: String, range: Option<[u64; 2]>, error: &Error) -> Self {
+        let entry = Entry::of(&Subject { name: String::new(), input: input.to_owned() }, Vec::new());
+        let input = Input { sha256: entry.sha256().map(str::to_owned), path: entry.input };
+        Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, range, error: error.to_string() }
+    }
+
+    /// Whether an error is one of the input, which comes again, and not of the machine.
+    pub fn is_of_input(error: &Error) -> bool {
+        error.is_usage() || matches!(error, Error::Breakdown)
+    }
+
+    /// Whether a folder holds one.
+    pub fn stands_in(folder: &Path) -> bool {
+        folder.join(FAILURE_MARK).is_file()
+    }
+
+    /// The failure in a folder.
+    ///
+    /// # Errors
+    ///
+    /// A file that is none.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(FAILURE_MARK);
+        let expected = "expected it as willis infer --record-failure wrote it";
+        serde_json::from_slice(&bytes_of(&path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(&path))
+    }
+
+    /// Writes its folder.
+    pub fn write(&self, output: &Path, force: bool) -> Result<()> {
+        let folder = StagedFolder::new(output, force)?;
+        write_file(&folder.path().join(FAILURE_MARK), |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })?;
+        folder.commit()
+    }
+}

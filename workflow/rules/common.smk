@@ -1,0 +1,71 @@
+# The subjects with their inputs, and the ranges of samples.
+from collections import Counter
+from glob import glob
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+# The samples of a block: where a range may begin and end.
+BLOCK = 64
+OUT = config["output"]
+# What stands before and after the input.
+INFER = [f"{config['willis']} infer", f"-n {config['samples']} {config['options']}"]
+
+
+def subjects(patterns):
+    """The input of every subject by its name, which is what willis infer calls it in a cohort of the same inputs."""
+    found = [
+        path
+        for pattern in ([patterns] if isinstance(patterns, str) else patterns)
+        for path in sorted(glob(pattern, recursive=True), key=lambda path: path.split("/"))
+        if Path(path).is_file()
+    ]
+    found = list(dict.fromkeys(found))
+    if not found:
+        raise WorkflowError(f"inputs {patterns!r}: matches no file; set inputs to a pattern of centerline files")
+    times = Counter(Path(path).stem.lower() for path in found)
+    named = {}
+    for path in found:
+        stem, folder = Path(path).stem, Path(path).parent.name
+        shared = times[stem.lower()]
+        if shared > 1 and folder:
+            stem = folder if shared == len(found) else f"{folder}-{stem}"
+        plain = "".join(c if c.isalnum() or c in "-_." else "_" for c in stem[:80]).strip(".") or "subject"
+        taken = [name.lower() for name in named]
+        name, number = plain, 1
+        while name.lower() in taken:
+            number += 1
+            name = f"{plain}-{number}"
+        named[name] = path
+    return named
+
+
+def ranges(samples, shards):
+    """Ranges of all samples that begin and end at blocks, as many as shards, none empty."""
+    if min(samples, shards) < 1:
+        raise WorkflowError(f"samples {samples}, shards {shards}: expected at least 1 of each")
+    blocks = -(-samples // BLOCK)
+    shards = min(shards, blocks)
+    borders = [min(blocks * i // shards * BLOCK, samples) for i in range(shards + 1)]
+    return [f"{first}-{last}" for first, last in zip(borders, borders[1:])]
+
+
+SUBJECTS = subjects(config["inputs"])
+RANGES = ranges(int(config["samples"]), int(config["shards"]))
+
+
+wildcard_constraints:
+    subject="[^/]+",
+    first="[0-9]+",
+    last="[0-9]+",
+
+
+def input_of(wildcards):
+    return SUBJECTS[wildcards.subject]
+
+
+def shards_of(wildcards):
+    return [f"{OUT}/shards/{wildcards.subject}/{part}" for part in RANGES]
