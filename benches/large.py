@@ -1,4 +1,4 @@
-"""Large graphs, willis beside the best Python pipeline: large.py FOLDER > large.csv, large.py --table large.csv.
+"""Large graphs, willis beside the best Python pipeline: large.py FOLDER > large.csv.
 
 Both sample the same graphs: candidates open with probability 0.25, observed vessels certain. The pipeline draws its masks with
 NumPy, assembles with NumPy, solves with the faster of SuperLU (scipy) and CHOLMOD (cvxopt, where it is installed), and takes the
@@ -142,7 +142,7 @@ def measure(folder):
     sizes = [int(float(n)) for n in os.environ.get("WILLIS_LARGE", "1000,10000,100000,1000000").split(",")]
     seconds = float(os.environ.get("WILLIS_LARGE_SECONDS", "10"))
     out = csv.writer(sys.stdout)
-    out.writerow(["family", "edges", "round", *FIGURES, "peer_ms", "peer"])
+    out.writerow(["family", "edges", "round", *FIGURES, "peer_ms", "peer", "cpu"])
     for family in FAMILIES:
         for size in sizes:
             here = folder / f"{family}-{size}"
@@ -154,26 +154,14 @@ def measure(folder):
             for round_ in range(1, (ROUNDS if first < 30 else 1) + 1):
                 ours = subprocess.run([bench, "large", here / "edges.csv", "auto", str(seconds)], check=True, capture_output=True, text=True)
                 theirs = peer.ms(seconds)
-                out.writerow([family, size, round_, *ours.stdout.strip().split(","), f"{theirs:.3f}", solve.__qualname__.split(".")[0]])
+                out.writerow([family, size, round_, *ours.stdout.strip().split(","), f"{theirs:.3f}", solve.__qualname__.split(".")[0], processor()])
                 sys.stdout.flush()
 
 
-def table(path):
-    rows = {}
-    for row in csv.DictReader(open(path)):
-        rows.setdefault((row["family"], int(row["edges"])), []).append(row)
-    print("| family | edges | on trial | solver | ms a sample | Python, ms | solver | times as long | bytes a vessel: worker | shared | residual |")
-    print("|---|---:|---:|---|---:|---:|---|---:|---:|---:|---:|")
-    for (family, size), rounds in rows.items():
-        least = min(float(r["ms"]) for r in rounds)
-        theirs = min(float(r["peer_ms"]) for r in rounds)
-        ratio = " / ".join(f"{float(r['peer_ms']) / float(r['ms']):.0f}" for r in rounds)
-        r = rounds[0]
-        print(f"| {family} | {int(r['vessels']):,} | {int(r['on_trial']):,} | {r['solver']} | {least:.3g} | {theirs:.4g} | {r['peer']} | {ratio} | {r['worker']} | {r['shared']} | {r['residual']} |")
+def processor():
+    with open("/proc/cpuinfo") as lines:
+        return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "")
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "--table":
-        table(sys.argv[2])
-    else:
-        measure(Path(sys.argv[1]))
+    measure(Path(sys.argv[1]))

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Measures the sampling loop and tabulates it.
 #
-#   benches/run.sh               every figure: results.csv, the table here and in README.md
+#   benches/run.sh               every figure: results.csv, and the pages made of it
 #   benches/run.sh --check       instruction counts only; fails when one grew by more than 3 % over instructions.csv
 #   benches/run.sh --accept      writes the instruction counts of this build to instructions.csv
-#   benches/run.sh --large       large graphs beside the best Python pipeline: large.csv and the table in benches/README.md
+#   benches/run.sh --large       large graphs beside the best Python pipeline: large.csv, and the pages made of it
 #
+# The pages are docs/src/performance.md and the table in README.md; benches/page.py alone makes them of figures that are there.
 # WILLIS_BENCH_GRAPHS names the folder of graphs and of scipy_baseline.py (../shared/bench), WILLIS_PYTHON a Python with
 # NumPy and SciPy. What is missing is skipped, and the script says so.
 set -euo pipefail
@@ -21,27 +22,15 @@ threads=$(nproc)
 skipped=()
 skip() { skipped+=("$1"); echo "skipped: $1" >&2; }
 
-# Puts a text between the marks NAME:begin and NAME:end of a file.
-splice() {
-    awk -v begin="<!-- $1:begin -->" -v end="<!-- $1:end -->" '
-        FNR == NR { text = text $0 "\n"; next }
-        $0 == end { inside = 0 }
-        !inside { print }
-        $0 == begin { inside = 1; printf "%s", text }' "$2" "$3" >target/bench/spliced
-    cat target/bench/spliced >"$3"
-}
-
 cargo build --release --locked --quiet --bench sampling --bin willis
 bench=$(cargo build --release --locked --bench sampling --message-format json 2>/dev/null |
     sed -n 's/.*"name":"sampling".*"executable":"\([^"]*\)".*/\1/p')
 
 mkdir -p target/bench
 if [ "${1:-}" = --large ]; then
-    BENCH="$bench" "$python" benches/large.py target/bench/large >benches/large.csv
-    "$python" benches/large.py --table benches/large.csv >target/bench/large.md
-    cat target/bench/large.md
-    splice large target/bench/large.md benches/README.md
-    exit
+    BENCH="$bench" "$python" benches/large.py target/bench/large >target/bench/large.csv
+    mv target/bench/large.csv benches/large.csv
+    exec "$python" benches/page.py
 fi
 
 # The graphs: the one that ships with the project, and the shared ones.
@@ -144,66 +133,11 @@ if [ -f "$folder/$name.graphml" ]; then
     done
 fi
 
-cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)
-awk -F, -v threads="$threads" -v samples="$samples" -v cpu="$cpu" -v load="$(cut -d' ' -f1 /proc/loadavg)" '
-    NR == 1 { next }
-    !($2 in known) { known[$2] = ++n; graph[n] = $2 }
-    {
-        each[$1, $2, $3] = $4
-        if (!(($1, $2) in least) || $4 < least[$1, $2]) least[$1, $2] = $4
-        if ($3 > rounds) rounds = $3
-    }
-    function figure(x) { return x >= 1000 || x == int(x) ? sprintf("%.0f", x) : x >= 10 ? sprintf("%.1f", x) : sprintf("%.2f", x) }
-    function row(title, key, scale,   i, line) {
-        line = "| " title " |"
-        for (i = 1; i <= n; i++) line = line " " (((key, graph[i]) in least) && least[key, graph[i]] >= 0 ? figure(least[key, graph[i]] * scale) : "-") " |"
-        print line
-    }
-    # How many times as long the other takes, round by round.
-    function ratios(title, key, ours,   i, r, line) {
-        line = "| " title " |"
-        for (i = 1; i <= n; i++) {
-            line = line " "
-            if (!((key, graph[i]) in least)) line = line "-"
-            else for (r = 1; r <= rounds; r++)
-                line = line (r > 1 ? " / " : "") figure(each[key, graph[i], r] / each[ours, graph[i], r])
-            line = line " |"
-        }
-        print line
-    }
-    END {
-        line = "| microseconds a sample |"; rule = "|---|"
-        for (i = 1; i <= n; i++) { line = line " " graph[i] " |"; rule = rule "---:|" }
-        print line; print rule
-        row("**one thread**", "one", 1)
-        row(threads " threads", "all", 1)
-        row("of one thread: mask", "mask", 1)
-        row("solve: assemble, eliminate, substitute", "solve", 1)
-        row("forest", "forest", 1)
-        for (i = 1; i <= n; i++) least["rest", graph[i]] = least["one", graph[i]] - least["mask", graph[i]] - least["solve", graph[i]] - least["forest", graph[i]]
-        row("the rest: resilience, keys, sums", "rest", 1)
-        row("faer Cholesky + Kruskal, one thread", "faer", 1)
-        ratios("times as long, by round", "faer", "one")
-        row("NumPy, SciPy, one thread", "python", 1)
-        ratios("times as long, by round", "python", "one")
-        row("forest alone: Kruskal here", "kruskal", 1)
-        row("forest alone: petgraph, graph ready", "petgraph_ready", 1)
-        row("forest alone: petgraph, graph built", "petgraph", 1)
-        ratios("times as long as ours, by round", "petgraph", "lanes")
-        row("joins of the solve", "joins_solve", 1)
-        row("joins of the forest", "joins_forest", 1)
-        row("thousand instructions a sample, baseline", "instructions", 1e-3 / samples)
-        row("peak memory of `willis infer`, MB", "memory", 1e-3)
-        print ""
-        printf "%s, %d threads, load %s at the end; occlusion probability 0.3, every vessel on trial; least of %d rounds.\n", cpu, threads, load, rounds
-        g = "extraction-45-165"
-        if (("million_1", g) in least) {
-            line = ""
-            for (r = 1; r <= rounds; r++) line = line (r > 1 ? " / " : "") figure(each["million_1", g, r] / each["million_2", g, r])
-            printf "A million samples of %s: %s s with one thread, %s s with two; ratio by round %s.\n", g, figure(least["million_1", g]), figure(least["million_2", g]), line
-        }
-    }' "$results" >target/bench/table.md
-[ ${#skipped[@]} = 0 ] || printf 'Skipped: %s.\n' "${skipped[@]}" >>target/bench/table.md
+round=1 name=machine
+record cpu "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1 | tr ',' ' ')"
+record threads "$threads"
+record samples "$samples"
+record load "$(cut -d' ' -f1 /proc/loadavg)"
+for what in "${skipped[@]}"; do record skipped "${what//,/;}"; done
 
-cat target/bench/table.md
-splice bench target/bench/table.md README.md
+exec "$python" benches/page.py
