@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Result};
+use willis::report::staged::is_of_cohort;
 
 use super::run::Run;
 
@@ -40,7 +41,9 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
         return Ok(Inputs::One(input.clone()));
     }
     let mut known = HashSet::new();
-    let found = paths(given, "file", |path| path.is_file() || Run::stands_in(path))?;
+    // `cohort/*` means the subjects of a cohort.
+    let is_input = |path: &Path| path.is_file() && !is_of_cohort(path);
+    let found = paths(given, "file", |path| is_input(path) || Run::stands_in(path))?;
     Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
 }
 

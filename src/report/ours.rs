@@ -55,6 +55,11 @@ pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
     fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
 }
 
+/// Whether a path is called as what stands in the folder of a cohort beside its subjects.
+pub fn is_of_cohort(path: &Path) -> bool {
+    is_named(path, COHORT_FILES)
+}
+
 fn is_named(path: &Path, names: &[&str]) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names.contains(&name))
 }

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use super::disk::DiskFile;
 use super::making::{IN_THE_MAKING, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error};
 pub use super::making::{Making, told};
-pub use super::ours::{COHORT_MARK, FAILURE_MARK, SHARD_MARK};
+pub use super::ours::{COHORT_MARK, FAILURE_MARK, SHARD_MARK, is_of_cohort};
 use super::ours::{MARK, entries, stranger};
 use crate::error::{Error, Result};
 
