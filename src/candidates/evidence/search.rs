@@ -5,6 +5,9 @@ use super::frame::Frame;
 use super::meeting::{BEND, Hit, Meetings};
 use super::roads::Reached;
 use super::steady::{compare, steady};
+use crate::candidates::crowd::Looks;
+use crate::candidates::prior::in_order;
+use crate::error::Result;
 use crate::geometry::{Point, distance, dot, sub};
 
 /// Reach in spacings and in radii of the end: independent of any unit.
@@ -17,6 +20,9 @@ const DETOUR: f64 = 4.0;
 const DETOUR_WIDTHS: f64 = 6.0;
 /// A bridge within a fragment leaves ahead: least cos of its bend.
 const LOOP_COS: f64 = 0.3;
+
+/// Free ends that are searched by one thread with one room for path lengths.
+const TOGETHER: usize = 256;
 
 /// How far the search goes.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,17 +59,31 @@ pub struct Bridge {
 /// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,
 /// and to branches of its own fragment that are ahead and much further along the vessels. What is chosen depends on neither unit,
 /// rotation nor the numbers of points; only ties in distance, bend and radius go by number.
-pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
-    let mut reached = extraction.roads.room();
-    let mut bridges = Vec::new();
-    for (row, end) in extraction.ends.iter().enumerate() {
-        let around = Around::new(extraction, end);
-        for inside in [false, true] {
-            let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
-            bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+///
+/// # Errors
+///
+/// Points that are crowded: far more of them within reach of free ends than vessels have.
+pub fn search(extraction: &Extraction, params: &Search) -> Result<Vec<Bridge>> {
+    let looks = Looks::around(extraction.ends.len());
+    let parts: Vec<&[Frame]> = extraction.ends.chunks(TOGETHER).collect();
+    let found = in_order(&parts, |part, ends| {
+        let mut reached = extraction.roads.room();
+        let mut bridges = Vec::new();
+        for (row, end) in (part * TOGETHER..).zip(*ends) {
+            if !looks.add(0) {
+                break;
+            }
+            let around = Around::new(extraction, end);
+            for inside in [false, true] {
+                let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
+                bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+            }
+            looks.add(around.hits.len() + reached.count());
         }
-    }
-    bridges
+        bridges
+    });
+    looks.check()?;
+    Ok(found.concat())
 }
 
 /// What lies within reach of a free end.
