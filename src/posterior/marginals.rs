@@ -20,14 +20,15 @@ pub struct Marginals {
     pub log_total: f64,
 }
 
-/// Pairs of neighbours at the elimination of all fragments, at the most: some billions of multiplications.
-const MOST_PAIRS: usize = 2_000_000_000;
+/// Pairs of neighbours at the elimination of all fragments, at the most: a tangle of 1400 fragments, or billions of
+/// multiplications.
+const MOST_PAIRS: usize = 500_000_000;
 
 /// Refuses fragments in such a tangle that their posterior would take hours.
 ///
 /// # Errors
 ///
-/// Elimination brings together more than two billion pairs.
+/// Elimination brings together more than 500 million pairs.
 pub fn check_tangle(forests: &Forests) -> Result<()> {
     let links: Vec<[usize; 2]> = forests.bridges().iter().map(|b| [b.child, b.parent]).collect();
     if least_degree(forests.fragments(), &links, MOST_PAIRS).is_some() {
