@@ -92,7 +92,8 @@ impl Centerlines {
         for end in self.links.iter().flatten() {
             degree[*end as usize] += 1;
         }
-        let places = Places::of(&self.points, &self.strand);
+        let mut places = Places::of(&self.points, &self.strand);
+        places.unite_crowds(reach);
         // Beside the points, two elements for each place: one for the free ends there, which are always one point, and one for
         // its other points, once they are.
         let [ends, others] = [0, 1].map(|which| move |place: usize| n + 2 * place + which);
@@ -109,8 +110,7 @@ impl Centerlines {
                 same.union(a, b);
             }
         }
-        let within = (0..places.at.len()).filter(|place| places.strand[*place].is_none()).map(|place| (place, place));
-        for (a, b) in within.chain(pairs_within(&places.at, reach)) {
+        let mut meet = |a: usize, b: usize| {
             if places.strand[a].is_none() || places.strand[a] != places.strand[b] {
                 (is_one[a], is_one[b]) = (true, true);
                 for element in [others(a), ends(b), others(b)] {
@@ -119,7 +119,9 @@ impl Centerlines {
             } else if has_end[a] && has_end[b] {
                 same.union(ends(a), ends(b));
             }
-        }
+        };
+        (0..places.at.len()).filter(|place| places.strand[*place].is_none()).for_each(|place| meet(place, place));
+        pairs_within(&places.at, reach, &mut meet);
         for (point, place) in places.of.iter().enumerate().filter(|(_, place)| is_one[**place]) {
             same.union(point, others(*place));
         }
@@ -194,12 +196,44 @@ impl Places {
         }
         places
     }
+
+    /// Makes one place of places that crowd in a cube of half the reach, of which each is within reach of all others: without
+    /// that, a coordinate far off, and with it a wide reach, would make a pair of every two points.
+    fn unite_crowds(&mut self, reach: f64) {
+        const CROWD: usize = 16;
+        if self.at.len() <= CROWD || reach <= 0.0 {
+            return;
+        }
+        let cell = |p: &Point| p.map(|x| (x / (0.5 * reach)).floor() as i64);
+        let mut in_cell: HashMap<[i64; 3], usize> = HashMap::with_capacity(self.at.len());
+        self.at.iter().for_each(|p| *in_cell.entry(cell(p)).or_default() += 1);
+        in_cell.retain(|_, places| *places > CROWD);
+        if in_cell.is_empty() {
+            return;
+        }
+        let mut first_in: HashMap<[i64; 3], usize> = HashMap::new();
+        let (mut at, mut strand) = (Vec::new(), Vec::new());
+        let number: Vec<usize> = (0..self.at.len())
+            .map(|place| {
+                let p = self.at[place];
+                let crowd = in_cell.contains_key(&cell(&p));
+                let new = if crowd { *first_in.entry(cell(&p)).or_insert(at.len()) } else { at.len() };
+                if new == at.len() {
+                    at.push(p);
+                    strand.push(if crowd { None } else { self.strand[place] });
+                }
+                new
+            })
+            .collect();
+        self.of.iter_mut().for_each(|place| *place = number[*place]);
+        (self.at, self.strand) = (at, strand);
+    }
 }
 
-/// All pairs (a < b) of points no further apart than `reach`, by b, then a.
+/// Gives all pairs (a < b) of points no further apart than `reach` to `meet`.
 ///
 /// A grid of cells several times as wide: few points lie so near to a side that the next cell counts too.
-fn pairs_within(points: &[Point], reach: f64) -> Vec<(usize, usize)> {
+fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
     const WIDTH: f64 = 8.0;
     const NONE: u32 = u32::MAX;
     // A little more than the reach, for coordinates that are rounded.
@@ -207,8 +241,6 @@ fn pairs_within(points: &[Point], reach: f64) -> Vec<(usize, usize)> {
     let cell = |x: f64| if reach > 0.0 { (x / (WIDTH * reach)).floor() as i64 } else { (x + 0.0).to_bits() as i64 };
     let mut last_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(points.len());
     let mut before = vec![NONE; points.len()];
-    let mut pairs = Vec::new();
-    let mut near = Vec::new();
     for (b, p) in points.iter().enumerate() {
         let (low, high) = (p.map(|x| cell(x - margin)), p.map(|x| cell(x + margin)));
         for corner in 0..8 {
@@ -220,16 +252,13 @@ fn pairs_within(points: &[Point], reach: f64) -> Vec<(usize, usize)> {
                 last_in.get(&[0, 1, 2].map(|axis| if side(axis) { high[axis] } else { low[axis] })).copied().unwrap_or(NONE);
             while at != NONE {
                 if distance(points[at as usize], *p) <= reach {
-                    near.push(at as usize);
+                    meet(at as usize, b);
                 }
                 at = before[at as usize];
             }
         }
-        near.sort_unstable();
-        pairs.extend(near.drain(..).map(|a| (a, b)));
         before[b] = last_in.insert(p.map(cell), b as u32).unwrap_or(NONE);
     }
-    pairs
 }
 
 #[cfg(test)]
@@ -277,7 +306,13 @@ mod tests {
             expected.extend((0..b).filter(|a| distance(points[*a], points[b]) <= 1.3).map(|a| (a, b)));
         }
         assert!(expected.len() > 50);
-        assert_eq!(pairs_within(&points, 1.3), expected);
+        let pairs = |points: &[Point]| {
+            let mut pairs = Vec::new();
+            pairs_within(points, 1.3, &mut |a, b| pairs.push((a, b)));
+            pairs.sort_by_key(|(a, b)| (*b, *a));
+            pairs
+        };
+        assert_eq!(pairs(&points), expected);
         // The same far away, where coordinates are whole 1/64ths: a margin of the grid's cells.
         let far: Vec<Point> = points.iter().map(|p| p.map(|x| (x * 64.0).round() / 64.0 - 1e14)).collect();
         let mut expected = Vec::new();
@@ -285,6 +320,6 @@ mod tests {
             expected.extend((0..b).filter(|a| distance(far[*a], far[b]) <= 1.3).map(|a| (a, b)));
         }
         assert!(expected.len() > 50);
-        assert_eq!(pairs_within(&far, 1.3), expected);
+        assert_eq!(pairs(&far), expected);
     }
 }

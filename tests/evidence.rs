@@ -212,7 +212,7 @@ fn a_loop_has_no_direction() {
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let inlet = network.nodes().position(|n| n.position.is_some_and(|p| p[0] > 11.9)).expect("the tail's end");
     let extraction = Extraction::new(&network, &[inlet]).expect("positions");
-    let bridges: Vec<Bridge> = search(&extraction, &Search::default()).into_iter().filter(|b| !b.inside).collect();
+    let bridges: Vec<Bridge> = search(&extraction, &Search::default()).unwrap().into_iter().filter(|b| !b.inside).collect();
     let forests = weighed(&extraction, &bridges);
     let got = Feedback::new(&extraction, &bridges).features(&forests, &marginals(&forests));
     let (mut on_ring, mut on_tail) = (0, 0);
@@ -249,7 +249,7 @@ fn a_gap_in_a_ring_has_a_detour() {
 fn what_has_no_points_is_no_error() {
     let of = |network: &Network| {
         let extraction = Extraction::new(network, &[]).expect("positions");
-        let bridges = search(&extraction, &Search::default());
+        let bridges = search(&extraction, &Search::default()).unwrap();
         assert!(features(&extraction, &bridges).iter().chain(&root_features(&extraction)).all(|x| x.is_finite()));
         bridges.len()
     };
@@ -302,7 +302,7 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
     let network = contract(&centerlines(points, names), RadiusRule::Mean, None).expect("vessels").network;
     let inlets: Vec<usize> = network.nodes().position(|n| n.id == "0").into_iter().filter(|_| inlet).collect();
     let extraction = Extraction::new(&network, &inlets).expect("positions");
-    let bridges = search(&extraction, &Search::default());
+    let bridges = search(&extraction, &Search::default()).unwrap();
     let name = |point: usize| match extraction.place[point] {
         willis::candidates::Place::Node(node) => network.node(node).id.parse().expect("a number"),
         willis::candidates::Place::Along { vessel, point } => network.vessel(vessel).path[point].id.expect("a number") as u32,

@@ -101,7 +101,7 @@ fn bridges_and_features_are_those_of_the_reference() {
         let network = contract(&centerlines(&at("swc"), &at("loops.csv")), RadiusRule::Mean, None).expect("vessels").network;
         let inlets: Vec<usize> = numbers(&at("inlets.csv")).iter().map(|r| row_of(&network, r[0])).collect();
         let extraction = Extraction::new(&network, &inlets).expect("positions");
-        let bridges = search(&extraction, &Search::default());
+        let bridges = search(&extraction, &Search::default()).unwrap();
         let own = features(&extraction, &bridges);
         let from_others = feedback(&extraction, &bridges, &own);
         // By coordinates: the numbers of the points differ.

@@ -3,6 +3,7 @@
 // Equal means equal to the last bit here.
 #![allow(clippy::float_cmp)]
 
+mod command;
 mod peers;
 
 use std::fmt::Write as _;
@@ -10,10 +11,11 @@ use std::io::Write as _;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use command::{folder, stderr, willis};
 use peers::{document, network_of, read_first};
 use willis::centerline::Centerlines;
 use willis::formats::{Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv_graph};
-use willis::network::Network;
+use willis::network::{Network, Origin};
 use willis::units::Scale;
 
 fn refused(name: &str, content: &[u8]) -> String {
@@ -160,4 +162,142 @@ fn a_numpy_header_of_brackets_is_refused_at_once() {
     let file = [&b"\x93NUMPY\x01\x00\x76\x00"[..], header.as_bytes(), b"\n"].concat();
     let fault = read_prior_npy(&file, &mut Network::new()).unwrap_err();
     assert_eq!(fault.found, "not a NumPy array");
+}
+
+/// A run on a file of its own: refused with status 2 in one line that ends so, and nothing is written.
+fn run_refused(name: &str, content: &[u8], arguments: &[&str], ending: &str) {
+    let here = folder();
+    std::fs::write(here.path().join(name), content).unwrap();
+    let output = willis(here.path(), &[&["infer", name, "-o", "out", "-q"], arguments].concat());
+    let said = stderr(&output);
+    assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+    assert!(said.trim_end().ends_with(ending), "{said}");
+    assert_eq!(std::fs::read_dir(here.path()).unwrap().count(), 1, "something is left behind");
+}
+
+#[test]
+fn a_gibibyte_of_zeros_is_refused_before_it_is_unpacked() {
+    let bomb = zeros((1 << 30) / 24 / 1024 * 1024);
+    assert!(bomb.len() < 2 << 20, "{} bytes", bomb.len());
+    let ending = "MiB unpacked; expected centerlines, which do not compress to a hundredth";
+    run_refused("a.vtp", &bomb, &[], ending);
+}
+
+#[test]
+fn points_in_one_place_are_answered_or_refused_at_once() {
+    // A chain of points in one place is no vessel.
+    let mut chain = String::new();
+    (1..=100_000).for_each(|id| writeln!(chain, "{id} 1 1 2 3 1 {}", if id == 1 { -1 } else { id - 1 }).unwrap());
+    run_refused("a.swc", chain.as_bytes(), &[], "no vessel; expected centerlines with at least two linked points, or edges");
+    // Fragments that all lie in one another are one vessel; those that all leave from one place, or nearly, meet there.
+    let (mut same, mut star, mut near) = (String::new(), String::new(), String::new());
+    for n in 0..50_000_u32 {
+        let (a, b, turn) = (2 * n + 1, 2 * n + 2, f64::from(n) * 1e-4);
+        writeln!(same, "{a} 1 0 0 0 1 -1\n{b} 1 9 0 0 1 {a}").unwrap();
+        writeln!(star, "{a} 1 0 0 0 1 -1\n{b} 1 {} {} 0 1 {a}", 9.0 * turn.cos(), 9.0 * turn.sin()).unwrap();
+        let off = f64::from(n % 211) * 1e-8;
+        writeln!(
+            near,
+            "{a} 1 {off} {} {} 1 -1\n{b} 1 {} {} 0 1 {a}",
+            f64::from(n) * 1e-10,
+            off / 2.0,
+            9.0 * turn.cos(),
+            9.0 * turn.sin()
+        )
+        .unwrap();
+    }
+    let hub = "node 1 where 50000 vessels meet: candidates need junctions of at most 1000";
+    run_refused("a.swc", star.as_bytes(), &[], hub);
+    run_refused("a.swc", near.as_bytes(), &[], hub);
+    let network = network_of(document("a.swc", same.as_bytes()).unwrap());
+    assert_eq!((network.node_count(), network.vessel_count()), (2, 1));
+}
+
+#[test]
+fn one_coordinate_far_off_welds_what_its_tolerance_covers() {
+    // The box is 1e9 mm wide, so that all other points lie within a millionth of it.
+    let mut lines = Centerlines::default();
+    for n in 0..100_000_u32 {
+        let at = [f64::from(n % 317), f64::from(n % 211), f64::from(n)].map(|x| x * 1e-4);
+        lines.add_point(at, 1e-3, u64::from(n), n);
+    }
+    lines.add_point([1e9, 0.0, 0.0], 1e-3, 100_000, 100_000);
+    assert_eq!(lines.weld(1e-6), 99_999);
+    // Two crowds in each other's reach are one, two beyond it are two.
+    for (apart, left) in [(0.9, 1), (1.1, 2)] {
+        let mut lines = Centerlines::default();
+        for n in 0..64_u32 {
+            let middle = f64::from(n % 2) * apart;
+            lines.add_point([middle + f64::from(n) * 1e-9, 0.0, 0.0], 1e-3, u64::from(n), n);
+        }
+        let reach = 1.0 / lines.points.iter().map(|p| p[0]).fold(0.0, f64::max);
+        assert_eq!(lines.weld(reach), 64 - left, "{apart}");
+    }
+}
+
+#[test]
+fn a_comb_of_twigs_is_answered() {
+    let mut comb = String::new();
+    (0..20_000).for_each(|n| writeln!(comb, "{} 1 {n} 0 0 1 {}", n + 1, if n == 0 { -1 } else { n }).unwrap());
+    (0..20_000).for_each(|n| writeln!(comb, "{} 1 {n} 3 0 0.3 {}", 20_001 + n, n + 1).unwrap());
+    let here = folder();
+    std::fs::write(here.path().join("comb.swc"), comb).unwrap();
+    let output = willis(here.path(), &["candidates", "comb.swc", "-o", "comb.graphml"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let graph = network_of(
+        peers::read_first(&[("c.graphml", &std::fs::read(here.path().join("comb.graphml")).unwrap())], &ReadOptions::default())
+            .unwrap(),
+    );
+    // The spine's first and last points and twigs are a vessel each of two links.
+    assert!(graph.vessels().filter(|(_, v)| v.origin == Origin::Observed).count() >= 39_997);
+}
+
+#[test]
+fn radii_beyond_arithmetic_are_refused_by_the_vessel() {
+    let none = "no valid radius on any of its 2 points; expected a positive radius, or give --default-radius";
+    for (radius, why) in [("1e-310", "expected a resilience that a double can hold"), ("5e-324", none)] {
+        let text = format!("1 1 0 0 0 {radius} -1\n2 1 1 0 0 {radius} 1\n3 1 2 0 0 {radius} 2\n4 1 2 1 0 {radius} 2\n");
+        let here = folder();
+        std::fs::write(here.path().join("a.swc"), &text).unwrap();
+        let output = willis(here.path(), &["infer", "a.swc", "-o", "out", "-q"]);
+        let said = stderr(&output);
+        assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(said.trim_end().ends_with(why) && said.len() < 200, "{said}");
+    }
+}
+
+/// Found by reading: a table of no columns and 2^60 rows holds no values, and room was made for its rows.
+#[test]
+fn counts_without_values_take_no_room() {
+    let array = |descr: &str, shape: &str| {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
+        [&b"\x93NUMPY\x01\x00\x76\x00"[..], format!("{header:<117}\n").as_bytes()].concat()
+    };
+    let skeleton = |coords: Vec<u8>, labels: Option<Vec<u8>>| {
+        let mut file = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let members = [("coords", coords), ("edges", array("<i8", "(0, 2)")), ("radii", array("<f8", "(0,)"))];
+        for (name, bytes) in members.into_iter().chain(labels.map(|labels| ("labels", labels))) {
+            file.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
+            file.write_all(&bytes).unwrap();
+        }
+        file.finish().unwrap().into_inner()
+    };
+    let found = refused("a.npz", &skeleton(array("<f8", "(1152921504606846976, 0)"), None));
+    assert!(found.contains("array coords: shape (1152921504606846976, 0); expected a row of 3 for each"), "{found}");
+    let found = refused("a.npz", &skeleton(array("<f8", "(0, 3)"), Some(array("<U0", "(100000000,)"))));
+    assert!(found.contains("unpacked"), "{found}");
+}
+
+#[test]
+fn files_beside_the_input_are_bounded_and_text() {
+    let here = folder();
+    std::fs::write(here.path().join("a.swc"), "1 1 0 0 0 1 -1\n2 1 9 0 0 1 1\n").unwrap();
+    std::fs::write(here.path().join("bc.csv"), b"node,kind\n\xff\xfe,inlet\n").unwrap();
+    let output = willis(here.path(), &["infer", "a.swc", "--bc", "bc.csv", "-o", "out", "-q"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stderr(&output), "willis: bc.csv: the text is not UTF-8; expected a CSV or TOML file of conditions\n");
+    // A file of three gibibytes that takes no place on the disk.
+    std::fs::File::create(here.path().join("bc.csv")).unwrap().set_len(3 << 30).unwrap();
+    let output = willis(here.path(), &["infer", "a.swc", "--bc", "bc.csv", "-o", "out", "-q"]);
+    assert_eq!(stderr(&output), "willis: bc.csv: 3.0 GiB; expected at most 2.0 GiB\n");
 }

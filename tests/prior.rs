@@ -41,7 +41,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
 fn two_fragments_in_a_line_as_by_hand() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default());
+    let bridges = search(&extraction, &Search::default()).unwrap();
     let belief = believe(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
     let weight = |row: usize| {
         let ends = [extraction.ends[belief.bridges[row].end].point, belief.bridges[row].point].map(|p| extraction.position[p][0]);
@@ -69,7 +69,7 @@ fn two_fragments_in_a_line_as_by_hand() {
 fn log_weights_are_cut() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default());
+    let bridges = search(&extraction, &Search::default()).unwrap();
     let belief = believe(&extraction, &bridges, &weights(&[("is_end", 70.0)], &[("one", -70.0)])).expect("weights");
     assert!(belief.forests.log_roots().iter().all(|w| *w == -25.0));
     assert!(belief.forests.bridges().iter().all(|b| [0.0, 25.0].contains(&b.log_weight)));
@@ -160,7 +160,7 @@ fn a_wrong_name_or_number_is_named() {
 fn weights_of_other_features_are_no_panic() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default());
+    let bridges = search(&extraction, &Search::default()).unwrap();
     let mut short = weights(&[], &[]);
     short.passes[0].bridge.pop();
     let said = believe(&extraction, &bridges, &short).expect_err("too few").to_string();

@@ -50,7 +50,7 @@ fn main() -> Result<()> {
         inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?)).map(|found| found.node).collect();
     let began = Instant::now();
     let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
-    let bridges = search(&extraction, &params);
+    let bridges = search(&extraction, &params).map_err(Error::other)?;
     let columns = features(&extraction, &bridges);
     let took = began.elapsed();
     let mut out = csv::Writer::from_path(edges)?;

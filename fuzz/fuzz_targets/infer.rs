@@ -1,8 +1,12 @@
-//! The whole way from a file to an answer, on tiny graphs: GraphML, or SWC that becomes a candidate graph first.
+//! The whole way from a file to an answer, on tiny graphs: GraphML, or SWC that becomes a candidate graph first, by nearest
+//! neighbours or by evidence.
 #![no_main]
 
+use std::sync::LazyLock;
+
 use libfuzzer_sys::fuzz_target;
-use willis::candidates::{self, build};
+use willis::candidates::prior::Weights;
+use willis::candidates::{self, build, build_probable};
 use willis::formats::{read_graphml, read_swc};
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Keep, Params, decide, infer};
@@ -10,6 +14,8 @@ use willis::network::{Network, RadiusRule, contract};
 use willis::units::Scale;
 
 const MOST: usize = 64;
+
+static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| Weights::shipped().expect("the shipped weights are read"));
 
 fn graph(bytes: &[u8]) -> Option<Network> {
     if bytes.starts_with(b"<") {
@@ -21,7 +27,13 @@ fn graph(bytes: &[u8]) -> Option<Network> {
     if network.vessel_count() > MOST {
         return None;
     }
-    build(&network, &candidates::Params::default()).ok()
+    let params = candidates::Params::default();
+    if bytes.len() % 2 == 0 {
+        return build(&network, &params).ok();
+    }
+    let graph = build_probable(&network, &[], &params, &WEIGHTS).ok()?;
+    assert!(graph.vessels().all(|(_, vessel)| (0.0..=1.0).contains(&vessel.prior)));
+    Some(graph)
 }
 
 fuzz_target!(|bytes: &[u8]| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::ends::{FreeEnd, point_spacing};
 use super::knn::PointIndex;
-use super::{Attach, Params, Place, Site};
+use super::{Attach, Looks, Params, Place, Site};
 use crate::geometry::{Point, distance, dot, norm_squared, sub};
 use crate::network::{Network, Origin};
 
@@ -67,14 +67,16 @@ impl<'a> Surroundings<'a> {
     ///
     /// The search widens until k targets are nearer than anything beyond it, so that its cost goes with k and not with
     /// the reach. The nearest site of a branch settles where the branch comes, and every target is the nearest of its branches.
-    pub fn targets(&self, end: &FreeEnd, params: &Params) -> Vec<Target> {
+    ///
+    /// None when `looks` says that there were too many.
+    pub fn targets(&self, end: &FreeEnd, params: &Params, looks: &Looks) -> Vec<Target> {
         let reach = REACH_SPACINGS * self.spacing + REACH_DIAMETERS * 2.0 * end.radius;
         let reach = params.max_gap.map_or(reach, |most| reach.min(most));
         let mut radius = reach.min(FIRST_SPACINGS * self.spacing).max(FIRST_SHARE * reach);
-        let mut order = self.found(end, radius, reach, params.attach);
+        let mut order = self.found(end, radius, reach, params.attach, looks);
         while order.len() < params.k && radius < reach {
             radius = reach.min(WIDENING * radius);
-            order = self.found(end, radius, reach, params.attach);
+            order = self.found(end, radius, reach, params.attach, looks);
         }
         order.truncate(params.k);
         let from = Site { place: Place::Node(end.node), position: end.position, radius: end.radius };
@@ -82,13 +84,17 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The targets no further than `radius`, by distance and site.
-    fn found(&self, end: &FreeEnd, radius: f64, reach: f64, attach: Attach) -> Vec<(f64, usize)> {
+    fn found(&self, end: &FreeEnd, radius: f64, reach: f64, attach: Attach, looks: &Looks) -> Vec<(f64, usize)> {
         let own = self.network.ends(end.vessel);
         let is_own = |place: Place| match place {
             Place::Node(node) => own.contains(&node),
             Place::Along { vessel, .. } => vessel == end.vessel,
         };
+        if !looks.add(0) {
+            return Vec::new();
+        }
         let mut hits = self.index.within(end.position, radius);
+        looks.add(hits.len());
         hits.retain(|(_, site)| !is_own(self.sites[*site].place));
         let mut found: BTreeMap<usize, f64> = BTreeMap::new();
         for (distance, site) in &hits {

@@ -29,6 +29,17 @@ impl PointIndex {
 
     /// The points no further than `reach` from `p`, as (distance, number), nearest first, ties to the lower number.
     pub fn within(&self, p: Point, reach: f64) -> Vec<(f64, usize)> {
+        let mut hits: Vec<(f64, usize)> = self.squared(p, reach).collect();
+        hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        hits.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect()
+    }
+
+    /// The points no further than `reach` from `p`, as (distance, number), in no order that means anything.
+    pub fn around(&self, p: Point, reach: f64) -> Vec<(f64, usize)> {
+        self.squared(p, reach).map(|(d2, i)| (d2.sqrt(), i)).collect()
+    }
+
+    fn squared(&self, p: Point, reach: f64) -> impl Iterator<Item = (f64, usize)> {
         let limit = reach * reach;
         // The tree may round its distances another way: ask for a little more, then measure again.
         let wide = limit * (1.0 + 1e-9);
@@ -43,10 +54,8 @@ impl PointIndex {
                 .collect(),
             None => (0..self.points.len()).collect(),
         };
-        let measured = numbers.into_iter().map(|i| (norm_squared(sub(self.points[i], p)), i));
-        let mut hits: Vec<(f64, usize)> = measured.filter(|(d2, _)| *d2 <= limit).collect();
-        hits.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        hits.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect()
+        let measured = numbers.into_iter().map(move |i| (norm_squared(sub(self.points[i], p)), i));
+        measured.filter(move |(d2, _)| *d2 <= limit)
     }
 
     /// The `count` points nearest to `p`, as (distance, number), nearest first, ties to the lower number.

@@ -1,6 +1,7 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
 mod attach;
+mod crowd;
 mod ends;
 pub mod evidence;
 mod knn;
@@ -18,6 +19,7 @@ use crate::geometry::{Point, distance};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::as_stored;
 use attach::{Surroundings, Target};
+use crowd::{Looks, check_junctions};
 use ends::free_ends;
 pub use nearest::join_nearest;
 pub use probable::build_probable;
@@ -122,7 +124,7 @@ struct Site {
 ///
 /// # Errors
 ///
-/// A parameter out of its range, or a node without position.
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
 pub fn build(network: &Network, params: &Params) -> Result<Network> {
     params.validate()?;
     if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
@@ -132,9 +134,12 @@ pub fn build(network: &Network, params: &Params) -> Result<Network> {
             "candidates need the position of every node",
         ));
     }
+    check_junctions(network)?;
     let around = Surroundings::new(network);
     let ends = free_ends(network, around.spacing);
-    let targets = prior::in_order(&ends, |_, end| around.targets(end, params));
+    let looks = Looks::around(ends.len());
+    let targets = prior::in_order(&ends, |_, end| around.targets(end, params, &looks));
+    looks.check()?;
     let found = targets.into_iter().flatten().map(|target| (target, None)).collect();
     Ok(with_candidates(network, found, params).0)
 }

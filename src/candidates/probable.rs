@@ -20,11 +20,11 @@ const LEAST_CLOSURE: f64 = 1e-2;
 ///
 /// # Errors
 ///
-/// A parameter out of its range, or a node without position.
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
 pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weights: &Weights) -> Result<Network> {
     params.validate()?;
     let extraction = Extraction::new(network, inlets)?;
-    let mut bridges = search(&extraction, &Search { branches: params.k, ..Search::default() });
+    let mut bridges = search(&extraction, &Search { branches: params.k, ..Search::default() })?;
     bridges.retain(|b| {
         let gap = distance(extraction.position[extraction.ends[b.end].point], extraction.position[b.point]);
         let may_end = params.attach == Attach::Centerline || extraction.end_at[b.point].is_some();

@@ -103,7 +103,7 @@ impl<'a> Keeper<'a> {
     fn tell_of_others(&self) {
         let entries = fs::read_dir(self.folder.kept_in()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
-            let about: Option<About> = fs::read(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            let about: Option<About> = bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
                 let place = self.folder.kept_in().display();
                 let whose = if about.command == self.command { " on another graph or by another version" } else { "" };

@@ -1,5 +1,6 @@
 //! `--prior`: how probable each candidate is before any flow, and the graph that follows from it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -134,7 +135,8 @@ impl Prior {
         let mut graph = match self {
             _ if !loaded.fragments => network,
             Self::Evidence { weights, .. } => {
-                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !boundary.is_found(*node);
+                let found: BTreeSet<usize> = boundary.found_inlets.iter().copied().collect();
+                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !found.contains(node);
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
                 build_probable(&network, &inlets, params, weights)?
             }

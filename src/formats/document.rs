@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::csv_graph::{edges_of, nodes_of};
 use super::graphml::stream_graphml;
-use super::limit::{Counted, MAX_INPUT, Room, bytes_within};
+use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
 use super::npz::unpack_skeleton_npz;
 use super::sniff::{Format, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
@@ -158,7 +158,7 @@ fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Cont
 ///
 /// It cannot be read, or has more than [`MAX_INPUT`]: names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    bytes_within(path, MAX_INPUT)
+    bytes_up_to(path, MAX_INPUT, "")
 }
 
 /// The bytes after a byte order mark.

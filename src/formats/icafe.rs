@@ -3,6 +3,7 @@
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
+use super::limit::bytes_within;
 use super::rows::Rows;
 use crate::centerline::{Centerlines, Labels};
 use crate::error::Fault;
@@ -13,6 +14,8 @@ use crate::units::Scale;
 const TABLE: &str = "Feature_Vessel.csv";
 /// What iCafe says of the image.
 const IMAGE: &str = "Image_info.txt";
+/// Bytes of it at the most.
+const MOST_IMAGE: u64 = 1 << 20;
 /// The arteries by `VesselType`; the first is none.
 const ARTERIES: [&str; 23] = [
     "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
@@ -67,7 +70,7 @@ pub(super) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
 
 /// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
 pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
-    let text = std::fs::read(tracing.with_file_name(IMAGE)).ok()?;
+    let text = bytes_within(&tracing.with_file_name(IMAGE), MOST_IMAGE).ok()?;
     let text = String::from_utf8_lossy(&text);
     let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
     numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)

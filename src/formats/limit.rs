@@ -50,8 +50,8 @@ fn size(bytes: u64) -> String {
     }
 }
 
-fn too_large(found: &str, most: u64) -> Fault {
-    Fault::file(found, format!("expected at most {}; {OPTION}", size(most)))
+fn too_large(found: &str, most: u64, more: &str) -> Fault {
+    Fault::file(found, format!("expected at most {}{more}", size(most)))
 }
 
 /// A file that counts and hashes what is read of it, up to a limit.
@@ -68,7 +68,7 @@ impl Counted {
         let file = File::open(path).map_err(unread)?;
         let length = file.metadata().map_err(unread)?.len();
         if length > most {
-            return Err(too_large(&size(length), most).in_file(path));
+            return Err(too_large(&size(length), most, &format!("; {OPTION}")).in_file(path));
         }
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
     }
@@ -98,16 +98,25 @@ impl Read for Counted {
 ///
 /// It cannot be read, or has more.
 pub(super) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
+    bytes_up_to(path, most, &format!("; {OPTION}"))
+}
+
+/// All bytes of a file that has at most `most`; an error says how to allow `more`.
+///
+/// # Errors
+///
+/// It cannot be read, or has more.
+pub(super) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
     let unread = |source| Error::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(unread)?;
     let length = file.metadata().map_err(unread)?.len();
     if length > most {
-        return Err(too_large(&size(length), most).in_file(path));
+        return Err(too_large(&size(length), most, more).in_file(path));
     }
     let mut bytes = Vec::with_capacity(length as usize);
     file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
     if bytes.len() as u64 > most {
-        return Err(too_large(&format!("more than {}", size(most)), most).in_file(path));
+        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
     }
     Ok(bytes)
 }

@@ -59,6 +59,9 @@ pub(super) fn unpack_vtrails(
     let mut lines = Centerlines::default();
     let mut void = 0;
     if matches!(paths.dtype(), Datatype::Reference { .. }) {
+        let count = paths.shape().iter().try_fold(8_u64, |all, n| all.checked_mul(*n)).unwrap_or(u64::MAX);
+        let too_many = |(found, accepted): (String, &str)| Fault::item(STRUCT, found, accepted);
+        room.take(usize::try_from(count).unwrap_or(usize::MAX)).map_err(too_many)?;
         let references = paths.read_raw_bytes().and_then(|raw| read_object_references(&raw, 8)).map_err(broken)?;
         let all = file.group("#refs#").and_then(|group| group.datasets()).map_err(broken)?;
         let at: HashMap<u64, &Dataset> = all.iter().map(|array| (array.address(), array)).collect();

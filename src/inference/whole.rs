@@ -60,7 +60,7 @@ impl Whole {
                         }
                     };
                     if !factor.is_normal() {
-                        let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);
+                        let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
                         return Err(Error::parameter(
                             network.vessel_name(row),
                             size,

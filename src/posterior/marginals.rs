@@ -7,6 +7,7 @@ use super::scaled::Scaled;
 use super::walk::Walk;
 use super::{Bridge, Forests};
 use crate::elimination::least_degree;
+use crate::error::{Error, Result};
 
 /// Marginal probabilities of the posterior; those of a fragment's bridges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,24 @@ pub struct Marginals {
     pub roots: Vec<f64>,
     /// ln Z: the log of the sum of the weights of all explanations.
     pub log_total: f64,
+}
+
+/// Pairs of neighbours at the elimination of all fragments, at the most: a tangle of 1400 fragments, or billions of
+/// multiplications.
+const MOST_PAIRS: usize = 500_000_000;
+
+/// Refuses fragments in such a tangle that their posterior would take hours.
+///
+/// # Errors
+///
+/// Elimination brings together more than 500 million pairs.
+pub fn check_tangle(forests: &Forests) -> Result<()> {
+    let links: Vec<[usize; 2]> = forests.bridges().iter().map(|b| [b.child, b.parent]).collect();
+    if least_degree(forests.fragments(), &links, MOST_PAIRS).is_some() {
+        return Ok(());
+    }
+    let found = format!("{} in one tangle, each within reach of thousands", forests.fragments());
+    Err(Error::parameter("fragments", found, "evidence needs fragments that are further from one another than they are wide"))
 }
 
 /// The marginals, each accurate to about n units in its last place whatever its size.

@@ -25,7 +25,7 @@ mod wilson;
 
 pub use arborescence::arborescence;
 pub use log_likelihood::{Gradient, log_likelihood};
-pub use marginals::{Marginals, marginals};
+pub use marginals::{Marginals, check_tangle, marginals};
 pub use rooted::rooted_in;
 pub use wilson::Wilson;
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::making::is_in_the_making;
+use crate::formats::bytes_of;
 
 /// The record by which a folder of this program is known.
 pub const MARK: &str = "run.json";
@@ -67,7 +68,7 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
 /// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
 pub fn stranger(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let record = |mark| fs::read(folder.join(mark)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
+    let record = |mark| bytes_of(&folder.join(mark)).ok().and_then(|b| serde_json::from_slice::<serde_json::Value>(&b).ok());
     let is_ours = |mark| record(mark).is_some_and(|r| r.get("willis").is_some());
     if folder.join(MARK).exists() {
         return if is_ours(MARK) { paths.into_iter().find(|p| !is_named(p, FILES)) } else { Some(folder.join(MARK)) };

@@ -1,5 +1,7 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -102,9 +104,10 @@ pub fn candidate_parameters(built: Built<'_>) -> Value {
 
 /// The boundary conditions that were used, by node.
 pub(super) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
+    let found: HashSet<usize> = boundary.found_inlets.iter().chain(&boundary.found_outlets).copied().collect();
     let each = boundary.conditions.iter().map(|(node, condition)| {
         let mut value =
-            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": boundary.is_found(*node) });
+            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found.contains(node) });
         match condition {
             Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
             Condition::Resistance { resistance, venous } => {

@@ -9,6 +9,7 @@ use super::smooth::{SmoothPoints, smooth};
 use super::steady::steady;
 use super::tangent::{Course, courses};
 use crate::candidates::Place;
+use crate::candidates::crowd::check_junctions;
 use crate::candidates::knn::PointIndex;
 use crate::centerline::is_radius;
 use crate::error::{Error, Result};
@@ -75,6 +76,7 @@ impl Extraction {
                 Error::parameter(format!("node {}", node.id), "without coordinates", what)
             })?);
         }
+        check_junctions(network)?;
         let observed: Vec<([usize; 2], &Vessel)> = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).collect();
         let parts = fragments(network, |_, v| v.origin == Origin::Observed);
         let mut degree = network.degrees(|v| v.origin == Origin::Observed);

@@ -4,6 +4,7 @@
 //! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a [`Span`] (a bridge with
 //! its surroundings) and a row of [`FEATURES`]: that is all it takes to add or drop one.
 
+mod around;
 pub mod direction;
 mod extraction;
 mod feedback;

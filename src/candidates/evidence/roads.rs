@@ -47,6 +47,13 @@ pub struct Reached {
     open: BinaryHeap<Open>,
 }
 
+impl Reached {
+    /// How many nodes were reached.
+    pub fn count(&self) -> usize {
+        self.touched.len()
+    }
+}
+
 impl Roads {
     /// The roads of branches whose inner points are numbered after the nodes, branch by branch.
     pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[Point]) -> Self {

@@ -1,15 +1,16 @@
 //! The bridges that may be: from every free end to the branches and free ends around it.
 
+use super::around::Around;
 use super::extraction::Extraction;
 use super::frame::Frame;
-use super::meeting::{BEND, Hit, Meetings};
+use super::meeting::{Hit, Meetings};
 use super::roads::Reached;
-use super::steady::{compare, steady};
-use crate::geometry::{Point, distance, dot, sub};
+use super::steady::steady;
+use crate::candidates::crowd::Looks;
+use crate::candidates::prior::in_order;
+use crate::error::Result;
+use crate::geometry::distance;
 
-/// Reach in spacings and in radii of the end: independent of any unit.
-const REACH_SPACINGS: f64 = 20.0;
-const REACH_RADII: f64 = 10.0;
 /// Meeting points on one fragment are so many spacings apart, or a radius there where that is more.
 const APART_SPACINGS: f64 = 2.0;
 /// A bridge within a fragment saves at least so much: path over gap, and path over width of the end.
@@ -17,6 +18,9 @@ const DETOUR: f64 = 4.0;
 const DETOUR_WIDTHS: f64 = 6.0;
 /// A bridge within a fragment leaves ahead: least cos of its bend.
 const LOOP_COS: f64 = 0.3;
+
+/// Free ends that are searched by one thread with one room for path lengths.
+const TOGETHER: usize = 256;
 
 /// How far the search goes.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,74 +57,64 @@ pub struct Bridge {
 /// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,
 /// and to branches of its own fragment that are ahead and much further along the vessels. What is chosen depends on neither unit,
 /// rotation nor the numbers of points; only ties in distance, bend and radius go by number.
-pub fn search(extraction: &Extraction, params: &Search) -> Vec<Bridge> {
-    let mut reached = extraction.roads.room();
-    let mut bridges = Vec::new();
-    for (row, end) in extraction.ends.iter().enumerate() {
-        let around = Around::new(extraction, end);
-        for inside in [false, true] {
-            let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
-            bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+///
+/// # Errors
+///
+/// Points that are crowded: far more of them within reach of free ends than vessels have.
+pub fn search(extraction: &Extraction, params: &Search) -> Result<Vec<Bridge>> {
+    let looks = Looks::around(extraction.ends.len());
+    let parts: Vec<&[Frame]> = extraction.ends.chunks(TOGETHER).collect();
+    let found = in_order(&parts, |part, ends| {
+        let mut reached = extraction.roads.room();
+        let mut bridges = Vec::new();
+        for (row, end) in (part * TOGETHER..).zip(*ends) {
+            if !looks.add(0) {
+                break;
+            }
+            let around = Around::new(extraction, end);
+            for inside in [false, true] {
+                let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
+                bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+            }
+            looks.add(around.count() + reached.count());
         }
-    }
-    bridges
+        bridges
+    });
+    looks.check()?;
+    Ok(found.concat())
 }
 
-/// What lies within reach of a free end.
-struct Around<'a> {
-    extraction: &'a Extraction,
-    end: &'a Frame,
-    reach: f64,
-    /// In order.
-    hits: Vec<Hit>,
-}
-
-impl<'a> Around<'a> {
-    fn new(extraction: &'a Extraction, end: &'a Frame) -> Self {
-        let position = extraction.position[end.point];
-        let reach = REACH_SPACINGS * extraction.spacing + REACH_RADII * end.radius;
-        let hit = |(distance, point): (f64, usize)| {
-            let cos = cosine(sub(extraction.position[point], position), end.direction, distance);
-            let [away, radius] = [distance, extraction.smooth.radius[point]].map(|x| steady(x / extraction.spacing));
-            Hit { point, distance, order: [away, steady(BEND - cos), radius], cos }
-        };
-        let mut hits: Vec<Hit> = extraction.index.within(position, reach).into_iter().map(hit).collect();
-        hits.sort_by(|a, b| compare(&a.order, &b.order).then(a.point.cmp(&b.point)));
-        Self { extraction, end, reach, hits }
-    }
-
+impl Around<'_> {
     fn width(&self) -> f64 {
         2.0 * self.end.radius + self.extraction.spacing
     }
 
     fn other_fragments(&self, params: &Search) -> Vec<usize> {
-        let other = |h: &&Hit| self.extraction.fragment[h.point] != self.end.fragment;
-        let branches = self.nearest_branches(params.branches, other);
+        let hits = self.others(params.branches, params.free_ends);
+        let branches = self.nearest_branches(params.branches, &hits);
         let mut picks = params.meetings.of(self.extraction, self.end, &branches);
-        let free = self.hits.iter().filter(other).filter(|h| self.extraction.end_at[h.point].is_some());
+        let free = hits.iter().filter(|h| self.extraction.end_at[h.point].is_some());
         picks.extend(free.take(params.free_ends).map(|h| (0, h.point)));
         self.apart(picks)
     }
 
     fn own_branches(&self, params: &Search, reached: &mut Reached) -> Vec<usize> {
-        let (roads, own) = (&self.extraction.roads, self.end.fragment);
+        let roads = &self.extraction.roads;
         let most = (DETOUR * self.reach).max(DETOUR_WIDTHS * self.width());
         roads.reach(&[self.end.point], most, reached);
-        let saves = |h: &&Hit| {
+        let hits = self.own(|h| {
             let least = (DETOUR * h.distance).max(DETOUR_WIDTHS * self.width());
-            self.extraction.fragment[h.point] == own
-                && steady(h.cos) > LOOP_COS
-                && steady(roads.to_point(reached, h.point)) > steady(least)
-        };
-        let branches = self.nearest_branches(params.own_branches, saves);
+            steady(h.cos) > LOOP_COS && steady(roads.to_point(reached, h.point)) > steady(least)
+        });
+        let branches = self.nearest_branches(params.own_branches, &hits);
         self.apart(params.meetings.of(self.extraction, self.end, &branches))
     }
 
     /// The nearest branches, each with its hits, in order.
-    fn nearest_branches(&self, count: usize, wanted: impl Fn(&&Hit) -> bool) -> Vec<Vec<Hit>> {
+    fn nearest_branches(&self, count: usize, of: &[Hit]) -> Vec<Vec<Hit>> {
         let mut order: Vec<usize> = Vec::new();
         let mut hits: Vec<Vec<Hit>> = Vec::new();
-        for hit in self.hits.iter().filter(wanted) {
+        for hit in of {
             let branch = self.extraction.branch[hit.point];
             match order.iter().position(|b| *b == branch) {
                 Some(at) => hits[at].push(*hit),
@@ -155,9 +149,4 @@ impl<'a> Around<'a> {
         }
         chosen
     }
-}
-
-/// The cosine between a displacement of a length and a unit vector; zero without a length.
-fn cosine(displacement: Point, direction: Point, length: f64) -> f64 {
-    if length > 0.0 { dot(displacement, direction) / length } else { 0.0 }
 }

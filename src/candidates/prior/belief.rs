@@ -8,7 +8,7 @@ use super::rows::Rows;
 use super::weights::Weights;
 use crate::candidates::evidence::{Bridge, Extraction, Feedback};
 use crate::error::{Error, Result};
-use crate::posterior::{Forests, Marginals, arborescence, marginals};
+use crate::posterior::{Forests, Marginals, arborescence, check_tangle, marginals};
 
 /// The posterior over how the fragments of an extraction hang together.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Belief {
 ///
 /// # Errors
 ///
-/// Weights without a pass, or of other features than this program measures.
+/// Weights without a pass, or of other features than this program measures; fragments in a tangle.
 pub fn believe(extraction: &Extraction, bridges: &[Bridge], weights: &Weights) -> Result<Belief> {
     weights.validate()?;
     let rows = Rows::new(extraction, bridges);
@@ -61,7 +61,11 @@ pub(super) fn last_pass(extraction: &Extraction, rows: &Rows, weights: &Weights)
     let mut feedback = None;
     for pass in &weights.passes {
         let forests = match &last {
-            None => rows.forests(pass, &rows.bridge)?,
+            None => {
+                let forests = rows.forests(pass, &rows.bridge)?;
+                check_tangle(&forests)?;
+                forests
+            }
             Some((forests, marginals)) => {
                 let feedback = feedback.get_or_insert_with(|| Feedback::new(extraction, &rows.bridges));
                 rows.forests(pass, &rows.beside(&feedback.features(forests, marginals)))?

@@ -50,7 +50,7 @@ impl<'a> Example<'a> {
     /// A node without a position.
     pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
         let extraction = Extraction::new(&case.network, if with_inlets { &case.inlets } else { &[] })?;
-        let rows = Rows::new(&extraction, &search(&extraction, &Search::default()));
+        let rows = Rows::new(&extraction, &search(&extraction, &Search::default())?);
         let points = |bridge: usize| [extraction.ends[rows.bridges[bridge].end].point, rows.bridges[bridge].point];
         let bridges: Vec<_> = (0..rows.bridges.len()).map(|bridge| (points(bridge), rows.fragments[bridge])).collect();
         let allowed = case.answer.allowed(&bridges);

@@ -80,7 +80,10 @@ impl Array {
         if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
             return Err(short(stored as usize));
         }
-        room.take(bytes).map_err(|(found, accepted)| fault(found, accepted))?;
+        // Texts of no length take room too, once they are read.
+        let texts = matches!(kind, Kind::Wide | Kind::Narrow);
+        let least = if texts { shape.iter().product::<usize>().saturating_mul(size_of::<String>()) } else { 0 };
+        room.take(bytes.max(least)).map_err(|(found, accepted)| fault(found, accepted))?;
         let mut data = Vec::new();
         let whole = member.take(bytes as u64 + 1).read_to_end(&mut data);
         whole.map_err(|e| fault(format!("cannot be read: {e}"), "expected a whole file"))?;

@@ -63,7 +63,7 @@ pub(in super::super) fn unpack_skeleton_npz(
     }
     let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
     let lengths = archive.first(&["lengths"])?;
-    let mut points: Vec<Point> = Vec::with_capacity(coords.shape.first().copied().unwrap_or(0));
+    let mut points: Vec<Point> = Vec::new();
     for (row, position) in coords.rows::<3>()?.into_iter().enumerate() {
         if position.iter().any(|x| !x.is_finite()) {
             return Err(coords.fault(format!("row {row} is {position:?}"), "expected finite numbers"));
@@ -139,7 +139,7 @@ fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
     if !edges.is_whole() {
         return Err(edges.fault("values that are not whole numbers", "expected an integer type"));
     }
-    let mut links = Vec::with_capacity(edges.shape.first().copied().unwrap_or(0));
+    let mut links = Vec::new();
     for (row, ends) in edges.rows::<2>()?.into_iter().enumerate() {
         if let Some(end) = ends.iter().find(|end| !(**end >= 0.0 && **end < points as f64)) {
             let found = format!("row {row} names point {end}");
