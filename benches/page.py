@@ -1,4 +1,4 @@
-"""The performance page and the README's table, from results.csv and large.csv alone: page.py, or page.py --check.
+"""The performance page and the tables of both READMEs, from results.csv and large.csv alone: page.py, or page.py --check.
 
 --check writes nothing and fails when a page is not what the figures say. Any Python from 3.8 on, without packages.
 """
@@ -9,6 +9,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs/src/performance.md"
 README = HERE.parent / "README.md"
+BENCHES = HERE / "README.md"
 MACHINE = "machine"
 
 TEXT = """# Performance
@@ -37,7 +38,7 @@ To measure anew: `benches/run.sh`.
 
 Graphs of `willis phantom arterial|capillary --edges N --break` beside the best Python pipeline, one thread each. Candidates are open with
 probability 0.25, observed vessels are certain. Bytes are of one worker with its sums, and of the programs that workers share; the graph itself is not in
-them.
+them, but in the peak, which is that of the whole process.
 
 {large}
 
@@ -135,8 +136,8 @@ def large(path):
     for row in csv.DictReader(open(path, encoding="utf-8")):
         rows.setdefault((row["family"], int(row["edges"])), []).append(row)
     lines = [
-        "| family | edges | on trial | solver | ms a sample | Python, ms | its solver | times as long | bytes a vessel: worker | shared | residual |",
-        "|---|---:|---:|---|---:|---:|---|---:|---:|---:|---:|",
+        "| family | edges | on trial | solver | ms a sample | Python, ms | its solver | times as long | bytes a vessel: worker | shared | peak, MB | residual |",
+        "|---|---:|---:|---|---:|---:|---|---:|---:|---:|---:|---:|",
     ]
     machines = set()
     for (family, _), rounds in rows.items():
@@ -147,7 +148,7 @@ def large(path):
         machines |= {one["cpu"] for one in rounds if one.get("cpu")}
         lines.append(
             f"| {family} | {int(r['vessels']):,} | {int(r['on_trial']):,} | {r['solver']} | {least:.3g} | {theirs:.4g} | {r['peer']} "
-            f"| {ratio} | {r['worker']} | {r['shared']} | {r['residual']} |"
+            f"| {ratio} | {r['worker']} | {r['shared']} | {r['peak_mb']} | {r['residual']} |"
         )
     return "\n".join(lines), "".join(f"{machine}. " for machine in sorted(machines))
 
@@ -167,7 +168,11 @@ def main():
         small=results.table(ROWS), machine=results.machine(), million=results.million(), skipped=skipped, large=table, where=where
     )
     short = results.table(SHORT) + "\n\n" + results.machine().rstrip("\n")
-    made = {PAGE: page, README: spliced(README.read_text(encoding="utf-8"), "bench", short)}
+    made = {
+        PAGE: page,
+        README: spliced(README.read_text(encoding="utf-8"), "bench", short),
+        BENCHES: spliced(BENCHES.read_text(encoding="utf-8"), "large", table),
+    }
     if "--check" in sys.argv:
         stale = [str(path) for path, text in made.items() if path.read_text(encoding="utf-8") != text]
         sys.exit(f"not what the figures say, run benches/page.py: {', '.join(stale)}" if stale else 0)

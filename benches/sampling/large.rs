@@ -37,12 +37,20 @@ pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
     let method = sampler.method();
     let each = |bytes: u64| bytes as f64 / vessels as f64;
     println!(
-        "{vessels},{on_trial},{},{},{compile:.3},{least:.4},{:.0},{:.0},{:.1e}",
+        "{vessels},{on_trial},{},{},{compile:.3},{least:.4},{:.0},{:.0},{:.1e},{}",
         method.solver,
         method.forest,
         each(own.bytes_max),
         each(shared.bytes_max),
-        sums.residual
+        sums.residual,
+        peak_mb().map_or(String::new(), |mb| format!("{mb:.0}")),
     );
     Ok(())
+}
+
+/// The most memory that the program has had, graph and reader included, where the system tells.
+fn peak_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kib = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?;
+    Some(kib.parse::<f64>().ok()? * 1.024e-3)
 }
