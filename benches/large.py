@@ -22,7 +22,7 @@ FIGURES = ["vessels", "on_trial", "solver", "forest", "compile_s", "ms", "worker
 FAMILIES = ["arterial", "capillary"]
 ROUNDS = 3
 # Seconds that a sample of the pipeline may take.
-LIMIT = 120
+LIMIT = 60
 
 
 def columns(path, names):
