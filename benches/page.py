@@ -77,6 +77,11 @@ def digits(x):
     return f"{x:.0f}" if x >= 1000 or x == int(x) else f"{x:.1f}" if x >= 10 else f"{x:.2f}"
 
 
+def three(x):
+    """Three digits, or all before the point."""
+    return f"{x:.0f}" if x >= 100 else f"{x:.3g}"
+
+
 class Results:
     """results.csv: rounds of every figure on every graph, and words on the machine."""
 
@@ -147,7 +152,7 @@ def large(path):
         r = rounds[0]
         machines |= {one["cpu"] for one in rounds if one.get("cpu")}
         lines.append(
-            f"| {family} | {int(r['vessels']):,} | {int(r['on_trial']):,} | {r['solver']} | {least:.3g} | {theirs:.4g} | {r['peer']} "
+            f"| {family} | {int(r['vessels']):,} | {int(r['on_trial']):,} | {r['solver']} | {three(least)} | {three(theirs)} | {r['peer']} "
             f"| {ratio} | {r['worker']} | {r['shared']} | {r['peak_mb']} | {r['residual']} |"
         )
     return "\n".join(lines), "".join(f"{machine}. " for machine in sorted(machines))
