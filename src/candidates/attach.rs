@@ -68,7 +68,7 @@ impl<'a> Surroundings<'a> {
     /// The search widens until k targets are nearer than anything beyond it, so that its cost goes with k and not with
     /// the reach. The nearest site of a branch settles where the branch comes, and every target is the nearest of its branches.
     ///
-    /// None when `looks` says that there were too many.
+    /// No targets once `looks` says that there were too many.
     pub fn targets(&self, end: &FreeEnd, params: &Params, looks: &Looks) -> Vec<Target> {
         let reach = REACH_SPACINGS * self.spacing + REACH_DIAMETERS * 2.0 * end.radius;
         let reach = params.max_gap.map_or(reach, |most| reach.min(most));

@@ -59,7 +59,7 @@ impl Looks {
         Err(Error::parameter(
             "free ends",
             format!("{}, with more than {each} points within the reach of each", self.ends),
-            "candidates need points that are closer to one another than vessels are",
+            "candidates need vessels further apart than the points along them",
         ))
     }
 }

@@ -5,12 +5,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use willis::error::{Error, Fault, Result};
-use willis::formats::bytes_of;
+use willis::formats::{bytes_of, checksum_of_file};
 use willis::report::StagedFolder;
 use willis::report::staged::{FAILURE_MARK, write_file};
-
-use super::ledger::Entry;
-use super::subjects::Subject;
 
 /// Why an input gave no run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,8 +34,7 @@ pub struct Input {
 impl Failure {
     /// Of an input and its run, or a range of its samples.
     pub fn of(input: &Path, command: String, range: Option<[u64; 2]>, error: &Error) -> Self {
-        let entry = Entry::of(&Subject { name: String::new(), input: input.to_owned() }, Vec::new());
-        let input = Input { sha256: entry.sha256().map(str::to_owned), path: entry.input };
+        let input = Input { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
         Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, range, error: error.to_string() }
     }
 

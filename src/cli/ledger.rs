@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::{bytes_of, checksum};
+use willis::formats::{bytes_of, checksum_of_file};
 use willis::report::StagedFile;
 use willis::report::staged::{COHORT_MARK, write_file};
 
@@ -50,7 +50,7 @@ impl Entry {
         let beside = BESIDE.into_iter().map(str::to_owned).chain(tables).map(|name| input.with_file_name(name));
         let mut files = BTreeMap::new();
         for path in std::iter::once(input.clone()).chain(beside.filter(|path| path.is_file())).chain(others) {
-            let sum = || bytes_of(&path).ok().map(|bytes| checksum(&bytes));
+            let sum = || checksum_of_file(&path).ok();
             files.entry(path.display().to_string()).or_insert_with(sum);
         }
         Self { subject: subject.name.clone(), input: input.display().to_string(), files }

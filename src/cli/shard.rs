@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
-use willis::formats::{bytes_of, checksum_of};
+use willis::formats::{bytes_of, checksum_of_file};
 use willis::inference::{Method, Params, Part, Sampling};
 use willis::network::Network;
 use willis::report::staged::{SHARD_MARK, StagedFolder, write_file};
@@ -101,11 +101,6 @@ pub fn blocks_of(text: &str, samples: u64) -> Result<Range<u64>> {
 /// The first sample of a range of blocks, and the first after it, of so many samples.
 pub fn samples_of(blocks: &Range<u64>, samples: u64) -> [u64; 2] {
     [blocks.start * BLOCK, (blocks.end * BLOCK).min(samples)]
-}
-
-fn checksum_of_file(path: &Path) -> Result<String> {
-    let read = checksum_of(|out| std::io::copy(&mut std::fs::File::open(path)?, out).map(drop));
-    read.map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 /// Everything that changes an output but the input, the seed and the samples.

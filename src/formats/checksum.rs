@@ -1,8 +1,12 @@
 //! The SHA-256 by which a file is known again.
 
+use std::fs::File;
 use std::io::{self, Read, Sink, Write};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
 
 /// The SHA-256 of some bytes in hexadecimal digits.
 pub fn checksum(bytes: &[u8]) -> String {
@@ -18,6 +22,16 @@ pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) 
     let mut summed = Checksummed::new(io::sink());
     fill(&mut summed)?;
     Ok(summed.finish())
+}
+
+/// The [`checksum`] of a file of any size.
+///
+/// # Errors
+///
+/// It cannot be read: names it.
+pub fn checksum_of_file(path: &Path) -> Result<String> {
+    let read = checksum_of(|out| io::copy(&mut File::open(path)?, out).map(drop));
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -38,7 +38,7 @@ mod vtp;
 mod vtrails;
 mod xml;
 
-pub use checksum::{Checksummed, checksum, checksum_of};
+pub use checksum::{Checksummed, checksum, checksum_of, checksum_of_file};
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use document::{Content, Document, ReadOptions, bytes_of, read};
@@ -63,3 +63,4 @@ pub use voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
 pub use vtk_legacy::{Digits, read_vtk, write_vtk};
 pub use vtp::{read_vtp, write_vtp};
 pub use vtrails::read_vtrails;
+pub(crate) use xml::escape;

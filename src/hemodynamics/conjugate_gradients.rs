@@ -1,6 +1,6 @@
 //! Conjugate gradients for circuits whose elimination would fill in: large meshes, several samples at a time in SIMD lanes.
 //!
-//! Nodes of few neighbours are eliminated exactly ([`StarMesh`]), which takes two thirds of a mesh of vessels and leaves no more
+//! Nodes of few neighbours are eliminated exactly ([`StarMesh`]), which takes most of a mesh of vessels and leaves hardly more
 //! conductances than there were. What is left, the core, is solved by conjugate gradients, preconditioned by an incomplete elimination of
 //! the same kind: joins without a place are dropped, and `GROUNDED` of each goes to ground at its two ends, which keeps
 //! nearly all row sums (Gustafsson 1978, modified incomplete factorisation) and never subtracts.

@@ -48,7 +48,7 @@ impl<F: FnMut(u64, u64) -> bool + Send> Progress for F {
 ///
 /// # Errors
 ///
-/// A parameter or vessel out of its range, a breakdown of the Cholesky solver, or a stop by `progress`.
+/// A parameter or vessel out of its range, a breakdown of the solver, or a stop by `progress`.
 pub fn infer(
     network: &Network,
     boundary: &Boundary,
@@ -132,7 +132,7 @@ impl Sampling {
     ///
     /// # Errors
     ///
-    /// A breakdown of the Cholesky solver, or a stop by `progress`; `part` then has what was finished.
+    /// A breakdown of the solver, or a stop by `progress`; `part` then has what was finished.
     pub fn sample(&self, part: &mut Part, blocks: Range<u64>, progress: &mut impl Progress) -> Result<()> {
         let total = part.samples_in(&blocks);
         let gaps = part.gaps(blocks);

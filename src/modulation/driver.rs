@@ -39,7 +39,7 @@ pub struct Modulation {
 ///
 /// # Errors
 ///
-/// A parameter or a vessel out of its range, boundary conditions that drive no flow, a breakdown of the Cholesky solver, or a stop by `progress`.
+/// A parameter or a vessel out of its range, boundary conditions that drive no flow, a breakdown of the solver, or a stop by `progress`.
 pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progress: &mut impl Progress) -> Result<Modulation> {
     params.validate()?;
     drives_flow(network, boundary)?;

@@ -34,7 +34,7 @@ impl Sampled {
         let vessel = network.vessel(row);
         let mut path: Vec<(Point, f64)> = vessel.path.iter().map(|p| (p.position, p.radius)).collect();
         if path.len() < 2 {
-            let node = |end: usize| network.node(end).position.expect("break_up asks for positions");
+            let node = |end: usize| network.node(end).position.expect("break_up and gaps refuse nodes without positions");
             path = network.ends(row).map(|end| (node(end), vessel.radius)).to_vec();
         }
         let mut arc = vec![0.0];

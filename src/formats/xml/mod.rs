@@ -35,7 +35,7 @@ pub(super) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
 }
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
-pub(super) fn escape(text: &str) -> Cow<'_, str> {
+pub(crate) fn escape(text: &str) -> Cow<'_, str> {
     let stands = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
     if text.chars().all(stands) {
         return text.into();

@@ -11,6 +11,7 @@ use super::colour::{INK, Rgb};
 use super::dots::png;
 use super::font::{Piece, outline};
 use super::sheet::{Dot, Image, Page, Run};
+use crate::formats::escape;
 
 /// The elements so far. A dot is 1/100 point.
 pub struct Drawing {
@@ -87,7 +88,7 @@ impl Page for Drawing {
             }
         }
         if !d.text.is_empty() {
-            let (rgb, said, d) = (hex(INK), escaped(text), d.text);
+            let (rgb, said, d) = (hex(INK), escape(text), d.text);
             self.element(format_args!("<path fill=\"{rgb}\" aria-label=\"{said}\" d=\"{d}\"/>"));
         }
         Ok(())
@@ -152,19 +153,4 @@ impl Path {
 
 fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// Text in an attribute; characters that XML cannot hold become the sign of replacement.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '"' => out.push_str("&quot;"),
-            '\u{0}'..' ' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            other => out.push(other),
-        }
-    }
-    out
 }
