@@ -247,3 +247,21 @@ fn a_vessel_with_several_labels_has_that_of_its_longest_part() {
     let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
     assert_eq!(row[table.lines().next().unwrap().split(',').position(|c| c == "label").unwrap()], "7");
 }
+
+/// Ends are one place within a millionth of the diagonal of the box, here 20 mm, and no further: a real gap is for the inference.
+#[test]
+fn only_a_gap_of_rounding_is_closed() {
+    for (gap, edges) in [(1e-5, 1), (1e-4, 2)] {
+        let here = folder();
+        let points = format!("0 0 0 10 0 0 {} 0 0 20 0 0", 10.0 + gap);
+        let text = format!(
+            "# vtk DataFile Version 3.0\ntwo lines\nASCII\nDATASET POLYDATA\nPOINTS 4 double\n{points}\nLINES 2 6\n2 0 1\n2 2 3\n\
+             POINT_DATA 4\nSCALARS Radius double 1\nLOOKUP_TABLE default\n1 1 1 1\n"
+        );
+        fs::write(here.path().join("lines.vtk"), text).unwrap();
+        let output = willis(here.path(), &["convert", "lines.vtk", "lines.graphml"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let graph = fs::read_to_string(here.path().join("lines.graphml")).unwrap();
+        assert_eq!(graph.matches("<edge ").count(), edges, "a gap of {gap} mm");
+    }
+}

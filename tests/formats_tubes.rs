@@ -255,3 +255,12 @@ fn tubes_state_their_unit() {
     let voxels = Scale { unit: LengthUnit::Voxel, spacing: Some([2.0; 3]) };
     assert_eq!(in_mm(&read_tre(text.as_bytes(), &voxels, false).unwrap().0), [[2000.0, 0.0, 0.0, 1000.0]]);
 }
+
+/// A group that is only moved turns nothing: what it does not state of its matrix is the identity.
+#[test]
+fn a_group_with_an_offset_alone_moves_its_tubes() {
+    let scene = "ObjectType = Group\nNDims = 3\nID = 1\nOffset = 10 20 30\nEndGroup =\nObjectType = Tube\nNDims = 3\nID = 2\n\
+                 ParentID = 1\nPointDim = x y z r\nNPoints = 2\nPoints =\n1 2 3 0.5\n4 6 9 0.5\n";
+    let (lines, _) = tre(scene).unwrap();
+    assert_eq!(in_mm(&lines), [[11.0, 22.0, 33.0, 0.5], [14.0, 26.0, 39.0, 0.5]]);
+}

@@ -303,3 +303,21 @@ fn scipy_fits_the_same_gamma_distribution() {
         }
     }
 }
+
+/// Three classes of one width, each of several blocks: what is drawn of the width for one vessel never comes again.
+#[test]
+fn no_two_instances_are_drawn_from_one_stream() {
+    let network = circle();
+    let classes = [0.0, 0.2, 0.4].map(|low| Class { low, high: low + 0.2 });
+    let params = Params { classes: classes.to_vec(), samples: 256, seed: 4, ..Params::default() };
+    let result = run(&network, &conditions(&network, true), &params);
+    let mut drawn: Vec<f64> = Vec::new();
+    for (class, instances) in &result.classes {
+        let first = instances.resistance_factor.iter().step_by(network.vessel_count());
+        drawn.extend(first.map(|factor| factor - 1.0 - class.low));
+    }
+    drawn.sort_by(f64::total_cmp);
+    assert_eq!(drawn.len(), 3 * 256);
+    let nearest = drawn.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    assert!(nearest > 1e-12, "{nearest}");
+}

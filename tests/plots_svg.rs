@@ -1,5 +1,7 @@
 //! The pictures as SVG: read back with an XML parser, against places worked out by hand and against the PNG of the same figure.
 
+mod command;
+
 use base64::Engine;
 use roxmltree::{Document, Node};
 use willis::report::plots::{
@@ -258,4 +260,35 @@ fn bars_are_in_proportion_and_any_name_can_be_written() {
         (widths(KEPT)[..].try_into().expect("two"), widths("#e69f00")[..].try_into().expect("two"));
     assert!((before - 4.0 * small).abs() < 0.05 && (before - 2.0 * after).abs() < 0.05, "{before} {small} {after}");
     assert_eq!(paths(&svg, "aria-label", "a<b>&\"c\u{fffd}'").len(), 1);
+}
+
+/// The median of an odd number of likelihoods is one of them: the threshold of a run ends where that vessel's curve ends.
+#[test]
+fn the_threshold_of_a_run_ends_on_the_vessel_in_the_middle() {
+    let here = command::folder();
+    let input = command::data("broken-circle-of-willis.swc");
+    let run = command::willis(here.path(), &["infer", &input, "--keep", "median", "-n", "500", "-o", "out"]);
+    assert!(run.status.success(), "{}", command::stderr(&run));
+    let file = |name: &str| std::fs::read_to_string(here.path().join("out").join(name)).expect("a file of the run");
+    let text = file("convergence.svg");
+    let svg = Document::parse(&text).expect("well-formed");
+    let ends = |rgb| -> Vec<f64> {
+        let curves = paths(&svg, "stroke", rgb).into_iter().map(|path| d(&path)).filter(|p| p.len() > 2 && p[0][1] > AXES[0][1]);
+        curves.map(|curve| curve[curve.len() - 1][1]).collect()
+    };
+    // On trial and above zero: the columns `probability` and `likelihood` of edges.csv.
+    let table = file("edges.csv");
+    let [head, rows @ ..] = &table.lines().map(|line| line.split(',').collect()).collect::<Vec<Vec<&str>>>()[..] else {
+        panic!("no rows")
+    };
+    let column = |name: &str| head.iter().position(|h| *h == name).expect("a column");
+    let (likelihood, trial) = (column("likelihood"), column("probability"));
+    let positive = rows.iter().filter(|row| !row[trial].is_empty() && row[likelihood] != "0").count();
+    let mut vessels = [ends(KEPT), ends(PRUNED)].concat();
+    vessels.sort_by(f64::total_cmp);
+    let [threshold] = ends(INK)[..] else { panic!("one threshold") };
+    assert_eq!(positive % 2, 1, "the median of {positive} is between two");
+    let middle = vessels[positive / 2];
+    assert!((middle - threshold).abs() < 0.011, "{threshold} for {middle} of {vessels:?}");
+    assert!(vessels[0] < threshold - 1.0 && vessels[positive - 1] > threshold + 1.0, "the curves spread");
 }
