@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use crate::hemodynamics::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use crate::network::{Network, Origin, Vessel};
 
 /// Which vessels are on trial.
@@ -143,9 +143,6 @@ impl Params {
         if self.samples == 0 || self.samples > 1 << 50 {
             return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
         }
-        if !(self.viscosity.is_normal() && self.viscosity > 0.0) {
-            return Err(Error::parameter("--viscosity", self.viscosity * 1e3, "expected a positive number of cP"));
-        }
-        Ok(())
+        check_viscosity(self.viscosity)
     }
 }

@@ -10,7 +10,7 @@ mod stored;
 pub use contract::{Contraction, RadiusRule, contract};
 pub use evidence::Evidence;
 pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Located, locate, nearest, parse_position};
+pub use locate::{Located, Nearest, locate, nearest, parse_position};
 pub use naming::vessels_called;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
@@ -59,10 +59,15 @@ impl Role {
             Self::Inner => "inner",
         }
     }
+
+    /// The role of a node with a fixed flow into the network.
+    pub fn of_flow(flow: f64) -> Self {
+        if flow > 0.0 { Self::Inlet } else { Self::Outlet }
+    }
 }
 
-/// The pressure of an inlet when none is stated, mmHg.
-pub const INLET_PRESSURE_MMHG: f64 = 100.0;
+/// The pressure of an inlet when none is stated, Pa: 100 mmHg.
+pub const INLET_PRESSURE: f64 = pascals(100.0);
 
 /// A boundary condition at a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -81,6 +86,20 @@ pub enum Condition {
 }
 
 impl Condition {
+    /// An inlet when no pressure is stated.
+    pub const INLET: Self = Self::Pressure(INLET_PRESSURE);
+    /// An outlet when nothing is stated.
+    pub const GROUND: Self = Self::Pressure(0.0);
+
+    /// The pressure (Pa) that it ties the node to; none of a flow.
+    pub fn ground(&self) -> Option<f64> {
+        match self {
+            Self::Pressure(p) => Some(*p),
+            Self::Resistance { venous, .. } => Some(*venous),
+            Self::Flow(_) => None,
+        }
+    }
+
     /// The condition that a file in mmHg and mL hands back.
     #[must_use]
     pub fn as_stored(self) -> Self {

@@ -68,7 +68,7 @@ pub fn capillary(params: &Large) -> Result<Network> {
         make_inlet(&mut network, mouth);
         if number % 2 == 1 {
             let node = network.node_mut(mouth);
-            (node.role, node.condition) = (Some(Role::Outlet), Some(Condition::Pressure(0.0)));
+            (node.role, node.condition) = (Some(Role::Outlet), Some(Condition::GROUND));
         }
     }
     Ok(network)
