@@ -6,9 +6,8 @@ mod common;
 use common::{Draw, MMHG, VISCOSITY, boundary, log_radii, network, pressure, random_conditions, random_network, tube};
 use willis::hemodynamics::{Boundary, Tube};
 use willis::network::{Condition, Network, Vessel};
-use willis::perturbation::Stenosis;
 use willis::phantom::{cerebral, circle_of_willis};
-use willis::simulation::{Change, Perturbation, collaterals, perturbed, reversals, simulate};
+use willis::simulation::{Change, Perturbation, Stenosis, gains, perturbed, reversals, simulate};
 use willis::state::State;
 
 /// Ω in Pa s/m³; with pressures in mmHg, flows below are in mmHg/Ω.
@@ -286,7 +285,7 @@ fn after_closing_the_first(vessels: &[(usize, usize, f64)]) -> (Named, Named) {
     let result = simulate(&bridge, &conditions, VISCOSITY, &closed).unwrap();
     let after = result.perturbed.expect("a perturbed state");
     let decimals = |q: f64| (1e6 * q * OHM / MMHG).round() / 1e6;
-    let gains = collaterals(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.gain()))).collect();
+    let gains = gains(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.gain()))).collect();
     let turned = reversals(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.after))).collect();
     (gains, turned)
 }

@@ -5,14 +5,14 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::class::{Class, Factors};
+use super::class::Class;
 use super::instances::Instances;
 use super::params::Params;
 use super::solver::{LANES, Memory, Solver};
 use crate::error::{Error, Result};
 use crate::hemodynamics::circuit::conductance;
 use crate::hemodynamics::floating::drives_flow;
-use crate::hemodynamics::{Boundary, Circuit, Tube};
+use crate::hemodynamics::{Boundary, Circuit, Factors, Tube};
 use crate::inference::Progress;
 use crate::network::Network;
 use crate::rng::{BLOCK, block_stream};
@@ -43,13 +43,12 @@ pub struct Modulation {
 pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progress: &mut impl Progress) -> Result<Modulation> {
     params.validate()?;
     drives_flow(network, boundary)?;
-    let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, params.viscosity)).collect();
+    let tubes = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
-    let ends = circuit.ends.clone();
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
-    unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &ends);
-    let job = Job { network, boundary, params, tubes: &tubes, ends: &ends, solver: Solver::new(circuit) };
+    unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);
+    let job = Job { network, boundary, params, tubes: &tubes, circuit: &circuit, solver: Solver::new(&circuit)? };
 
     let blocks = params.samples.div_ceil(BLOCK);
     let total = params.samples * params.classes.len() as u64;
@@ -91,7 +90,7 @@ struct Job<'a> {
     boundary: &'a Boundary,
     params: &'a Params,
     tubes: &'a [Tube],
-    ends: &'a [[usize; 2]],
+    circuit: &'a Circuit,
     solver: Solver,
 }
 
@@ -110,7 +109,7 @@ impl Job<'_> {
             for _ in 0..group {
                 let drawn = (0..self.tubes.len()).map(|_| reading.draw(classes[class], &mut rng)).enumerate();
                 let drawn: Vec<Factors> = drawn.map(|(row, f)| if modulated(row) { f } else { Factors::ONE }).collect();
-                let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| factors.of(tube)).collect();
+                let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect();
                 let each = changed.iter().enumerate().map(|(row, tube)| conductance(self.network, row, tube));
                 conductances.push(each.collect::<Result<Vec<f64>>>()?);
                 factors.push(drawn);
@@ -118,9 +117,9 @@ impl Job<'_> {
             }
             self.solver.solve(&conductances, memory)?;
             for (lane, (tubes, factors)) in tubes.iter().zip(&factors).enumerate() {
-                let pressure = self.solver.pressures(lane, memory);
-                let state = State::at_pressures(self.ends, self.boundary, tubes, *viscosity, pressure);
-                instances.push(&state, tubes, factors, self.ends);
+                let above_level = self.solver.above_level(lane, memory);
+                let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, above_level);
+                instances.push(&state, tubes, factors, &self.circuit.ends);
             }
         }
         Ok(instances)

@@ -3,12 +3,17 @@
 use super::Perturbation;
 use crate::state::State;
 
-/// Flows and gains below this share of the total inflow are rounding.
-const CUT: f64 = 1e-9;
+/// Flows and gains up to this share of the total inflow are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The flow, m³/s, up to which flows and gains between two states are rounding.
+pub fn rounding(before: &State, after: &State) -> f64 {
+    ROUNDING * before.inflow.max(after.inflow)
+}
 
 /// A vessel that is not perturbed itself but carries another flow than before.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Collateral {
+pub struct FlowChange {
     /// Its row.
     pub vessel: usize,
     /// Q before, m³/s.
@@ -17,7 +22,7 @@ pub struct Collateral {
     pub after: f64,
 }
 
-impl Collateral {
+impl FlowChange {
     /// The gain of flow whatever its direction, |Q after| - |Q before|, m³/s.
     pub fn gain(&self) -> f64 {
         self.after.abs() - self.before.abs()
@@ -30,18 +35,18 @@ impl Collateral {
 }
 
 /// The vessels not perturbed themselves that gain flow, |Q after| > |Q before|, the largest gain first.
-pub fn collaterals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<Collateral> {
-    let cut = CUT * before.inflow.max(after.inflow);
-    let mut gains: Vec<Collateral> = untouched(before, after, perturbations).filter(|c| c.gain() > cut).collect();
-    gains.sort_by(|a, b| rounded(b.gain()).total_cmp(&rounded(a.gain())).then(a.vessel.cmp(&b.vessel)));
-    gains
+pub fn gains(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    let mut gained: Vec<FlowChange> = untouched(before, after, perturbations).filter(|c| c.gain() > cut).collect();
+    gained.sort_by(|a, b| rounded(b.gain()).total_cmp(&rounded(a.gain())).then(a.vessel.cmp(&b.vessel)));
+    gained
 }
 
 /// The vessels not perturbed themselves whose flow turns round, the largest flow after it first.
-pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<Collateral> {
-    let cut = CUT * before.inflow.max(after.inflow);
-    let flows = |c: &Collateral| c.before.abs() > cut && c.after.abs() > cut;
-    let mut turned: Vec<Collateral> = untouched(before, after, perturbations).filter(|c| c.is_reversed() && flows(c)).collect();
+pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    let flows = |c: &FlowChange| c.before.abs() > cut && c.after.abs() > cut;
+    let mut turned: Vec<FlowChange> = untouched(before, after, perturbations).filter(|c| c.is_reversed() && flows(c)).collect();
     turned.sort_by(|a, b| rounded(b.after.abs()).total_cmp(&rounded(a.after.abs())).then(a.vessel.cmp(&b.vessel)));
     turned
 }
@@ -55,9 +60,9 @@ fn untouched<'a>(
     before: &'a State,
     after: &'a State,
     perturbations: &'a [Perturbation],
-) -> impl Iterator<Item = Collateral> + 'a {
+) -> impl Iterator<Item = FlowChange> + 'a {
     let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
-    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| Collateral {
+    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| FlowChange {
         vessel,
         before: b.flow,
         after: a.flow,
