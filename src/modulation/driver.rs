@@ -15,11 +15,8 @@ use crate::hemodynamics::floating::drives_flow;
 use crate::hemodynamics::{Boundary, Circuit, Factors, Tube};
 use crate::inference::Progress;
 use crate::network::Network;
-use crate::rng::{BLOCK, block_stream};
+use crate::rng::{BLOCK, stream, streams};
 use crate::state::State;
-
-/// The streams of one class: block b of class c draws from stream c 2⁴⁸ + b of the seed.
-const STREAMS_OF_A_CLASS: u64 = 1 << 48;
 
 /// A network under modulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +95,7 @@ impl Job<'_> {
     /// One block of a class, shorter when it is the last one.
     fn block(&self, class: usize, block: u64, memory: &mut Memory) -> Result<Instances> {
         let Params { classes, samples, seed, reading, vessels, viscosity } = self.params;
-        let mut rng = block_stream(*seed, class as u64 * STREAMS_OF_A_CLASS + block);
+        let mut rng = stream(*seed, streams::modulation(class, block));
         let modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
         let mut instances = Instances::default();
         let mut left = (samples - block * BLOCK).min(BLOCK) as usize;

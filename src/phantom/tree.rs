@@ -1,13 +1,13 @@
 //! A bifurcating tree by Murray's law: radii, angles and terminal resistances.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 
 use super::circle::make_inlet;
 use super::curve::{Bow, course};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, dot, sub, unit};
 use crate::network::{Condition, INLET_PRESSURE, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use crate::rng::{stream, streams};
 use crate::units::{cubic_metres_per_second, metres};
 
 /// The shape of a branching tree.
@@ -74,7 +74,7 @@ const FLOW_AT_2_MM: f64 = 250.0;
 /// Those of [`Tree::validate`].
 pub fn branching_tree(params: &Tree) -> Result<Network> {
     params.validate()?;
-    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+    let mut rng = stream(params.seed, streams::ANATOMY);
     let mut network = Network::new();
     let root = add_node(&mut network, [0.0; 3], params.radius);
     make_inlet(&mut network, root);
