@@ -55,7 +55,17 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answ
     let median = threshold(Keep::Median, result);
     let rows = 0..result.likelihood.len();
     let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
-    let (mut kept, close) = if rule.asks_evidence() { by_evidence(rule, network)? } else { by_samples(rule, cut, result) };
+    let (mut kept, close) = match rule {
+        Keep::Probability(least) => {
+            let probability = evidence("probability", network)?;
+            (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, least))
+        }
+        Keep::Probable(root_factor) => {
+            let probability = evidence("probable", network)?;
+            (probable(network, root_factor)?, near(&probability, 0.5))
+        }
+        _ => by_samples(rule, cut, result),
+    };
     for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
         *kept |= !uncertain;
     }
@@ -63,24 +73,18 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answ
     Ok(Answer { threshold: cut, median, kept, above_median, undecided })
 }
 
-/// Per vessel whether it passes, and whether its probability is near the cut.
-fn by_evidence(rule: Keep, network: &Network) -> Result<(Vec<bool>, Vec<bool>)> {
-    if !has_evidence(network) {
-        let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
-        return Err(Error::parameter(
-            "--keep",
-            if matches!(rule, Keep::Probable(_)) { "probable" } else { "probability" },
-            accepted,
-        ));
+/// The probability of each vessel, which a rule asks for.
+fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+    if has_evidence(network) {
+        return Ok(probabilities(network));
     }
-    let probability = probabilities(network);
-    let (kept, cut) = match rule {
-        Keep::Probability(cut) => (probability.iter().map(|p| p.is_some_and(|p| p >= cut)).collect(), cut),
-        Keep::Probable(root_factor) => (probable(network, root_factor)?, 0.5),
-        _ => (vec![false; probability.len()], 0.5),
-    };
-    let close = probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect();
-    Ok((kept, close))
+    let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
+    Err(Error::parameter("--keep", rule, accepted))
+}
+
+/// Per vessel whether its probability is near the cut.
+fn near(probability: &[Option<f64>], cut: f64) -> Vec<bool> {
+    probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect()
 }
 
 /// Per vessel whether it passes, and whether its figure is within chance of the threshold.

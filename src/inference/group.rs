@@ -4,7 +4,7 @@
 
 use super::bottleneck::{Bottleneck, Offer, TAKEN, Taken};
 use super::census::open_vessels;
-use super::forest::{Forest, keys};
+use super::forest::{Forest, MOST_RESILIENCE, keys_or_zero};
 use super::likelihood::Sums;
 use super::params::Weight;
 use super::tally::{Samples, Tally, expectation, part};
@@ -14,9 +14,6 @@ use crate::hemodynamics::star_mesh::{self, StarMesh};
 use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
 use crate::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, splat, zip};
-
-/// Resiliences are cut here, so that their keys stay finite as doubles.
-const MOST: f64 = f64::MAX / 8.0;
 
 /// The memory of a group, by its width.
 pub enum Group {
@@ -100,16 +97,12 @@ pub struct Job<'a> {
     pub samples: usize,
     /// Per vessel how its resilience follows.
     pub flows: &'a [Flow],
-    /// Added to every pressure, Pa.
-    pub level: f64,
     /// What is solved.
     pub circuit: &'a Circuit,
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
     /// The nodes of each vessel.
     pub ends: &'a [[usize; 2]],
-    /// How many nodes.
-    pub nodes: usize,
     /// What a vessel of the forest contributes.
     pub weight: Weight,
     /// The forest program; Kruskal's algorithm without one.
@@ -181,7 +174,7 @@ impl Job<'_> {
     /// What the vessels at a slot need to know of it.
     #[inline(always)]
     fn level<S: Simd, const B: usize>(&self, simd: S, pressure: &[Lanes<B>], level: &mut [Level<B>]) {
-        let (above, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
+        let (above, share) = (simd.splat_f64s(self.circuit.level), simd.splat_f64s(DROP_CUT));
         for (level, pressure) in level.iter_mut().zip(pressure) {
             level.pressure = *pressure;
             level.cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, above))));
@@ -191,7 +184,7 @@ impl Job<'_> {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
     fn resiliences<S: Simd, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<B>) -> Lanes<B> {
-        let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
+        let [most, zero] = [MOST_RESILIENCE, 0.0].map(|x| simd.splat_f64s(x));
         let (level, key) = (&work.level[..], &mut work.key[..]);
         let mut sum = Lanes::ZERO;
         let resilience = &mut work.resilience[group * self.flows.len()..][..self.flows.len()];
@@ -207,10 +200,9 @@ impl Job<'_> {
                 simd.select_f64s(flows, rho, zero)
             });
             let rho = masked(simd, &rho, *mask, group * B);
-            let keys = map(simd, &rho, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero));
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
-            offer.put(simd, &keys, key);
+            offer.put(simd, &keys_or_zero(simd, &rho, vessel), key);
         }
         sum
     }
@@ -222,7 +214,7 @@ impl Job<'_> {
             for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
                 forest.add(keys.to_bits());
             }
-            forest.grow(self.nodes, self.ends, |vessel| taken[self.flows.len() - vessel][lane] = TAKEN);
+            forest.grow(self.circuit.node_count(), self.ends, |vessel| taken[self.flows.len() - vessel][lane] = TAKEN);
         }
     }
 }

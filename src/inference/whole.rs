@@ -6,7 +6,8 @@ use super::group::{self, Flow, Group};
 use super::likelihood::Sums;
 use super::sampler::{Block, Method};
 use super::{Params, Weight};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::hemodynamics::circuit::beyond_doubles;
 use crate::hemodynamics::floating::stranded;
 use crate::hemodynamics::peel::{Peeled, peel};
 use crate::hemodynamics::{Circuit, StarMesh};
@@ -60,12 +61,7 @@ impl Whole {
                         }
                     };
                     if !factor.is_normal() {
-                        let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
-                        return Err(Error::parameter(
-                            network.vessel_name(row),
-                            size,
-                            "expected a resilience that a double can hold",
-                        ));
+                        return Err(beyond_doubles(network, row, "resilience"));
                     }
                     Flow { slots: chain.ends.map(slot), factor }
                 }
@@ -119,10 +115,8 @@ impl Whole {
             probability,
             samples,
             flows: &self.flows,
-            level: self.circuit.level,
             circuit: &self.circuit,
             ends: &self.ends,
-            nodes: self.circuit.node_count(),
             weight: self.weight,
             bottleneck: self.bottleneck.as_ref(),
             offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
