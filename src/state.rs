@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::hemodynamics::steady::Steady;
 use crate::hemodynamics::{Boundary, Circuit, Tube};
 use crate::network::{Condition, Network};
-use crate::resilience::is_diffused;
+use crate::resilience::{is_diffused, resilience};
 
 use std::f64::consts::PI;
 
@@ -57,7 +57,7 @@ impl State {
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
         let circuit = Circuit::of_tubes(network, boundary, tubes)?;
         let above_level = Steady::new(&circuit)?.above_level(|row| tubes[row].is_open())?;
-        Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, above_level))
+        Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }
 
     /// The state of `tubes` between the nodes of a circuit at known pressures, Pa above its level.
@@ -66,7 +66,7 @@ impl State {
         boundary: &Boundary,
         tubes: &[Tube],
         viscosity: f64,
-        above_level: Vec<Option<f64>>,
+        above_level: &[Option<f64>],
     ) -> Self {
         let vessel = |(tube, ends): (&Tube, &[usize; 2])| {
             let [Some(a), Some(b)] = ends.map(|node| above_level[node]) else { return VesselState::at_rest(tube) };
@@ -81,7 +81,7 @@ impl State {
             out[*b] -= vessel.flow;
         }
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
-        let mut pressure = circuit.pressures(&above_level);
+        let mut pressure = circuit.pressures(above_level);
         for (node, condition) in &boundary.conditions {
             if let Condition::Pressure(p) = condition {
                 pressure[*node] = Some(*p);
@@ -132,7 +132,7 @@ impl VesselState {
             velocity,
             wall_shear: 4.0 * viscosity * flow.abs() / (PI * tube.radius.powi(3)),
             reynolds: 2.0 * tube.radius * velocity.abs() * BLOOD_DENSITY / viscosity,
-            resilience: drop * flow / tube.volume,
+            resilience: resilience(drop, flow, tube.volume),
             diffused: true,
         }
     }

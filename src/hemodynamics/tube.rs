@@ -1,7 +1,5 @@
 //! What a vessel is to the flow: a resistance, and the lumen in which it dissipates energy.
 
-use std::f64::consts::PI;
-
 use super::poiseuille::resistance;
 use crate::network::{Network, Vessel};
 
@@ -49,7 +47,7 @@ impl Tube {
     pub fn of(vessel: &Vessel, viscosity: f64) -> Self {
         Self {
             resistance: vessel.resistance.unwrap_or_else(|| resistance(vessel.length, vessel.radius, viscosity)),
-            volume: PI * vessel.radius * vessel.radius * vessel.length,
+            volume: vessel.volume(),
             radius: vessel.radius,
         }
     }

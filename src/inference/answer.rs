@@ -16,13 +16,13 @@ pub const UNDECIDED_BAND: f64 = 0.2;
 /// The decision on every vessel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// The threshold of the rule; `None` when nothing is on trial with L > 0.
+    /// The threshold of the rule; `None` when no uncertain vessel has L > 0.
     pub threshold: Option<f64>,
     /// The median of L over the uncertain vessels with L > 0, W/m³.
     pub median: Option<f64>,
-    /// Vessels kept by the rule; those not on trial always are.
+    /// Vessels kept by the rule; those not uncertain always are.
     pub kept: Vec<bool>,
-    /// Vessels above the median; those not on trial always are.
+    /// Vessels above the median; those not uncertain always are.
     pub above_median: Vec<bool>,
     /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
@@ -31,9 +31,9 @@ pub struct Answer {
 /// A count of what a kept graph holds.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Topology {
-    /// Vessels on trial that stay.
+    /// Uncertain vessels that stay.
     pub kept: usize,
-    /// Vessels on trial that go.
+    /// Uncertain vessels that go.
     pub pruned: usize,
     /// Candidates among the kept.
     pub kept_candidates: usize,
@@ -132,10 +132,10 @@ impl Topology {
         for ([a, _], _) in graph.vessels() {
             unperfused[parts.of_node[a]] = !carries[parts.of_node[a]];
         }
-        let trial = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
+        let count = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
         Self {
-            kept: trial(true),
-            pruned: trial(false),
+            kept: count(true),
+            pruned: count(false),
             kept_candidates: network
                 .vessels()
                 .zip(kept)

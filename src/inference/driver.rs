@@ -161,7 +161,7 @@ impl Sampling {
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
-    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no vessel on trial is undecided under `rule`; one that was
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no uncertain vessel is undecided under `rule`; one that was
     /// begun goes on with the samples that `part` has come to.
     ///
     /// # Errors

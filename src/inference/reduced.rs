@@ -135,7 +135,7 @@ impl Reduced {
         let of_square_flow = |row: usize| {
             let vessel = network.vessel(row);
             let factor = match vessel.resistance {
-                Some(resistance) => resilience(resistance, 1.0, vessel.radius, vessel.length),
+                Some(resistance) => resilience(resistance, 1.0, vessel.volume()),
                 None => resilience_per_square_flow(params.viscosity, vessel.radius),
             };
             if factor.is_normal() { Ok(factor) } else { Err(beyond_doubles(network, row, "resilience")) }

@@ -147,7 +147,7 @@ impl Vote<'_> {
             debug_assert!(self.uncertain[row]);
             tube.resistance = f64::INFINITY;
         }
-        let state = State::at_pressures(self.circuit, self.boundary, &tubes, self.params.viscosity, above_level);
+        let state = State::at_pressures(self.circuit, self.boundary, &tubes, self.params.viscosity, &above_level);
         let mut kept: Vec<bool> =
             (0..tubes.len()).map(|row| !self.uncertain[row] || (open(row) && self.above_median[row])).collect();
         self.forest.clear();

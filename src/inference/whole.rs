@@ -50,10 +50,10 @@ impl Whole {
                 None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
                 Some(chain) => {
                     let factor = match vessel.resistance {
-                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length),
+                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
                         Some(resistance) => {
                             let own = chain.conductance * resistance;
-                            resilience_per_square_drop(chain.conductance * own, vessel.radius, vessel.length)
+                            resilience_per_square_drop(chain.conductance * own, vessel.volume())
                         }
                         None => {
                             let squared = chain.conductance * chain.conductance;

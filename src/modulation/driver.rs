@@ -115,7 +115,7 @@ impl Job<'_> {
             self.solver.solve(&conductances, memory)?;
             for (lane, (tubes, factors)) in tubes.iter().zip(&factors).enumerate() {
                 let above_level = self.solver.above_level(lane, memory);
-                let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, above_level);
+                let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, &above_level);
                 instances.push(&state, tubes, factors, &self.circuit.ends);
             }
         }

@@ -13,6 +13,8 @@ pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Located, Nearest, locate, nearest, parse_position};
 pub use naming::vessels_called;
 
+use std::f64::consts::PI;
+
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use serde::{Deserialize, Serialize};
 
@@ -160,7 +162,7 @@ pub struct Vessel {
     pub origin: Origin,
     /// The anatomical prior A in [0, 1].
     pub prior: f64,
-    /// Never occluded, whatever is on trial.
+    /// Never occluded, whatever is uncertain.
     pub certain: bool,
     /// What the evidence says of a candidate.
     pub evidence: Option<Evidence>,
@@ -188,6 +190,11 @@ impl Vessel {
             kept: None,
             path: Vec::new(),
         }
+    }
+
+    /// The volume of the lumen, π r² l, m³.
+    pub fn volume(&self) -> f64 {
+        PI * self.radius * self.radius * self.length
     }
 
     /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.
