@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::hemodynamics::steady::Steady;
 use crate::hemodynamics::{Boundary, Circuit, Tube};
-use crate::network::{Condition, Network};
+use crate::network::Network;
 use crate::resilience::{is_diffused, resilience};
 
 use std::f64::consts::PI;
@@ -81,13 +81,8 @@ impl State {
             out[*b] -= vessel.flow;
         }
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
-        let mut pressure = circuit.pressures(above_level);
-        for (node, condition) in &boundary.conditions {
-            if let Condition::Pressure(p) = condition {
-                pressure[*node] = Some(*p);
-            }
-        }
-        Self { pressure, vessels, network_resilience: if open > 0 { total / open as f64 } else { 0.0 }, inflow }
+        let network_resilience = if open > 0 { total / open as f64 } else { 0.0 };
+        Self { pressure: circuit.pressures(above_level), vessels, network_resilience, inflow }
     }
 
     /// How many vessels carry blood.

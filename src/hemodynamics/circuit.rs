@@ -49,7 +49,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
     pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
-        let conductance = tubes.iter().enumerate().map(|(row, tube)| conductance(network, row, tube)).collect::<Result<_>>()?;
+        let conductance = conductances(network, tubes)?;
         let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
         let level = grounds.fold(f64::INFINITY, f64::min);
         let level = if level.is_finite() { level } else { 0.0 };
@@ -94,11 +94,6 @@ impl Circuit {
         self.fixed[node].is_some() || self.shunt[node] > 0.0
     }
 
-    /// The pressures (Pa) of nodes that lie so far above the level.
-    pub fn pressures(&self, above_level: &[Option<f64>]) -> Vec<Option<f64>> {
-        above_level.iter().map(|p| p.map(|p| p + self.level)).collect()
-    }
-
     /// The pressure to which the node is tied, by itself or through its terminal resistance, Pa above the level.
     pub fn ground(&self, node: usize) -> Option<f64> {
         self.fixed[node].or_else(|| (self.shunt[node] > 0.0).then(|| self.source[node] / self.shunt[node]))
@@ -108,20 +103,25 @@ impl Circuit {
     pub fn is_inner(&self, node: usize) -> bool {
         self.fixed[node].is_none() && self.shunt[node] == 0.0 && self.source[node] == 0.0
     }
+
+    /// The pressures (Pa) of nodes that lie so far above the level.
+    pub fn pressures(&self, above_level: &[Option<f64>]) -> Vec<Option<f64>> {
+        above_level.iter().map(|p| p.map(|p| p + self.level)).collect()
+    }
 }
 
-/// C = 1/R of the vessel in a row, m³/(Pa s).
+/// C = 1/R of each vessel, m³/(Pa s), zero of an occluded one.
 ///
 /// # Errors
 ///
 /// The conductance of an open vessel is infinite, not a number, or too small for a double.
-pub fn conductance(network: &Network, row: usize, tube: &Tube) -> Result<f64> {
-    let c = 1.0 / tube.resistance;
-    let [a, b] = network.ends(row);
-    if c.is_normal() || a == b || !tube.is_open() {
-        return Ok(c);
-    }
-    Err(beyond_doubles(network, row, "conductance"))
+pub fn conductances(network: &Network, tubes: &[Tube]) -> Result<Vec<f64>> {
+    let conductance = |(row, tube): (usize, &Tube)| {
+        let (c, [a, b]) = (1.0 / tube.resistance, network.ends(row));
+        let holds = c.is_normal() || a == b || !tube.is_open();
+        if holds { Ok(c) } else { Err(beyond_doubles(network, row, "conductance")) }
+    };
+    tubes.iter().enumerate().map(conductance).collect()
 }
 
 /// The error of a vessel so large or small that no double can hold what it `has`.

@@ -10,7 +10,7 @@ use super::instances::Instances;
 use super::params::Params;
 use super::solver::{LANES, Memory, Solver};
 use crate::error::{Error, Result};
-use crate::hemodynamics::circuit::conductance;
+use crate::hemodynamics::circuit::conductances;
 use crate::hemodynamics::floating::drives_flow;
 use crate::hemodynamics::{Boundary, Circuit, Factors, Tube};
 use crate::inference::Progress;
@@ -102,17 +102,16 @@ impl Job<'_> {
         while left > 0 {
             let group = left.min(LANES);
             left -= group;
-            let (mut factors, mut tubes, mut conductances) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut factors, mut tubes, mut conductance) = (Vec::new(), Vec::new(), Vec::new());
             for _ in 0..group {
                 let drawn = (0..self.tubes.len()).map(|_| reading.draw(classes[class], &mut rng)).enumerate();
                 let drawn: Vec<Factors> = drawn.map(|(row, f)| if modulated(row) { f } else { Factors::ONE }).collect();
                 let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect();
-                let each = changed.iter().enumerate().map(|(row, tube)| conductance(self.network, row, tube));
-                conductances.push(each.collect::<Result<Vec<f64>>>()?);
+                conductance.push(conductances(self.network, &changed)?);
                 factors.push(drawn);
                 tubes.push(changed);
             }
-            self.solver.solve(&conductances, memory)?;
+            self.solver.solve(&conductance, memory)?;
             for (lane, (tubes, factors)) in tubes.iter().zip(&factors).enumerate() {
                 let above_level = self.solver.above_level(lane, memory);
                 let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, &above_level);

@@ -37,23 +37,21 @@ impl FlowChange {
 /// The vessels not perturbed themselves that gain flow, |Q after| > |Q before|, the largest gain first.
 pub fn gains(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
     let cut = rounding(before, after);
-    let mut gained: Vec<FlowChange> = untouched(before, after, perturbations).filter(|c| c.gain() > cut).collect();
-    gained.sort_by(|a, b| rounded(b.gain()).total_cmp(&rounded(a.gain())).then(a.vessel.cmp(&b.vessel)));
-    gained
+    largest_first(untouched(before, after, perturbations).filter(|c| c.gain() > cut), FlowChange::gain)
 }
 
 /// The vessels not perturbed themselves whose flow turns round, the largest flow after it first.
 pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
     let cut = rounding(before, after);
-    let flows = |c: &FlowChange| c.before.abs() > cut && c.after.abs() > cut;
-    let mut turned: Vec<FlowChange> = untouched(before, after, perturbations).filter(|c| c.is_reversed() && flows(c)).collect();
-    turned.sort_by(|a, b| rounded(b.after.abs()).total_cmp(&rounded(a.after.abs())).then(a.vessel.cmp(&b.vessel)));
-    turned
+    let turned = |c: &FlowChange| c.is_reversed() && c.before.abs() > cut && c.after.abs() > cut;
+    largest_first(untouched(before, after, perturbations).filter(turned), |c| c.after.abs())
 }
 
-/// A figure to 24 bits, so that equal vessels stay in their order whatever the last roundings are.
-fn rounded(x: f64) -> f32 {
-    x as f32
+/// The largest figure first, to 24 bits, so that equal vessels stay in their order whatever the last roundings are.
+fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&FlowChange) -> f64) -> Vec<FlowChange> {
+    let mut changes: Vec<FlowChange> = changes.collect();
+    changes.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
+    changes
 }
 
 fn untouched<'a>(
