@@ -18,14 +18,19 @@ use crate::simd::InstructionSet;
 /// Everything about a graph that all its samples share.
 #[derive(Debug)]
 pub struct Whole {
-    circuit: Circuit,
-    solver: StarMesh,
-    bottleneck: Option<Bottleneck>,
+    /// Dead ends and certain chains are taken out of it.
+    pub circuit: Circuit,
+    pub solver: StarMesh,
+    /// The forest program; Kruskal's algorithm without one.
+    pub bottleneck: Option<Bottleneck>,
     /// Where the keys of the vessels go when there is no forest program.
     places: Vec<Offer>,
-    flows: Vec<Flow>,
-    ends: Vec<[usize; 2]>,
-    weight: Weight,
+    /// Per vessel how its resilience follows from pressures.
+    pub flows: Vec<Flow>,
+    /// Per vessel its nodes.
+    pub ends: Vec<[usize; 2]>,
+    /// What a vessel of a forest contributes.
+    pub weight: Weight,
     instructions: InstructionSet,
     lanes: usize,
 }
@@ -109,23 +114,16 @@ impl Whole {
     pub fn block(&self, block: Block<'_>, work: &mut Group, sums: &mut Sums) {
         let Block { masks, probability, samples } = block;
         let stranded = stranded(&self.circuit, masks, samples);
-        let job = group::Job {
-            masks,
-            stranded: &stranded,
-            probability,
-            samples,
-            flows: &self.flows,
-            circuit: &self.circuit,
-            ends: &self.ends,
-            weight: self.weight,
-            bottleneck: self.bottleneck.as_ref(),
-            offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
-        };
-        let solver = &self.solver;
+        let job = group::Job { whole: self, masks, stranded: &stranded, samples, probability };
         match work {
-            Group::Eight(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            Group::Sixteen(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            Group::ThirtyTwo(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            Group::Eight(work) => self.instructions.run(group::InLanes { job, work, sums }),
+            Group::Sixteen(work) => self.instructions.run(group::InLanes { job, work, sums }),
+            Group::ThirtyTwo(work) => self.instructions.run(group::InLanes { job, work, sums }),
         }
+    }
+
+    /// Where the keys of each vessel go.
+    pub fn offers(&self) -> &[Offer] {
+        self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers)
     }
 }
