@@ -15,7 +15,7 @@ pub const LAMINAR_LIMIT: f64 = 2000.0;
 
 /// The flow in one vessel. Signed figures are positive from its first node to its second; all are zero in a vessel that
 /// is not diffused.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VesselState {
     /// Pa s/m³; infinite for an occluded vessel.
     pub resistance: f64,
@@ -69,8 +69,7 @@ impl State {
         above_level: &[Option<f64>],
     ) -> Self {
         let vessel = |(tube, ends): (&Tube, &[usize; 2])| {
-            let [Some(a), Some(b)] = ends.map(|node| above_level[node]) else { return VesselState::at_rest(tube) };
-            VesselState::between([a, b], circuit.level, tube, viscosity)
+            VesselState::between(ends.map(|node| above_level[node]), circuit.level, tube, viscosity)
         };
         let vessels: Vec<VesselState> = tubes.iter().zip(&circuit.ends).map(vessel).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();
@@ -98,25 +97,13 @@ impl State {
 }
 
 impl VesselState {
-    /// A vessel without flow.
-    fn at_rest(tube: &Tube) -> Self {
-        Self {
-            resistance: tube.resistance,
-            drop: 0.0,
-            flow: 0.0,
-            velocity: 0.0,
-            wall_shear: 0.0,
-            reynolds: 0.0,
-            resilience: 0.0,
-            diffused: false,
-        }
-    }
-
     /// A vessel between two pressures, Pa above `level`.
-    fn between([a, b]: [f64; 2], level: f64, tube: &Tube, viscosity: f64) -> Self {
+    fn between(ends: [Option<f64>; 2], level: f64, tube: &Tube, viscosity: f64) -> Self {
+        let at_rest = Self { resistance: tube.resistance, ..Self::default() };
+        let [Some(a), Some(b)] = ends else { return at_rest };
         let drop = a - b;
         if !tube.is_open() || !is_diffused(drop, a + level, b + level) {
-            return Self::at_rest(tube);
+            return at_rest;
         }
         let flow = drop / tube.resistance;
         let velocity = flow / (PI * tube.radius * tube.radius);
