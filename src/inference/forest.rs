@@ -12,7 +12,7 @@ pub const MOST_RESILIENCE: f64 = f64::MAX / 8.0;
 ///
 /// Vessels in series with one radius have exactly equal ρ; rounding makes them tie in the computer too, and the rule for
 /// ties then makes every algorithm find the same forest. Larger keys come first. Read as the bits of a double the keys
-/// are positive, finite and in the same order, for ρ up to [`MOST_RESILIENCE`].
+/// are positive, finite and in the same order, for ρ up to an eighth of the largest double.
 pub fn key(resilience: f64, vessel: usize) -> u64 {
     keys(Scalar::new(), resilience, vessel).to_bits()
 }
