@@ -9,7 +9,7 @@
 //! |---|---|
 //! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | [`network::RadiusRule::Mean`] |
 //! | R = 8µl/(πr⁴) | [`hemodynamics::poiseuille::resistance`] |
-//! | algorithm 1: Kirchhoff's current law with source and ground | [`hemodynamics::Circuit`], solved by [`hemodynamics::StarMesh`] or [`hemodynamics::conjugate_gradients`] |
+//! | algorithm 1: Kirchhoff's current law with source and ground | [`hemodynamics::Circuit`], solved by [`hemodynamics::StarMesh`], [`hemodynamics::conjugate_gradients`] or [`hemodynamics::cholesky`] |
 //! | ρ = ΔP·Q/(πr²l), ρ_G | [`resilience::resilience`]; ρ_G in [`inference::Sampler`] |
 //! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`perturbation::Occlusion`] |
 //! | MST(1/ρ) | [`inference::Forest`] |

@@ -1,6 +1,8 @@
-//! The one generator: ChaCha8, whose stream b of a seed serves block b of the samples.
+//! The one generator: ChaCha8, whose seeds have 2⁶⁴ streams each.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+pub mod streams;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -10,10 +12,10 @@ use crate::simd::Simd;
 /// Samples in one block, drawn together from one stream.
 pub const BLOCK: u64 = 64;
 
-/// The generator of block `block` for `seed`: a sample depends on nothing but the seed and its index.
-pub fn block_stream(seed: u64, block: u64) -> ChaCha8Rng {
+/// A stream of a seed, one of [`streams`]: what it draws depends on these two numbers alone.
+pub fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(block);
+    rng.set_stream(stream);
     rng
 }
 
@@ -35,7 +37,7 @@ impl Rows {
     pub const ZERO: Self = Self([[0; SIDE_BY_SIDE]; WORDS]);
 }
 
-/// The same stream as [`block_stream`], many words at a time.
+/// What [`stream`] draws, many words at a time.
 #[derive(Debug, Clone)]
 pub struct WideStream {
     /// The cipher's first block as it goes in: constants, key, counter, stream.
@@ -44,7 +46,7 @@ pub struct WideStream {
 
 impl WideStream {
     /// The stream from its start.
-    pub fn new(seed: u64, block: u64) -> Self {
+    pub fn new(seed: u64, stream: u64) -> Self {
         let key = ChaCha8Rng::seed_from_u64(seed).get_seed();
         let mut state = [
             0x6170_7865,
@@ -61,8 +63,8 @@ impl WideStream {
             0,
             0,
             0,
-            block as u32,
-            (block >> 32) as u32,
+            stream as u32,
+            (stream >> 32) as u32,
         ];
         for (word, bytes) in state[4..12].iter_mut().zip(key.as_chunks().0) {
             *word = u32::from_le_bytes(*bytes);
@@ -142,13 +144,13 @@ mod tests {
     #[test]
     fn the_wide_stream_is_the_stream() {
         for instructions in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-            for (seed, block) in [(0, 0), (7, 1), (u64::MAX, 0x1234_5678_9abc_def0)] {
-                let (mut wide, mut rows, mut rng) = (WideStream::new(seed, block), Rows::ZERO, block_stream(seed, block));
+            for (seed, number) in [(0, 0), (7, 1), (u64::MAX, 0x1234_5678_9abc_def0)] {
+                let (mut wide, mut rows, mut rng) = (WideStream::new(seed, number), Rows::ZERO, stream(seed, number));
                 for _ in 0..3 {
                     instructions.run(Next(&mut wide, &mut rows));
                     for at in 0..SIDE_BY_SIDE {
                         let words: [u32; WORDS] = std::array::from_fn(|_| rng.next_u32());
-                        assert_eq!(std::array::from_fn(|word| rows.0[word][at]), words, "{instructions:?} {seed} {block}");
+                        assert_eq!(std::array::from_fn(|word| rows.0[word][at]), words, "{instructions:?} {seed} {number}");
                     }
                 }
             }

@@ -1,9 +1,10 @@
 //! The hemodynamic state of a network: what flows where, and how much energy it dissipates.
 
 use crate::error::Result;
-use crate::hemodynamics::{Boundary, Circuit, Tube, steady};
+use crate::hemodynamics::steady::Steady;
+use crate::hemodynamics::{Boundary, Circuit, Tube};
 use crate::network::Network;
-use crate::resilience::is_diffused;
+use crate::resilience::{is_diffused, resilience};
 
 use std::f64::consts::PI;
 
@@ -14,7 +15,7 @@ pub const LAMINAR_LIMIT: f64 = 2000.0;
 
 /// The flow in one vessel. Signed figures are positive from its first node to its second; all are zero in a vessel that
 /// is not diffused.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VesselState {
     /// Pa s/m³; infinite for an occluded vessel.
     pub resistance: f64,
@@ -55,29 +56,32 @@ impl State {
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
         let circuit = Circuit::of_tubes(network, boundary, tubes)?;
-        let pressure = steady::pressures(&circuit, |row| tubes[row].is_open())?;
-        Ok(Self::at_pressures(&circuit.ends, boundary, tubes, viscosity, pressure))
+        let above_level = Steady::new(&circuit)?.above_level(|row| tubes[row].is_open())?;
+        Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }
 
-    /// The state of `tubes` between the nodes `ends` at known pressures, Pa.
+    /// The state of `tubes` between the nodes of a circuit at known pressures, Pa above its level.
     pub fn at_pressures(
-        ends: &[[usize; 2]],
+        circuit: &Circuit,
         boundary: &Boundary,
         tubes: &[Tube],
         viscosity: f64,
-        pressure: Vec<Option<f64>>,
+        above_level: &[Option<f64>],
     ) -> Self {
-        let vessels: Vec<VesselState> =
-            tubes.iter().zip(ends).map(|(tube, ends)| vessel_state(tube, ends.map(|n| pressure[n]), viscosity)).collect();
+        let vessel = |(tube, ends): (&Tube, &[usize; 2])| {
+            VesselState::between(ends.map(|node| above_level[node]), circuit.level, tube, viscosity)
+        };
+        let vessels: Vec<VesselState> = tubes.iter().zip(&circuit.ends).map(vessel).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();
         let total: f64 = vessels.iter().map(|v| v.resilience).sum();
-        let mut out = vec![0.0; pressure.len()];
-        for (vessel, [a, b]) in vessels.iter().zip(ends) {
+        let mut out = vec![0.0; above_level.len()];
+        for (vessel, [a, b]) in vessels.iter().zip(&circuit.ends) {
             out[*a] += vessel.flow;
             out[*b] -= vessel.flow;
         }
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
-        Self { pressure, vessels, network_resilience: if open > 0 { total / open as f64 } else { 0.0 }, inflow }
+        let network_resilience = if open > 0 { total / open as f64 } else { 0.0 };
+        Self { pressure: circuit.pressures(above_level), vessels, network_resilience, inflow }
     }
 
     /// How many vessels carry blood.
@@ -92,32 +96,26 @@ impl State {
     }
 }
 
-fn vessel_state(tube: &Tube, ends: [Option<f64>; 2], viscosity: f64) -> VesselState {
-    let rest = VesselState {
-        resistance: tube.resistance,
-        drop: 0.0,
-        flow: 0.0,
-        velocity: 0.0,
-        wall_shear: 0.0,
-        reynolds: 0.0,
-        resilience: 0.0,
-        diffused: false,
-    };
-    let [Some(a), Some(b)] = ends else { return rest };
-    if !tube.is_open() || !is_diffused(a - b, a, b) {
-        return rest;
-    }
-    let drop = a - b;
-    let flow = drop / tube.resistance;
-    let velocity = flow / (PI * tube.radius * tube.radius);
-    VesselState {
-        drop,
-        flow,
-        velocity,
-        wall_shear: 4.0 * viscosity * flow.abs() / (PI * tube.radius.powi(3)),
-        reynolds: 2.0 * tube.radius * velocity.abs() * BLOOD_DENSITY / viscosity,
-        resilience: drop * flow / tube.volume,
-        diffused: true,
-        ..rest
+impl VesselState {
+    /// A vessel between two pressures, Pa above `level`.
+    fn between(ends: [Option<f64>; 2], level: f64, tube: &Tube, viscosity: f64) -> Self {
+        let at_rest = Self { resistance: tube.resistance, ..Self::default() };
+        let [Some(a), Some(b)] = ends else { return at_rest };
+        let drop = a - b;
+        if !tube.is_open() || !is_diffused(drop, a + level, b + level) {
+            return at_rest;
+        }
+        let flow = drop / tube.resistance;
+        let velocity = flow / (PI * tube.radius * tube.radius);
+        Self {
+            resistance: tube.resistance,
+            drop,
+            flow,
+            velocity,
+            wall_shear: 4.0 * viscosity * flow.abs() / (PI * tube.radius.powi(3)),
+            reynolds: 2.0 * tube.radius * velocity.abs() * BLOOD_DENSITY / viscosity,
+            resilience: resilience(drop, flow, tube.volume),
+            diffused: true,
+        }
     }
 }

@@ -24,7 +24,7 @@ pub fn as_stored(m: f64) -> f64 {
 }
 
 /// Pa from mmHg.
-pub fn pascals(mmhg: f64) -> f64 {
+pub const fn pascals(mmhg: f64) -> f64 {
     mmhg * PASCAL_PER_MMHG
 }
 
@@ -34,7 +34,7 @@ pub fn mmhg(pascals: f64) -> f64 {
 }
 
 /// m³/s from mL/min.
-pub fn cubic_metres_per_second(ml_per_min: f64) -> f64 {
+pub const fn cubic_metres_per_second(ml_per_min: f64) -> f64 {
     ml_per_min / ML_PER_MIN_PER_SI
 }
 
@@ -66,6 +66,11 @@ pub fn mmhg_per_mm2(pascals_per_square_metre: f64) -> f64 {
 /// Pa s from cP.
 pub fn pascal_seconds(centipoise: f64) -> f64 {
     centipoise / 1e3
+}
+
+/// cP from Pa s.
+pub fn centipoise(pascal_seconds: f64) -> f64 {
+    pascal_seconds * 1e3
 }
 
 /// The unit of the coordinates and radii in an input file.

@@ -48,6 +48,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("strsim", &["suggestion.rs"]),
     ("faer", &["hemodynamics/cholesky.rs"]),
     ("pulp", &["simd.rs"]),
+    ("rand_chacha", &["rng.rs"]),
     ("hdf5_reader", &["formats/vtrails.rs"]),
     ("quick_xml", &["formats/xml/events.rs"]),
     ("argmin", &["candidates/prior/minimise.rs"]),

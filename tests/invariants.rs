@@ -219,7 +219,7 @@ fn resilience_is_the_square_of_the_wall_shear_stress() {
         let network = network(2, [([0, 1], vessel.clone())]);
         let drop = draw.within(-1e4, 1e4);
         let tau = drop * vessel.radius / (2.0 * vessel.length);
-        let rho = resilience(drop, drop * conductance(&network, 0), vessel.radius, vessel.length);
+        let rho = resilience(drop, drop * conductance(&network, 0), vessel.volume());
         let expected = tau * tau / (2.0 * VISCOSITY);
         assert!((rho - expected).abs() <= 1e-14 * expected, "{rho} for {expected}");
         let conditions = [(0, Condition::Pressure(drop.abs())), (1, Condition::Pressure(0.0))];

@@ -8,7 +8,7 @@ use willis::hemodynamics::{Boundary, FoundOutlets, Tube, boundary::stated};
 use willis::modulation::{Class, Instances, Modulation, Params, Reading, modulate};
 use willis::network::{Condition, Network};
 use willis::phantom::{cerebral, circle_of_willis};
-use willis::rng::block_stream;
+use willis::rng::stream;
 use willis::state::State;
 use willis::stats::{Distribution, gamma::Gamma};
 
@@ -240,7 +240,7 @@ fn draws_are_uniform_within_their_class() {
 }
 
 fn gamma_draws(shape: f64, scale: f64, seed: u64, n: usize) -> Vec<f64> {
-    let mut rng = block_stream(seed, 0);
+    let mut rng = stream(seed, 0);
     let draws = Draws::new(shape, scale).expect("a gamma distribution");
     (0..n).map(|_| draws.sample(&mut rng)).collect()
 }

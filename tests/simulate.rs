@@ -6,9 +6,8 @@ mod common;
 use common::{Draw, MMHG, VISCOSITY, boundary, log_radii, network, pressure, random_conditions, random_network, tube};
 use willis::hemodynamics::{Boundary, Tube};
 use willis::network::{Condition, Network, Vessel};
-use willis::perturbation::Stenosis;
 use willis::phantom::{cerebral, circle_of_willis};
-use willis::simulation::{Change, Perturbation, collaterals, perturbed, reversals, simulate};
+use willis::simulation::{Change, Perturbation, Stenosis, gains, perturbed, reversals, simulate};
 use willis::state::State;
 
 /// Ω in Pa s/m³; with pressures in mmHg, flows below are in mmHg/Ω.
@@ -18,10 +17,6 @@ const OHM: f64 = 1e9;
 fn resistors(nodes: usize, vessels: &[(usize, usize, f64)]) -> Network {
     let stated = |ohms: f64| Vessel { resistance: Some(ohms * OHM), ..tube(10.0, 1.0) };
     network(nodes, vessels.iter().map(|(a, b, ohms)| ([*a, *b], stated(*ohms))))
-}
-
-fn tubes(network: &Network) -> Vec<Tube> {
-    network.vessels().map(|(_, vessel)| Tube::of(vessel, VISCOSITY)).collect()
 }
 
 fn solve(network: &Network, conditions: &[(usize, Condition)], viscosity: f64) -> State {
@@ -41,7 +36,7 @@ fn close(got: f64, expected: f64, scale: f64) {
 
 /// Compares pressures (mmHg), flows and total inflow (mmHg/Ω) with the solution by hand.
 fn check(network: &Network, conditions: &[(usize, Condition)], pressures: &[f64], flows: &[f64], inflow: f64) {
-    let state = State::solve(network, &boundary(network, conditions), &tubes(network), VISCOSITY).unwrap();
+    let state = State::solve(network, &boundary(network, conditions), &Tube::at_rest(network, VISCOSITY), VISCOSITY).unwrap();
     for (got, expected) in state.pressure.iter().zip(pressures) {
         close(got.unwrap() / MMHG, *expected, 100.0);
     }
@@ -49,6 +44,18 @@ fn check(network: &Network, conditions: &[(usize, Condition)], pressures: &[f64]
         close(got.flow * OHM / MMHG, *expected, inflow);
     }
     close(state.inflow * OHM / MMHG, inflow, inflow);
+}
+
+/// 8192 Pa at the outlet and 2⁻²⁰ Pa more at the inlet, over 1 Ω and 2 Ω in series: drops of 2⁻²⁰/3 and 2⁻¹⁹/3 Pa. Doubles beside 8192
+/// lie 2⁻³⁹ apart, six millionths of the smaller drop.
+#[test]
+fn drops_keep_their_digits_above_a_high_level() {
+    let series = resistors(3, &[(0, 1, 1.0), (1, 2, 2.0)]);
+    let [low, high] = [8192.0, 8192.0 + 2_f64.powi(-20)].map(Condition::Pressure);
+    let state = solve(&series, &[(0, high), (2, low)], VISCOSITY);
+    for (vessel, expected) in state.vessels.iter().zip([2_f64.powi(-20) / 3.0, 2_f64.powi(-19) / 3.0]) {
+        assert!((vessel.drop / expected - 1.0).abs() < 1e-15, "{} for {expected}", vessel.drop);
+    }
 }
 
 /// A Wheatstone bridge out of balance: 0-1 and 2-3 of 1 Ω, 0-2 and 1-3 of 2 Ω, the bridge 1-2 of 1 Ω. Turning it end for end
@@ -162,7 +169,7 @@ fn a_focal_stenosis_is_vessels_in_series() {
     close(one.wall_shear, series[1].wall_shear, one.wall_shear);
     close(one.velocity, series[1].velocity, one.velocity);
     close(one.reynolds, series[1].reynolds, one.reynolds);
-    let volumes: Vec<f64> = tubes(&parts).iter().map(|tube| tube.volume).collect();
+    let volumes: Vec<f64> = Tube::at_rest(&parts, VISCOSITY).iter().map(|tube| tube.volume).collect();
     let power: f64 = series.iter().zip(&volumes).map(|(v, volume)| v.resilience * volume).sum();
     close(one.resilience * volumes.iter().sum::<f64>(), power, power);
 }
@@ -239,7 +246,7 @@ fn perturbations_out_of_range_are_refused() {
     let (network, ends) = line(&[(30.0, 1.5)]);
     let refused = |changes: &[Change], words: [&str; 2]| {
         let changes: Vec<Perturbation> = changes.iter().map(|change| Perturbation { vessel: 0, change: *change }).collect();
-        let error = perturbed(&network, &tubes(&network), &changes).expect_err("refused").to_string();
+        let error = perturbed(&network, &Tube::at_rest(&network, VISCOSITY), &changes).expect_err("refused").to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     };
     let stenosis = |open_diameter, stretch| Change::Stenosis(Stenosis { open_diameter, stretch });
@@ -286,7 +293,7 @@ fn after_closing_the_first(vessels: &[(usize, usize, f64)]) -> (Named, Named) {
     let result = simulate(&bridge, &conditions, VISCOSITY, &closed).unwrap();
     let after = result.perturbed.expect("a perturbed state");
     let decimals = |q: f64| (1e6 * q * OHM / MMHG).round() / 1e6;
-    let gains = collaterals(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.gain()))).collect();
+    let gains = gains(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.gain()))).collect();
     let turned = reversals(&result.unperturbed, &after, &closed).iter().map(|c| (c.vessel, decimals(c.after))).collect();
     (gains, turned)
 }

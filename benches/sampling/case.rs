@@ -57,7 +57,7 @@ impl Case {
         let Peeled { circuit, chain } = peel(&Circuit::new(&self.network, &self.boundary, viscosity)?, &vec![false; vessels]);
         let ends = (0..vessels).map(|row| self.network.ends(row));
         let factor = self.network.vessels().zip(&chain).map(|((_, vessel), chain)| {
-            chain.map_or(0.0, |chain| resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length))
+            chain.map_or(0.0, |chain| resilience_per_square_drop(chain.conductance, vessel.volume()))
         });
         Ok(Pieces {
             occlusion: Occlusion::new(self.network.vessels().map(|(_, vessel)| (1.0 - EPSILON) * vessel.prior)),

@@ -47,7 +47,7 @@ fn main() -> Result<()> {
     let network = observed(fragments)?;
     let inlets = fs::read_to_string(inlets)?;
     let inlets: Vec<usize> =
-        inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?)).map(|found| found.node).collect();
+        inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?, |_| true)).map(|found| found.node).collect();
     let began = Instant::now();
     let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
     let bridges = search(&extraction, &params).map_err(Error::other)?;

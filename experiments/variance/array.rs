@@ -3,7 +3,7 @@
 
 use rand::Rng;
 use willis::perturbation::Occlusion;
-use willis::rng::block_stream;
+use willis::rng::stream;
 
 /// The stream that an array is drawn from.
 const STREAM: u64 = 1 << 41;
@@ -45,7 +45,7 @@ struct Column {
 
 impl Array {
     pub fn new(shape: Shape, keep: &[f64], seed: u64) -> Self {
-        let (s, mut rng) = (shape.levels, block_stream(seed, STREAM));
+        let (s, mut rng) = (shape.levels, stream(seed, STREAM));
         let digits = |number: u64| (0..shape.digits).map(move |d| (number / u64::from(s).pow(d)) as u32 % s);
         let mut points: Vec<u64> = (1..shape.samples()).filter(|p| digits(*p).rfind(|d| *d > 0) == Some(1)).collect();
         let columns = keep.iter().enumerate().map(|(i, keep)| {

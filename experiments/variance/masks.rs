@@ -5,7 +5,7 @@
 
 use rand::Rng;
 use willis::perturbation::Occlusion;
-use willis::rng::block_stream;
+use willis::rng::stream;
 
 use crate::array::{Array, Shape};
 
@@ -87,7 +87,7 @@ impl<'a> Masks<'a> {
             self.prepare_group(block >> (DIGITS - 6));
             return masks.extend(self.sequences.iter().map(|s| s.bits(block)));
         }
-        let mut rng = block_stream(self.seed, block);
+        let mut rng = stream(self.seed, block);
         masks.extend(self.keep.iter().map(|keep| match self.scheme {
             Scheme::Antithetic => antithetic(*keep, &mut rng),
             Scheme::Stratified => stratified(*keep, &mut rng),
@@ -97,7 +97,7 @@ impl<'a> Masks<'a> {
 
     fn prepare_group(&mut self, group: u64) {
         if self.group != Some(group) {
-            let mut rng = block_stream(self.seed, GROUPS + group);
+            let mut rng = stream(self.seed, GROUPS + group);
             self.sequences = self.keep.iter().map(|keep| Sequence::random(*keep, &mut rng)).collect();
             self.group = Some(group);
         }

@@ -54,7 +54,7 @@ impl Model {
             name: name.to_owned(),
             keep: vessels().zip(on_trial).map(|((v, _), trial)| if trial { (1.0 - epsilon) * v.prior } else { 1.0 }).collect(),
             neighbours: neighbours.collect(),
-            per_square_drop: vessels().map(|(v, c)| resilience_per_square_drop(*c, v.radius, v.length)).collect(),
+            per_square_drop: vessels().map(|(v, c)| resilience_per_square_drop(*c, v.volume())).collect(),
             circuit: circuit.clone(),
             program,
         };

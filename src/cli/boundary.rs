@@ -8,12 +8,12 @@ use serde::Serialize;
 use willis::error::{Error, Fault, Result};
 use willis::formats::bytes_of;
 use willis::formats::conditions::{read_csv, read_toml};
-use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
+use willis::hemodynamics::boundary::{Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
-use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
+use willis::network::{Condition, Network, Role, locate};
 use willis::quantity::Dimension;
 use willis::suggestion::did_you_mean;
-use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
+use willis::units::{ml_per_min, mmhg, mmhg_s_per_ml};
 
 use super::input::beside;
 use super::terminal::{Terminal, brief, plural};
@@ -43,8 +43,7 @@ pub struct BoundaryArgs {
 impl BoundaryArgs {
     /// What outlets that are found will be; `otherwise` when the option is not given.
     pub fn found_outlets(&self, murray: bool) -> Result<FoundOutlets> {
-        let usual = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
-        let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
+        let Some(text) = &self.outlets else { return Ok(if murray { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground }) };
         let refused = || {
             let meant = did_you_mean(text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
             Error::parameter(
@@ -55,7 +54,7 @@ impl BoundaryArgs {
         };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
-            None if text == "murray" => Ok(usual),
+            None if text == "murray" => Ok(FoundOutlets::CEREBRAL),
             Some(("murray", figure)) => {
                 let is_resistance = Dimension::Resistance.has_unit_in(figure);
                 let dimension = if is_resistance { Dimension::Resistance } else { Dimension::Flow };
@@ -135,12 +134,12 @@ fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role,
     let split = text.rsplit_once('=').filter(|_| !whole);
     match option {
         "--inlet" => match split.map(|(spec, value)| (spec, Dimension::Pressure.parse(value))) {
-            None => Ok((text, Role::Inlet, Condition::Pressure(pascals(INLET_PRESSURE_MMHG)))),
+            None => Ok((text, Role::Inlet, Condition::INLET)),
             Some((spec, pressure)) => Ok((spec, Role::Inlet, Condition::Pressure(pressure?))),
         },
         "--outlet" => match split {
-            None => Ok((text, Role::Outlet, Condition::Pressure(0.0))),
-            Some((spec, "ground")) => Ok((spec, Role::Outlet, Condition::Pressure(0.0))),
+            None => Ok((text, Role::Outlet, Condition::GROUND)),
+            Some((spec, "ground")) => Ok((spec, Role::Outlet, Condition::GROUND)),
             Some((spec, value)) if Dimension::Resistance.has_unit_in(value.split('@').next().unwrap_or_default()) => {
                 let (resistance, venous) = value.split_once('@').map_or((value, None), |(r, p)| (r, Some(p)));
                 let resistance = Dimension::Resistance.parse(resistance)?;
@@ -162,7 +161,7 @@ fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role,
         _ => {
             let (spec, value) = split.ok_or("expected SPEC=FLOW")?;
             let flow = Dimension::Flow.parse(value)?;
-            Ok((spec, if flow > 0.0 { Role::Inlet } else { Role::Outlet }, Condition::Flow(flow)))
+            Ok((spec, Role::of_flow(flow), Condition::Flow(flow)))
         }
     }
 }

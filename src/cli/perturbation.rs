@@ -3,9 +3,8 @@
 use clap::Args;
 use willis::error::{Error, Result};
 use willis::network::{Network, vessels_called};
-use willis::perturbation::Stenosis;
 use willis::quantity::Dimension;
-use willis::simulation::{Change, Perturbation};
+use willis::simulation::{Change, Perturbation, Stenosis};
 
 const SEVERITY: &str =
     "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";

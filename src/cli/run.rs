@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use willis::error::{Fault, Result};
 use willis::formats::bytes_of;
-use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
+use willis::hemodynamics::boundary::stated;
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
-use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role};
+use willis::network::{Condition, Network, Role};
 use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
 use willis::report::GRAPH_FILE;
-use willis::units::{cubic_metres_per_second, pascals};
+use willis::units::pascal_seconds;
 
 use super::circle::{CircleArgs, Found};
 use super::terminal::is_stopped;
@@ -163,8 +163,7 @@ pub struct Flow {
 impl Flow {
     /// Blood as infer takes it; outlets found are those of centerlines, or of a ready graph.
     pub fn of_blood(centerlines: bool) -> Self {
-        let murray = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
-        Self { viscosity: BLOOD_VISCOSITY, outlets: if centerlines { murray } else { FoundOutlets::Ground } }
+        Self { viscosity: BLOOD_VISCOSITY, outlets: if centerlines { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground } }
     }
 
     /// What the loss of each feeder means to the topology of the vessels `kept`.
@@ -181,7 +180,7 @@ pub fn state_inlets(network: &mut Network, circle: &Circle) {
     for node in circle.inlets() {
         let node = network.node_mut(node);
         if node.condition.is_none() {
-            (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))));
+            (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
         }
     }
 }
@@ -196,7 +195,7 @@ fn parameters(record: &Value) -> Option<Params> {
         uncertain: Uncertain::ALL.into_iter().find(|u| p["uncertain"] == u.name())?,
         weight: Weight::ALL.into_iter().find(|w| p["weight"] == w.name())?,
         uniform_prior: p["prior"] == "uniform",
-        viscosity: p["viscosity_cP"].as_f64()? / 1e3,
+        viscosity: pascal_seconds(p["viscosity_cP"].as_f64()?),
         exact: p["exact"].as_bool()?,
         ..Params::default()
     })

@@ -16,6 +16,7 @@ use willis::report::staged::{SHARD_MARK, StagedFolder, write_file};
 use willis::report::summary::Built;
 use willis::report::{candidate_parameters, outlets_found, read_part, word_of_keep, write_part};
 use willis::rng::BLOCK;
+use willis::units::centipoise;
 
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::infer::check_dpi;
@@ -110,7 +111,7 @@ fn parameters(job: &Job, params: &Params) -> BTreeMap<String, Value> {
         "epsilon": params.epsilon,
         "uncertain": params.uncertain.name(),
         "weight": params.weight.name(),
-        "viscosity_cP": params.viscosity * 1e3,
+        "viscosity_cP": centipoise(params.viscosity),
         "solver": params.solver,
         "keep": word_of_keep(job.rule),
         "outlets": outlets_found(job.outlets),

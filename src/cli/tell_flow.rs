@@ -1,9 +1,8 @@
 //! What `willis simulate` tells a person: resilience, inflow, and what a perturbation did to them.
 
 use willis::network::{Condition, Network};
-use willis::perturbation::Stenosis;
 use willis::report::{MOST_COLLATERALS, Simulated};
-use willis::simulation::{Change, Collateral, Perturbation, collaterals, reversals};
+use willis::simulation::{Change, FlowChange, Perturbation, Stenosis, gains, reversals};
 use willis::state::{LAMINAR_LIMIT, State};
 use willis::units::{millimetres, ml_per_min};
 
@@ -37,18 +36,18 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     if lost > 0 {
         terminal.say("cut off", format!("{}, joined to no pressure any more", plural(lost, "node")));
     }
-    let gains = collaterals(before, after, simulated.perturbations);
-    say_changes(terminal, network, "collateral", "more flow in", &gains);
+    let gained = gains(before, after, simulated.perturbations);
+    say_changes(terminal, network, "collateral", "more flow in", &gained);
     let turned = reversals(before, after, simulated.perturbations);
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
 }
 
-fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str, changes: &[Collateral]) {
+fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str, changes: &[FlowChange]) {
     if changes.is_empty() {
         terminal.say(heading, format!("{what} no other vessel"));
         return;
     }
-    let flows = |c: &Collateral| {
+    let flows = |c: &FlowChange| {
         let [before, after] = [c.before, c.after].map(|q| brief(ml_per_min(q)));
         format!("{} ({before} -> {after} mL/min)", name(network, c.vessel))
     };

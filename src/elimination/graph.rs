@@ -105,7 +105,7 @@ impl Lists {
 }
 
 impl Lists {
-    /// Per node its neighbours; none of a node that was taken out.
+    /// Per node its neighbours, none of those taken out among them.
     pub fn into_lists(self) -> Vec<Vec<usize>> {
         self.0
     }

@@ -32,31 +32,18 @@ impl Star {
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        by_degree(nodes, Bits::new(nodes, links), limit)
+        by_degree(nodes, &mut Bits::new(nodes, links), usize::MAX, limit)
     } else {
-        by_degree(nodes, Lists::new(nodes, links), limit)
+        by_degree(nodes, &mut Lists::new(nodes, links), usize::MAX, limit)
     }
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`; the stars, and what is left:
-/// per node its neighbours, none of them eliminated.
+/// per node that is left its neighbours, none of them eliminated.
 pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
     let mut graph = Lists::new(nodes, links);
-    let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
-    let mut queue: BTreeSet<(usize, usize)> =
-        degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most).collect();
-    let mut stars = Vec::new();
-    while let Some((_, center)) = queue.pop_first() {
-        let star = Star { center, neighbours: graph.eliminate(center) };
-        for node in &star.neighbours {
-            queue.remove(&(degree[*node], *node));
-            degree[*node] = graph.degree(*node);
-            if degree[*node] <= most {
-                queue.insert((degree[*node], *node));
-            }
-        }
-        stars.push(star);
-    }
+    // Without a limit there is always an order.
+    let stars = by_degree(nodes, &mut graph, most, usize::MAX).unwrap_or_default();
     (stars, graph.into_lists())
 }
 
@@ -85,13 +72,15 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>], among: impl Fn(usize) ->
     order
 }
 
-fn by_degree(nodes: usize, mut graph: impl Remaining, limit: usize) -> Option<Vec<Star>> {
+/// The stars of [`least_degree`] and [`low_degrees`].
+fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: usize) -> Option<Vec<Star>> {
     let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
-    let mut queue: BTreeSet<(usize, usize)> = degree.iter().copied().zip(0..nodes).collect();
+    let mut queue: BTreeSet<(usize, usize)> =
+        degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most).collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
     while let Some((least, center)) = queue.pop_first() {
-        if least == queue.len() {
+        if least + stars.len() + 1 == nodes {
             // All that are left are joined to one another.
             let mut rest: Vec<usize> = queue.iter().map(|(_, node)| *node).chain([center]).collect();
             rest.sort_unstable();
@@ -110,7 +99,9 @@ fn by_degree(nodes: usize, mut graph: impl Remaining, limit: usize) -> Option<Ve
         for node in &star.neighbours {
             queue.remove(&(degree[*node], *node));
             degree[*node] = graph.degree(*node);
-            queue.insert((degree[*node], *node));
+            if degree[*node] <= most {
+                queue.insert((degree[*node], *node));
+            }
         }
         stars.push(star);
     }
@@ -199,9 +190,9 @@ mod tests {
     #[test]
     fn bits_and_lists_give_the_same_order() {
         let links: Vec<[usize; 2]> = (0..300).flat_map(|i| [[i, (i + 1) % 300], [i, (i * i + 7) % 300]]).collect();
-        let stars = by_degree(300, Bits::new(300, &links), usize::MAX).expect("no limit");
+        let stars = by_degree(300, &mut Bits::new(300, &links), usize::MAX, usize::MAX).expect("no limit");
         assert!(stars.len() == 300 && stars[0].neighbours.len() < 10);
-        assert_eq!(Some(stars), by_degree(300, Lists::new(300, &links), usize::MAX));
+        assert_eq!(Some(stars), by_degree(300, &mut Lists::new(300, &links), usize::MAX, usize::MAX));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::error::Fault;
-use crate::network::{Condition, INLET_PRESSURE_MMHG, Role};
+use crate::network::{Condition, Role};
 use crate::quantity::Dimension;
 use crate::suggestion::did_you_mean;
 use crate::units::pascals;
@@ -124,9 +124,9 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
         dimension.parse(&text).map_err(|accepted| Fault::item(place, format!("{kind} value {text}"), accepted))
     };
     let (role, condition) = match kind {
-        "inlet" if entry.value.is_none() => (Role::Inlet, Condition::Pressure(pascals(INLET_PRESSURE_MMHG))),
+        "inlet" if entry.value.is_none() => (Role::Inlet, Condition::INLET),
         "inlet" => (Role::Inlet, Condition::Pressure(figure(Dimension::Pressure)?)),
-        "ground" => (Role::Outlet, Condition::Pressure(0.0)),
+        "ground" => (Role::Outlet, Condition::GROUND),
         "pressure" => (Role::Outlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "resistance" => {
             let venous = pascals(entry.venous_pressure_mmhg.unwrap_or(0.0));
@@ -134,7 +134,7 @@ fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
         }
         "flow" => {
             let flow = figure(Dimension::Flow)?;
-            (if flow > 0.0 { Role::Inlet } else { Role::Outlet }, Condition::Flow(flow))
+            (Role::of_flow(flow), Condition::Flow(flow))
         }
         other => {
             let meant = did_you_mean(other, ["inlet", "ground", "pressure", "resistance", "flow"]);

@@ -1,11 +1,9 @@
 //! Boundary conditions: which nodes blood enters and leaves by, as given or as found.
 
 use crate::error::{Error, Result};
-use crate::network::{Condition, INLET_PRESSURE_MMHG, Network, Origin, Role, Vessel, fragments};
-use crate::units::pascals;
+use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
+use crate::units::cubic_metres_per_second;
 
-/// Total flow through outlets found under [`FoundOutlets::Murray`] when none is stated, mL/min.
-pub const CEREBRAL_FLOW_ML_PER_MIN: f64 = 700.0;
 /// The widest free ends of the whole network that become inlets, at the most.
 const WIDEST_ENDS: usize = 3;
 
@@ -27,6 +25,11 @@ pub enum FoundOutlets {
     Ground,
     /// Terminal resistances in proportion to 1/r³ (Murray's law), to zero venous pressure.
     Murray(Total),
+}
+
+impl FoundOutlets {
+    /// The outlets of a brain when nothing is stated: 700 mL/min in all.
+    pub const CEREBRAL: Self = Self::Murray(Total::Flow(cubic_metres_per_second(700.0)));
 }
 
 /// What the terminal resistances of all outlets found come to, side by side.
@@ -75,7 +78,7 @@ impl Boundary {
             if inlets.is_empty() {
                 return Err(none("inlet", &ends, sinks));
             }
-            boundary.find(&inlets, Role::Inlet, |_| Condition::Pressure(pascals(INLET_PRESSURE_MMHG)));
+            boundary.find(&inlets, Role::Inlet, |_| Condition::INLET);
             boundary.found_inlets = inlets;
         }
         if !sinks {
@@ -90,10 +93,10 @@ impl Boundary {
                 _ => None,
             });
             let pressure = pressure.fold(0.0, f64::max);
-            let pressure = if pressure > 0.0 { pressure } else { pascals(INLET_PRESSURE_MMHG) };
+            let pressure = if pressure > 0.0 { pressure } else { INLET_PRESSURE };
             let mut cubes = cubes.into_iter();
             boundary.find(&found, Role::Outlet, |_| match outlets {
-                FoundOutlets::Ground => Condition::Pressure(0.0),
+                FoundOutlets::Ground => Condition::GROUND,
                 FoundOutlets::Murray(of_all) => {
                     let share = cubes.next().unwrap_or(total) / total;
                     let resistance = match of_all {
@@ -170,7 +173,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
     let (low, high) = (pressures().fold(f64::INFINITY, f64::min), pressures().fold(f64::NEG_INFINITY, f64::max));
     let role = |condition: &Condition| match condition {
         Condition::Pressure(p) if *p != 0.0 && 2.0 * p >= low + high => Role::Inlet,
-        Condition::Flow(q) if *q > 0.0 => Role::Inlet,
+        Condition::Flow(q) => Role::of_flow(*q),
         _ => Role::Outlet,
     };
     let given = network.nodes().enumerate().filter_map(|(node, n)| {

@@ -47,8 +47,7 @@ impl Cholesky {
     /// Analyses the pattern of a circuit; `None` when its conductances lie further apart than a factorisation can tell,
     /// or memory does not suffice.
     pub fn compile(circuit: &Circuit) -> Option<Self> {
-        let in_use = || circuit.ends.iter().zip(&circuit.conductance).filter(|(e, _)| e[0] != e[1]).map(|(_, c)| *c);
-        if in_use().fold(0.0, f64::max) > SPAN * in_use().fold(f64::INFINITY, f64::min) {
+        if too_far_apart(circuit, &circuit.conductance) {
             return None;
         }
         let mut row = vec![usize::MAX; circuit.node_count()];
@@ -93,7 +92,29 @@ impl Cholesky {
     /// # Errors
     ///
     /// The conductances are too far apart for a factorisation in double precision.
-    pub fn solve(&self, open: impl Fn(usize) -> bool, work: &mut Workspace, mut pressure: impl FnMut(usize, f64)) -> Result<()> {
+    pub fn solve(&self, open: impl Fn(usize) -> bool, work: &mut Workspace, pressure: impl FnMut(usize, f64)) -> Result<()> {
+        self.at(&self.circuit.conductance, open, work, pressure)
+    }
+
+    /// As [`Cholesky::solve`], with other conductances of the vessels (m³/(Pa s)) in the same pattern, zero for a closed one.
+    ///
+    /// # Errors
+    ///
+    /// The same.
+    pub fn solve_with(&self, conductance: &[f64], work: &mut Workspace, pressure: impl FnMut(usize, f64)) -> Result<()> {
+        if too_far_apart(&self.circuit, conductance) {
+            return Err(Error::Breakdown);
+        }
+        self.at(conductance, |vessel| conductance[vessel] > 0.0, work, pressure)
+    }
+
+    fn at(
+        &self,
+        conductance: &[f64],
+        open: impl Fn(usize) -> bool,
+        work: &mut Workspace,
+        mut pressure: impl FnMut(usize, f64),
+    ) -> Result<()> {
         let circuit = &self.circuit;
         let grounded = grounded(circuit, &open);
         work.values.clear();
@@ -110,7 +131,7 @@ impl Cholesky {
             }
         }
         for (vessel, [a, b]) in circuit.ends.iter().enumerate().filter(|(vessel, e)| e[0] != e[1] && open(*vessel)) {
-            let c = circuit.conductance[vessel];
+            let c = conductance[vessel];
             for (here, there) in [(*a, *b), (*b, *a)] {
                 if self.row[here] == usize::MAX {
                     continue;
@@ -157,4 +178,10 @@ impl Cholesky {
         factor.ok()?.solve_in_place_with_conj(Conj::No, right, Par::Seq, MemStack::new(memory));
         Some(())
     }
+}
+
+/// Whether conductances lie further apart than a factorisation can tell; a vessel from a node to itself counts for nothing.
+fn too_far_apart(circuit: &Circuit, conductance: &[f64]) -> bool {
+    let in_use = || circuit.ends.iter().zip(conductance).filter(|(e, _)| e[0] != e[1]).map(|(_, c)| *c);
+    in_use().fold(0.0, f64::max) > SPAN * in_use().fold(f64::INFINITY, f64::min)
 }

@@ -5,6 +5,14 @@ use super::tube::Tube;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
 
+/// Pressures closer than this share of the larger one are one.
+const SAME: f64 = 1e-12;
+
+/// Whether two pressures, Pa above a circuit's level, are one but for rounding.
+pub(super) fn same_pressure(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.max(b)
+}
+
 /// A resistor network in SI units. Kirchhoff's current law at every free node j, over its vessels e to nodes i:
 /// Σ_e C_e (P_j - P_i) + g_j P_j = s_j.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +40,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
-        let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, viscosity)).collect();
-        Self::of_tubes(network, boundary, &tubes)
+        Self::of_tubes(network, boundary, &Tube::at_rest(network, viscosity))
     }
 
     /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance.
@@ -42,13 +49,9 @@ impl Circuit {
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
     pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
-        let conductance = tubes.iter().enumerate().map(|(row, tube)| conductance(network, row, tube)).collect::<Result<_>>()?;
-        let pressures = boundary.conditions.iter().filter_map(|(_, condition)| match condition {
-            Condition::Pressure(p) => Some(*p),
-            Condition::Resistance { venous, .. } => Some(*venous),
-            Condition::Flow(_) => None,
-        });
-        let level = pressures.fold(f64::INFINITY, f64::min);
+        let conductance = conductances(network, tubes)?;
+        let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
+        let level = grounds.fold(f64::INFINITY, f64::min);
         let level = if level.is_finite() { level } else { 0.0 };
         let nodes = network.node_count();
         let mut circuit = Self {
@@ -90,23 +93,40 @@ impl Circuit {
     pub fn grounds(&self, node: usize) -> bool {
         self.fixed[node].is_some() || self.shunt[node] > 0.0
     }
+
+    /// The pressure to which the node is tied, by itself or through its terminal resistance, Pa above the level.
+    pub fn ground(&self, node: usize) -> Option<f64> {
+        self.fixed[node].or_else(|| (self.shunt[node] > 0.0).then(|| self.source[node] / self.shunt[node]))
+    }
+
+    /// Whether nothing but vessels leads to the node.
+    pub fn is_inner(&self, node: usize) -> bool {
+        self.fixed[node].is_none() && self.shunt[node] == 0.0 && self.source[node] == 0.0
+    }
+
+    /// The pressures (Pa) of nodes that lie so far above the level.
+    pub fn pressures(&self, above_level: &[Option<f64>]) -> Vec<Option<f64>> {
+        above_level.iter().map(|p| p.map(|p| p + self.level)).collect()
+    }
 }
 
-/// C = 1/R of the vessel in a row, m³/(Pa s).
+/// C = 1/R of each vessel, m³/(Pa s), zero of an occluded one.
 ///
 /// # Errors
 ///
 /// The conductance of an open vessel is infinite, not a number, or too small for a double.
-pub fn conductance(network: &Network, row: usize, tube: &Tube) -> Result<f64> {
-    let c = 1.0 / tube.resistance;
-    let [a, b] = network.ends(row);
-    if c.is_normal() || a == b || !tube.is_open() {
-        return Ok(c);
-    }
+pub fn conductances(network: &Network, tubes: &[Tube]) -> Result<Vec<f64>> {
+    let conductance = |(row, tube): (usize, &Tube)| {
+        let (c, [a, b]) = (1.0 / tube.resistance, network.ends(row));
+        let holds = c.is_normal() || a == b || !tube.is_open();
+        if holds { Ok(c) } else { Err(beyond_doubles(network, row, "conductance")) }
+    };
+    tubes.iter().enumerate().map(conductance).collect()
+}
+
+/// The error of a vessel so large or small that no double can hold what it `has`.
+pub fn beyond_doubles(network: &Network, row: usize, has: &str) -> Error {
     let vessel = network.vessel(row);
-    Err(Error::parameter(
-        network.vessel_name(row),
-        format!("of length {} m and radius {} m", vessel.length, vessel.radius),
-        "expected a conductance that a double can hold",
-    ))
+    let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
+    Error::parameter(network.vessel_name(row), size, format!("expected a {has} that a double can hold"))
 }

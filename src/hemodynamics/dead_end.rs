@@ -1,10 +1,7 @@
 //! Dead ends: parts that a single junction, or a single pressure, cuts off from everything that drives flow. Nothing flows
 //! there, a structural fact; an elimination that subtracts leaves rounding that could pass for flow.
 
-use super::circuit::Circuit;
-
-/// Pressures closer than this share of each other are one level.
-const SAME: f64 = 1e-12;
+use super::circuit::{Circuit, same_pressure};
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
 #[derive(Debug, Clone)]
@@ -38,18 +35,16 @@ impl DeadEnds {
     /// Lists the links of a circuit.
     pub fn new(circuit: &Circuit) -> Self {
         let nodes = circuit.node_count();
-        let level =
-            |n: usize| circuit.fixed[n].or_else(|| (circuit.shunt[n] > 0.0).then(|| circuit.source[n] / circuit.shunt[n]));
-        let mut levels: Vec<f64> = (0..nodes).filter_map(level).collect();
+        let mut levels: Vec<f64> = (0..nodes).filter_map(|node| circuit.ground(node)).collect();
         levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|b, a| *b - *a <= SAME * b.abs());
+        levels.dedup_by(|b, a| same_pressure(*a, *b));
         let root = nodes + levels.len();
         let mut pairs: Vec<([usize; 2], u32)> = Vec::new();
         for (vessel, ends) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
             pairs.push((*ends, vessel as u32));
         }
         for node in 0..nodes {
-            if let Some(p) = level(node) {
+            if let Some(p) = circuit.ground(node) {
                 pairs.push(([node, nodes + levels.partition_point(|l| *l <= p) - 1], ALWAYS));
             } else if circuit.source[node] != 0.0 {
                 pairs.push(([node, root], ALWAYS));

@@ -47,13 +47,8 @@ pub fn parts_that_carry(parts: &Fragments, boundary: &Boundary) -> Vec<bool> {
     for (node, condition) in &boundary.conditions {
         conditions[parts.of_node[*node]].push(*condition);
     }
-    let pressure = |c: &Condition| match c {
-        Condition::Pressure(p) => Some(*p),
-        Condition::Resistance { venous, .. } => Some(*venous),
-        Condition::Flow(_) => None,
-    };
     let carries = |conditions: &Vec<Condition>| {
-        let grounds: Vec<f64> = conditions.iter().filter_map(pressure).collect();
+        let grounds: Vec<f64> = conditions.iter().filter_map(Condition::ground).collect();
         let injected = conditions.len() > grounds.len();
         grounds.first().is_some_and(|first| injected || grounds.iter().any(|p| p != first))
     };

@@ -17,4 +17,4 @@ mod tube;
 pub use boundary::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use star_mesh::StarMesh;
-pub use tube::Tube;
+pub use tube::{Factors, Tube};

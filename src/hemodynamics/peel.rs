@@ -50,7 +50,7 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
         let resistance = 1.0 / circuit.conductance[vessel];
         links.push(Some(Link { ends: *ends, resistance, members: vec![vessel], certain: certain[vessel] }));
     }
-    let inner = |node: usize| circuit.fixed[node].is_none() && circuit.shunt[node] == 0.0 && circuit.source[node] == 0.0;
+    let inner = |node: usize| circuit.is_inner(node);
     let mut gone = vec![false; circuit.node_count()];
     let mut open: Vec<usize> = (0..circuit.node_count()).rev().filter(|n| inner(*n)).collect();
     while let Some(node) = open.pop() {

@@ -4,11 +4,8 @@
 //! A tree whose ends share one pressure P₀ is a conductance to P₀ at the node that it hangs on, and every drop in it is a fixed share
 //! of P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
-use super::circuit::Circuit;
+use super::circuit::{Circuit, same_pressure};
 use super::peel::{Peeled, peel};
-
-/// Pressures closer than this share of the larger one are one.
-const SAME: f64 = 1e-12;
 
 /// A reduced circuit.
 #[derive(Debug)]
@@ -57,18 +54,17 @@ enum Ground {
 
 impl Ground {
     fn of(circuit: &Circuit, node: usize) -> Self {
-        match (circuit.fixed[node], circuit.shunt[node], circuit.source[node]) {
-            (Some(pressure), ..) => Self::At(pressure),
-            (None, 0.0, 0.0) => Self::Nothing,
-            (None, 0.0, _) => Self::Mixed,
-            (None, shunt, source) => Self::At(source / shunt),
+        match circuit.ground(node) {
+            Some(pressure) => Self::At(pressure),
+            None if circuit.is_inner(node) => Self::Nothing,
+            None => Self::Mixed,
         }
     }
 
     fn and(self, pressure: f64) -> Self {
         match self {
             Self::Nothing => Self::At(pressure),
-            Self::At(other) if (other - pressure).abs() <= SAME * other.max(pressure) => self,
+            Self::At(other) if same_pressure(other, pressure) => self,
             _ => Self::Mixed,
         }
     }

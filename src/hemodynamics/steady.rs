@@ -40,12 +40,13 @@ impl<'a> Steady<'a> {
         Ok(Self { circuit, solver })
     }
 
-    /// The pressure (Pa) of every node with the vessels `open`; `None` in floating components, where it is undefined.
+    /// The pressure of every node with the vessels `open`, Pa above the circuit's level, from which drops are taken without a loss;
+    /// `None` in floating components, where it is undefined.
     ///
     /// # Errors
     ///
     /// Conjugate gradients that do not converge on a large circuit.
-    pub fn pressures(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
+    pub fn above_level(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
         let circuit = self.circuit;
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
         let stranded = stranded(circuit, &masks, 1);
@@ -67,7 +68,7 @@ impl<'a> Steady<'a> {
             }
         };
         let grounded = grounded(circuit, open);
-        Ok(above_level.iter().zip(grounded).map(|(p, grounded)| grounded.then_some(p + circuit.level)).collect())
+        Ok(above_level.iter().zip(grounded).map(|(p, grounded)| grounded.then_some(*p)).collect())
     }
 }
 
@@ -75,7 +76,7 @@ impl<'a> Steady<'a> {
 ///
 /// # Errors
 ///
-/// As [`Steady::new`] and [`Steady::pressures`].
+/// As [`Steady::new`] and [`Steady::above_level`].
 pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
-    Steady::new(circuit)?.pressures(open)
+    Ok(circuit.pressures(&Steady::new(circuit)?.above_level(open)?))
 }

@@ -1,9 +1,7 @@
 //! What a vessel is to the flow: a resistance, and the lumen in which it dissipates energy.
 
-use std::f64::consts::PI;
-
 use super::poiseuille::resistance;
-use crate::network::Vessel;
+use crate::network::{Network, Vessel};
 
 /// A vessel as the flow meets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,13 +14,51 @@ pub struct Tube {
     pub radius: f64,
 }
 
+/// By what the figures of a vessel are multiplied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// The resistance, whether it is stated or Poiseuille's.
+    pub resistance: f64,
+    /// The volume of the lumen.
+    pub volume: f64,
+    /// The radius where the vessel is narrowest.
+    pub radius: f64,
+    /// The length.
+    pub length: f64,
+}
+
+impl Factors {
+    /// A vessel left as it is.
+    pub const ONE: Self = Self { resistance: 1.0, volume: 1.0, radius: 1.0, length: 1.0 };
+
+    /// A vessel longer by a factor: R and the volume of the lumen grow with it.
+    pub fn of_length(length: f64) -> Self {
+        Self { resistance: length, volume: length, radius: 1.0, length }
+    }
+}
+
 impl Tube {
+    /// Every vessel of a network at rest; `viscosity` in Pa s.
+    pub fn at_rest(network: &Network, viscosity: f64) -> Vec<Self> {
+        network.vessels().map(|(_, vessel)| Self::of(vessel, viscosity)).collect()
+    }
+
     /// A vessel at rest: the resistance that it states, or that of Poiseuille's law.
     pub fn of(vessel: &Vessel, viscosity: f64) -> Self {
         Self {
             resistance: vessel.resistance.unwrap_or_else(|| resistance(vessel.length, vessel.radius, viscosity)),
-            volume: PI * vessel.radius * vessel.radius * vessel.length,
+            volume: vessel.volume(),
             radius: vessel.radius,
+        }
+    }
+
+    /// The vessel with its figures multiplied.
+    #[must_use]
+    pub fn times(&self, factors: &Factors) -> Self {
+        Self {
+            resistance: self.resistance * factors.resistance,
+            volume: self.volume * factors.volume,
+            radius: self.radius * factors.radius,
         }
     }
 

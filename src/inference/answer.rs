@@ -16,13 +16,13 @@ pub const UNDECIDED_BAND: f64 = 0.2;
 /// The decision on every vessel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// The threshold of the rule; `None` when nothing is on trial with L > 0.
+    /// The threshold of the rule; `None` when no uncertain vessel has L > 0.
     pub threshold: Option<f64>,
     /// The median of L over the uncertain vessels with L > 0, W/m³.
     pub median: Option<f64>,
-    /// Vessels kept by the rule; those not on trial always are.
+    /// Vessels kept by the rule; those not uncertain always are.
     pub kept: Vec<bool>,
-    /// Vessels above the median; those not on trial always are.
+    /// Vessels above the median; those not uncertain always are.
     pub above_median: Vec<bool>,
     /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
@@ -31,9 +31,9 @@ pub struct Answer {
 /// A count of what a kept graph holds.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Topology {
-    /// Vessels on trial that stay.
+    /// Uncertain vessels that stay.
     pub kept: usize,
-    /// Vessels on trial that go.
+    /// Uncertain vessels that go.
     pub pruned: usize,
     /// Candidates among the kept.
     pub kept_candidates: usize,
@@ -55,7 +55,17 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answ
     let median = threshold(Keep::Median, result);
     let rows = 0..result.likelihood.len();
     let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
-    let (mut kept, close) = if rule.asks_evidence() { by_evidence(rule, network)? } else { by_samples(rule, cut, result) };
+    let (mut kept, close) = match rule {
+        Keep::Probability(least) => {
+            let probability = evidence("probability", network)?;
+            (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, least))
+        }
+        Keep::Probable(root_factor) => {
+            let probability = evidence("probable", network)?;
+            (probable(network, root_factor)?, near(&probability, 0.5))
+        }
+        _ => by_samples(rule, cut, result),
+    };
     for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
         *kept |= !uncertain;
     }
@@ -63,24 +73,18 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Answ
     Ok(Answer { threshold: cut, median, kept, above_median, undecided })
 }
 
-/// Per vessel whether it passes, and whether its probability is near the cut.
-fn by_evidence(rule: Keep, network: &Network) -> Result<(Vec<bool>, Vec<bool>)> {
-    if !has_evidence(network) {
-        let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
-        return Err(Error::parameter(
-            "--keep",
-            if matches!(rule, Keep::Probable(_)) { "probable" } else { "probability" },
-            accepted,
-        ));
+/// The probability of each vessel, which a rule asks for.
+fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+    if has_evidence(network) {
+        return Ok(probabilities(network));
     }
-    let probability = probabilities(network);
-    let (kept, cut) = match rule {
-        Keep::Probability(cut) => (probability.iter().map(|p| p.is_some_and(|p| p >= cut)).collect(), cut),
-        Keep::Probable(root_factor) => (probable(network, root_factor)?, 0.5),
-        _ => (vec![false; probability.len()], 0.5),
-    };
-    let close = probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect();
-    Ok((kept, close))
+    let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
+    Err(Error::parameter("--keep", rule, accepted))
+}
+
+/// Per vessel whether its probability is near the cut.
+fn near(probability: &[Option<f64>], cut: f64) -> Vec<bool> {
+    probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect()
 }
 
 /// Per vessel whether it passes, and whether its figure is within chance of the threshold.
@@ -128,10 +132,10 @@ impl Topology {
         for ([a, _], _) in graph.vessels() {
             unperfused[parts.of_node[a]] = !carries[parts.of_node[a]];
         }
-        let trial = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
+        let count = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
         Self {
-            kept: trial(true),
-            pruned: trial(false),
+            kept: count(true),
+            pruned: count(false),
             kept_candidates: network
                 .vessels()
                 .zip(kept)

@@ -61,26 +61,6 @@ pub fn infer(
     Ok((sampling.likelihood(&part), sampling.method()))
 }
 
-/// Doubles the samples, from 1,024 up to 2²⁰, until no vessel on trial is undecided under `rule`; under the median where the
-/// evidence decides, which no samples change.
-///
-/// The result is that of [`infer`] with the number of samples reached.
-///
-/// # Errors
-///
-/// As [`infer`].
-pub fn infer_until_stable(
-    network: &Network,
-    boundary: &Boundary,
-    params: &Params,
-    rule: Keep,
-    progress: &mut impl Progress,
-) -> Result<(Likelihood, Method)> {
-    let mut sampling = Sampling::new(network, boundary, &Params { samples: FIRST_STABLE, ..params.clone() })?;
-    let mut part = sampling.part();
-    Ok((sampling.until_stable(&mut part, network, rule, progress)?, sampling.method()))
-}
-
 /// A run made ready, to be sampled in parts.
 #[derive(Debug)]
 pub struct Sampling {
@@ -181,7 +161,7 @@ impl Sampling {
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
-    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no vessel on trial is undecided under `rule`; one that was
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no uncertain vessel is undecided under `rule`; one that was
     /// begun goes on with the samples that `part` has come to.
     ///
     /// # Errors

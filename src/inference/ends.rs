@@ -6,10 +6,7 @@ use rand::RngExt;
 
 use super::params::Params;
 use crate::network::{Network, Origin, fragments};
-use crate::rng::{BLOCK, block_stream};
-
-/// The streams of the free ends are none of the occlusion's.
-const ENDS_STREAM: u64 = 1 << 63;
+use crate::rng::{BLOCK, stream, streams};
 
 /// What a topology weighs for each known outlet that nothing feeds: e⁻², as an end that ends where it is. Not nothing, because what
 /// feeds it may lie beyond the field of view.
@@ -62,7 +59,7 @@ pub(super) fn draw_ends(network: &Network, known: Known<'_>, params: &Params, mu
     let ends = known.choices(network);
     let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
     for first in (0..params.samples).step_by(BLOCK as usize) {
-        let mut rng = block_stream(params.seed, ENDS_STREAM | (first / BLOCK));
+        let mut rng = stream(params.seed, streams::ends(first / BLOCK));
         for _ in first..params.samples.min(first + BLOCK) {
             let mut kept = given.clone();
             for choices in &ends {

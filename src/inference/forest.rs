@@ -1,16 +1,18 @@
 //! The maximum spanning forest of resilience, equal to the minimum spanning forest of 1/ρ, by Kruskal's algorithm.
 
-use crate::simd::{Scalar, Simd};
+use crate::simd::{Lanes, Scalar, Simd, map};
 
 const INDEX_BITS: u32 = 29;
 /// More vessels than this cannot be told apart by a key.
 pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
+/// Resiliences are cut here, so that their keys stay finite as doubles.
+pub const MOST_RESILIENCE: f64 = f64::MAX / 8.0;
 
 /// The sort key of a diffused vessel: ρ rounded to 24 significant bits, then the lower row first.
 ///
 /// Vessels in series with one radius have exactly equal ρ; rounding makes them tie in the computer too, and the rule for
 /// ties then makes every algorithm find the same forest. Larger keys come first. Read as the bits of a double the keys
-/// are positive, finite and in the same order, for ρ below a quarter of the largest double.
+/// are positive, finite and in the same order, for ρ up to an eighth of the largest double.
 pub fn key(resilience: f64, vessel: usize) -> u64 {
     keys(Scalar::new(), resilience, vessel).to_bits()
 }
@@ -18,12 +20,20 @@ pub fn key(resilience: f64, vessel: usize) -> u64 {
 /// The [`key`]s of a vessel in several samples, as doubles.
 #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
 #[inline(always)]
-pub fn keys<S: Simd>(simd: S, resilience: S::f64s, vessel: usize) -> S::f64s {
+fn keys<S: Simd>(simd: S, resilience: S::f64s, vessel: usize) -> S::f64s {
     let half = simd.splat_u64s(1 << (INDEX_BITS - 1));
     let high = simd.splat_u64s(u64::MAX << INDEX_BITS);
     let index = simd.splat_u64s((MAX_VESSELS - 1 - vessel) as u64);
     let rounded = simd.and_u64s(simd.add_u64s(simd.transmute_u64s_f64s(resilience), half), high);
     simd.transmute_f64s_u64s(simd.or_u64s(rounded, index))
+}
+
+/// The [`key`]s of a vessel in a group of samples, as doubles; zero where it is not diffused.
+#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+#[inline(always)]
+pub fn keys_or_zero<S: Simd, const B: usize>(simd: S, resilience: &Lanes<B>, vessel: usize) -> Lanes<B> {
+    let zero = simd.splat_f64s(0.0);
+    map(simd, resilience, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero))
 }
 
 /// The vessel of a [`key`].
@@ -32,7 +42,7 @@ pub fn vessel(key: u64) -> usize {
     MAX_VESSELS - 1 - key as usize % MAX_VESSELS
 }
 
-/// Where the vessels of [`keys`] stand when `vessels` are counted from the last, which is at 1; a key of zero is at 0.
+/// Where the vessels of [`keys_or_zero`] stand when `vessels` are counted from the last, which is at 1; a key of zero is at 0.
 #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
 #[inline(always)]
 pub fn rows<S: Simd>(simd: S, keys: S::f64s, vessels: usize) -> S::u64s {

@@ -2,21 +2,18 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::bottleneck::{Bottleneck, Offer, TAKEN, Taken};
+use super::bottleneck::{TAKEN, Taken};
 use super::census::open_vessels;
-use super::forest::{Forest, keys};
+use super::forest::{Forest, MOST_RESILIENCE, keys_or_zero};
 use super::likelihood::Sums;
 use super::params::Weight;
 use super::tally::{Samples, Tally, expectation, part};
-use crate::hemodynamics::Circuit;
+use super::whole::Whole;
 use crate::hemodynamics::residual::Check;
-use crate::hemodynamics::star_mesh::{self, StarMesh};
+use crate::hemodynamics::star_mesh;
 use crate::resilience::DROP_CUT;
 use crate::rng::BLOCK;
 use crate::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, splat, zip};
-
-/// Resiliences are cut here, so that their keys stay finite as doubles.
-const MOST: f64 = f64::MAX / 8.0;
 
 /// The memory of a group, by its width.
 pub enum Group {
@@ -92,38 +89,22 @@ pub struct Flow {
 /// What all groups of a block share.
 #[derive(Debug)]
 pub struct Job<'a> {
+    /// The graph.
+    pub whole: &'a Whole,
     /// Per vessel the samples in which it is open; no bit beyond `samples`.
     pub masks: &'a [u64],
     /// Nodes whose injected flow has nowhere to go, with the samples in which that is so.
     pub stranded: &'a [(usize, u64)],
     /// How many samples.
     pub samples: usize,
-    /// Per vessel how its resilience follows.
-    pub flows: &'a [Flow],
-    /// Added to every pressure, Pa.
-    pub level: f64,
-    /// What is solved.
-    pub circuit: &'a Circuit,
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
-    /// The nodes of each vessel.
-    pub ends: &'a [[usize; 2]],
-    /// How many nodes.
-    pub nodes: usize,
-    /// What a vessel of the forest contributes.
-    pub weight: Weight,
-    /// The forest program; Kruskal's algorithm without one.
-    pub bottleneck: Option<&'a Bottleneck>,
-    /// Where the keys of each vessel go.
-    pub offers: &'a [Offer],
 }
 
 /// A block whose samples are taken in groups of `B`.
 pub struct InLanes<'a, const B: usize> {
     /// What the groups share.
     pub job: Job<'a>,
-    /// The compiled solver.
-    pub solver: &'a StarMesh,
     /// The memory of a group.
     pub work: &'a mut Memory<B>,
     /// Receives the sums.
@@ -135,8 +116,9 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { job, solver, work, sums } = self;
-        let vessels = job.flows.len();
+        let Self { job, work, sums } = self;
+        let Whole { solver, bottleneck, .. } = job.whole;
+        let vessels = job.whole.flows.len();
         work.taken.fill([0; B]);
         let present = open_vessels(simd, job.masks);
         let mut global = Samples::ZERO;
@@ -144,16 +126,16 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
             solver.solve(simd, job.masks, first, job.stranded, &mut work.flow);
             if first == 0 {
                 let pressure = |node| work.flow.pressure[solver.slot(node)][0];
-                sums.residual = work.check.residual(job.circuit, job.masks, 0, job.stranded, pressure).relative;
+                sums.residual = work.check.residual(&job.whole.circuit, job.masks, 0, job.stranded, pressure).relative;
             }
             job.level(simd, &work.flow.pressure, &mut work.level);
-            if let Some(program) = job.bottleneck {
+            if let Some(program) = bottleneck {
                 program.clear(&mut work.key);
             }
             let total = job.resiliences(simd, at, work);
             global[first..first + B].copy_from_slice(&*total);
             let taken = &mut work.taken[at * (vessels + 1)..][..=vessels];
-            match job.bottleneck {
+            match bottleneck {
                 Some(program) => program.grow(simd, &mut work.key, taken),
                 None => job.kruskal(&mut work.forest, &work.key, taken),
             }
@@ -166,7 +148,7 @@ impl<const B: usize> Kernel for InLanes<'_, B> {
         let resilience = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
         let one = |_, _| splat(simd, 1.0);
         let global = |_, first| part(&*global, first);
-        match (job.weight, job.probability) {
+        match (job.whole.weight, job.probability) {
             (Weight::Resilience, None) => tally.add_up(simd, resilience, sums),
             (Weight::Resilience, Some(p)) => tally.add_up_weighted(simd, resilience, p, sums),
             (Weight::Count, None) => tally.add_up(simd, one, sums),
@@ -181,7 +163,7 @@ impl Job<'_> {
     /// What the vessels at a slot need to know of it.
     #[inline(always)]
     fn level<S: Simd, const B: usize>(&self, simd: S, pressure: &[Lanes<B>], level: &mut [Level<B>]) {
-        let (above, share) = (simd.splat_f64s(self.level), simd.splat_f64s(DROP_CUT));
+        let (above, share) = (simd.splat_f64s(self.whole.circuit.level), simd.splat_f64s(DROP_CUT));
         for (level, pressure) in level.iter_mut().zip(pressure) {
             level.pressure = *pressure;
             level.cut = map(simd, pressure, |p| simd.mul_f64s(share, simd.abs_f64s(simd.add_f64s(p, above))));
@@ -191,11 +173,12 @@ impl Job<'_> {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
     fn resiliences<S: Simd, const B: usize>(&self, simd: S, group: usize, work: &mut Memory<B>) -> Lanes<B> {
-        let [most, zero] = [MOST, 0.0].map(|x| simd.splat_f64s(x));
+        let [most, zero] = [MOST_RESILIENCE, 0.0].map(|x| simd.splat_f64s(x));
         let (level, key) = (&work.level[..], &mut work.key[..]);
         let mut sum = Lanes::ZERO;
-        let resilience = &mut work.resilience[group * self.flows.len()..][..self.flows.len()];
-        let vessels = self.flows.iter().zip(self.masks).zip(self.offers).zip(resilience);
+        let flows = &self.whole.flows;
+        let resilience = &mut work.resilience[group * flows.len()..][..flows.len()];
+        let vessels = flows.iter().zip(self.masks).zip(self.whole.offers()).zip(resilience);
         for (vessel, (((flow, mask), offer), resilience)) in vessels.enumerate() {
             let [a, b] = flow.slots.map(|slot| &level[slot as usize]);
             let drop = zip(simd, &a.pressure, &b.pressure, |a, b| simd.sub_f64s(a, b));
@@ -207,10 +190,9 @@ impl Job<'_> {
                 simd.select_f64s(flows, rho, zero)
             });
             let rho = masked(simd, &rho, *mask, group * B);
-            let keys = map(simd, &rho, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, vessel), zero));
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
-            offer.put(simd, &keys, key);
+            offer.put(simd, &keys_or_zero(simd, &rho, vessel), key);
         }
         sum
     }
@@ -222,7 +204,8 @@ impl Job<'_> {
             for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
                 forest.add(keys.to_bits());
             }
-            forest.grow(self.nodes, self.ends, |vessel| taken[self.flows.len() - vessel][lane] = TAKEN);
+            let Whole { circuit, ends, flows, .. } = self.whole;
+            forest.grow(circuit.node_count(), ends, |vessel| taken[flows.len() - vessel][lane] = TAKEN);
         }
     }
 }

@@ -82,7 +82,7 @@ pub struct Likelihood {
     pub std_error: Vec<f64>,
     /// Share of the samples with the vessel in the forest.
     pub frequency: Vec<f64>,
-    /// Whether the vessel was on trial.
+    /// Whether the vessel was uncertain.
     pub uncertain: Vec<bool>,
     /// Mean of ρ_G over the samples, W/m³.
     pub network_resilience: f64,

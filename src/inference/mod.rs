@@ -26,16 +26,14 @@ mod whole;
 
 pub use answer::{Answer, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
 pub use bottleneck::{Bottleneck, Offer, Taken};
-pub use driver::{FIRST_STABLE, Progress, Sampling, infer, infer_until_stable};
+pub use driver::{FIRST_STABLE, Progress, Sampling, infer};
 pub use dyadic::{Dyadic, Summed};
 pub use ends::Known;
 pub use forest::{Forest, key};
 pub use likelihood::{Likelihood, Snapshot, Sums};
 pub use params::{Params, Solver, Uncertain, Weight};
 pub use part::Part;
-pub use probable::{
-    ExpectedErrors, LEAST_CLOSURE, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
-};
+pub use probable::{ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable};
 pub use sampler::{Method, Sampler, Workspace};
 pub use threshold::{Keep, threshold};
 pub use topologies::{Draw, Topologies};

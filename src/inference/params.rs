@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use crate::hemodynamics::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use crate::network::{Network, Origin, Vessel};
 
-/// Which vessels are on trial.
+/// Which vessels are uncertain: occluded at random, and to be decided on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Uncertain {
     /// The candidates; observed vessels are never occluded.
@@ -28,7 +28,7 @@ impl Uncertain {
         }
     }
 
-    /// Per vessel whether it is on trial; one marked certain never is.
+    /// Per vessel whether it is uncertain; one marked certain never is.
     pub fn vessels(self, network: &Network) -> Vec<bool> {
         network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin == Origin::Candidate)).collect()
     }
@@ -92,7 +92,7 @@ pub struct Params {
     pub samples: u64,
     /// The seed.
     pub seed: u64,
-    /// Which vessels are on trial.
+    /// Which vessels are uncertain.
     pub uncertain: Uncertain,
     /// What a vessel of the forest contributes.
     pub weight: Weight,
@@ -124,7 +124,7 @@ impl Default for Params {
 }
 
 impl Params {
-    /// The chance of each vessel to be open in a sample: λA on trial, else 1.
+    /// The chance of each vessel to be open in a sample: λA of an uncertain one, else 1.
     pub fn keep_probabilities(&self, network: &Network) -> Vec<f64> {
         let prior = |v: &Vessel| if self.uniform_prior { 1.0 } else { v.prior };
         let keep = |v: &Vessel, uncertain: bool| if uncertain { (1.0 - self.epsilon) * prior(v) } else { 1.0 };
@@ -143,9 +143,6 @@ impl Params {
         if self.samples == 0 || self.samples > 1 << 50 {
             return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
         }
-        if !(self.viscosity.is_normal() && self.viscosity > 0.0) {
-            return Err(Error::parameter("--viscosity", self.viscosity * 1e3, "expected a positive number of cP"));
-        }
-        Ok(())
+        check_viscosity(self.viscosity)
     }
 }

@@ -9,7 +9,7 @@ use crate::rng::BLOCK;
 
 /// Points of the convergence record that a run aims at.
 const SNAPSHOTS: u64 = 128;
-/// About as many numbers as that record may hold: with more vessels on trial it has fewer points.
+/// About as many numbers as that record may hold: with more uncertain vessels it has fewer points.
 const MOST_NUMBERS: u64 = 1 << 24;
 
 /// What is finished of a run. The same blocks make the same part, bit for bit, in whatever order they came, and the parts of
@@ -26,7 +26,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Nothing yet of a run of so many samples with these vessels on trial.
+    /// Nothing yet of a run of so many samples with these uncertain vessels.
     pub fn new(uncertain: Vec<bool>, samples: u64) -> Self {
         let step = step(samples.div_ceil(BLOCK), uncertain.iter().filter(|u| **u).count());
         Self { uncertain, samples, step, sums: Dyadic::default(), steps: BTreeMap::new() }
@@ -47,7 +47,7 @@ impl Part {
         self.step
     }
 
-    /// Whether each vessel is on trial.
+    /// Whether each vessel is uncertain.
     pub fn uncertain(&self) -> &[bool] {
         &self.uncertain
     }
@@ -84,7 +84,7 @@ impl Part {
         let (uncertain, step, steps) = (&self.uncertain, self.step, &mut self.steps);
         self.sums.insert(first, blocks, sums, spare, |first, blocks, sums| {
             if blocks == step {
-                steps.insert(first / step, on_trial(&sums.likelihood, uncertain));
+                steps.insert(first / step, of_uncertain(&sums.likelihood, uncertain));
             }
         });
     }
@@ -158,18 +158,18 @@ impl Part {
         if !self.blocks().is_multiple_of(self.step)
             && let Some(total) = self.total()
         {
-            trace.push(Snapshot { samples: total.samples, likelihood: on_trial(&total.likelihood, &self.uncertain) });
+            trace.push(Snapshot { samples: total.samples, likelihood: of_uncertain(&total.likelihood, &self.uncertain) });
         }
         trace
     }
 }
 
 /// Blocks between two points of the convergence record: a matter of the run alone, not of its threads or parts.
-fn step(blocks: u64, on_trial: usize) -> u64 {
-    let snapshots = (MOST_NUMBERS / (on_trial as u64).max(1)).clamp(1, SNAPSHOTS);
+fn step(blocks: u64, uncertain: usize) -> u64 {
+    let snapshots = (MOST_NUMBERS / (uncertain as u64).max(1)).clamp(1, SNAPSHOTS);
     (blocks / snapshots).max(1).next_power_of_two()
 }
 
-fn on_trial(values: &[f64], uncertain: &[bool]) -> Vec<f64> {
+fn of_uncertain(values: &[f64], uncertain: &[bool]) -> Vec<f64> {
     values.iter().zip(uncertain).filter(|(_, u)| **u).map(|(x, _)| *x).collect()
 }

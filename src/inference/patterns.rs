@@ -29,12 +29,11 @@ impl Patterns {
         if !params.exact {
             return Ok(Self::Drawn { occlusion: Occlusion::new(keep), seed: params.seed });
         }
-        let uncertain = keep.iter().filter(|p| (f64::MIN_POSITIVE..1.0).contains(*p)).count();
-        let refused = || {
+        let refused = |uncertain| {
             let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without --exact");
             Error::parameter("--exact", format!("with {uncertain} uncertain vessels"), accepted)
         };
-        Enumeration::new(&keep).map(Self::Enumerated).ok_or_else(refused)
+        Enumeration::new(&keep).map(Self::Enumerated).map_err(refused)
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.

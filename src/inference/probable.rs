@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::network::{Network, Origin, Vessel, fragments};
 use crate::posterior::{Bridge, Forests, arborescence};
 
-/// A loop within one fragment is closed from this probability on: there is nothing that it must beat.
-pub const LEAST_CLOSURE: f64 = 0.2;
+/// A candidate that closes a loop within one fragment is kept from this probability on: there is nothing that it must beat.
+const KEPT_CLOSURE: f64 = 0.2;
 
 /// The usual root factor.
 pub const ROOT_FACTOR: f64 = 1.0;
@@ -51,7 +51,7 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
         let Some(evidence) = v.evidence else { continue };
         let [a, b] = [a, b].map(|node| parts.of_node[node]);
         if a == b {
-            kept[row] = evidence.probability >= LEAST_CLOSURE;
+            kept[row] = evidence.probability >= KEPT_CLOSURE;
             continue;
         }
         for (child, parent, score) in [(a, b, evidence.hangs[0]), (b, a, evidence.hangs[1])] {

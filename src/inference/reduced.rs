@@ -16,17 +16,16 @@ use super::tally::Samples;
 use super::ties::Ties;
 use crate::error::{Error, Result};
 use crate::hemodynamics::cholesky::Cholesky;
+use crate::hemodynamics::circuit::beyond_doubles;
 use crate::hemodynamics::conjugate_gradients::ConjugateGradients;
 use crate::hemodynamics::floating::stranded;
 use crate::hemodynamics::reduction::Reduction;
 use crate::hemodynamics::steady::MOST_BACKWARD;
 use crate::hemodynamics::{Circuit, StarMesh};
 use crate::network::Network;
-use crate::resilience::resilience_per_square_flow;
+use crate::resilience::{resilience, resilience_per_square_flow};
 use crate::rng::BLOCK;
 use crate::simd::{InstructionSet, Scalar};
-
-use std::f64::consts::PI;
 
 /// Everything about a reduced graph that all its samples share.
 #[derive(Debug)]
@@ -37,9 +36,6 @@ pub struct Reduced {
     weight: Weight,
     instructions: InstructionSet,
 }
-
-/// Resiliences are cut here, so that their keys stay finite as doubles.
-pub const MOST: f64 = f64::MAX / 8.0;
 
 /// The memory of one worker, by the way in which its samples are taken.
 pub enum Workspace {
@@ -91,7 +87,7 @@ pub struct LinkFlow {
     /// The row that stands for its other vessels, which every forest takes as long as there is flow, and its ρ over the weakest.
     pub carried: Option<(u32, f64)>,
     /// Whether samples may close it.
-    pub on_trial: bool,
+    pub may_close: bool,
 }
 
 /// How the resilience in a tree follows from the pressure P at the node that it hangs on.
@@ -139,14 +135,10 @@ impl Reduced {
         let of_square_flow = |row: usize| {
             let vessel = network.vessel(row);
             let factor = match vessel.resistance {
-                Some(resistance) => resistance / (PI * vessel.radius * vessel.radius * vessel.length),
+                Some(resistance) => resilience(resistance, 1.0, vessel.volume()),
                 None => resilience_per_square_flow(params.viscosity, vessel.radius),
             };
-            if factor.is_normal() {
-                return Ok(factor);
-            }
-            let size = format!("of length {} m and radius {} m", vessel.length, vessel.radius);
-            Err(Error::parameter(network.vessel_name(row), size, "expected a resilience that a double can hold"))
+            if factor.is_normal() { Ok(factor) } else { Err(beyond_doubles(network, row, "resilience")) }
         };
         let factors: Vec<Vec<f64>> =
             links.iter().map(|link| link.iter().map(|row| of_square_flow(*row)).collect()).collect::<Result<_>>()?;
@@ -179,7 +171,7 @@ impl Reduced {
                 whole: factors.iter().map(|factor| factor / least).sum(),
                 row: rows[weakest] as u32,
                 carried: first.map(|first| (rows[first] as u32, factors[first] / least)),
-                on_trial: !certain[rows[0]],
+                may_close: !certain[rows[0]],
             });
         }
         let mut hanging = Vec::with_capacity(trees.len());
@@ -254,7 +246,7 @@ impl Reduced {
         let present = &open_vessels(Scalar::new(), masks);
         // Links are in the order of their rows, so that none is overwritten before it is read.
         for (at, link) in core.links.iter().enumerate() {
-            masks[at] = if link.on_trial { masks[link.row as usize] } else { u64::MAX };
+            masks[at] = if link.may_close { masks[link.row as usize] } else { u64::MAX };
         }
         let masks = &masks[..core.links.len()];
         let stranded = &stranded(&core.circuit, masks, samples);

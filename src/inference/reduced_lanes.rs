@@ -3,11 +3,11 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::bottleneck::{Bottleneck, TAKEN, Taken};
-use super::forest::keys;
+use super::forest::{MOST_RESILIENCE, keys_or_zero};
 use super::likelihood::Sums;
 use super::params::Weight;
-use super::reduced::{Core, Job, MOST, Solve};
-use super::tally::{Samples, expectation};
+use super::reduced::{Core, Job, Solve};
+use super::tally::{Samples, expectation, pairwise};
 use super::ties;
 use crate::error::{Error, Result};
 use crate::hemodynamics::residual::{Check, Residual};
@@ -149,7 +149,7 @@ impl Group<'_> {
     #[inline(always)]
     fn resilience<S: Simd>(&self, simd: S, drop: &Lanes<B>, ends: [&Lanes<B>; 2], conductance: f64, factor: f64) -> Lanes<B> {
         let [share, above, conductance, factor, most, zero] =
-            [DROP_CUT, self.level, conductance, factor, MOST, 0.0].map(|x| simd.splat_f64s(x));
+            [DROP_CUT, self.level, conductance, factor, MOST_RESILIENCE, 0.0].map(|x| simd.splat_f64s(x));
         let largest = zip(simd, ends[0], ends[1], |a, b| {
             simd.max_f64s(simd.abs_f64s(simd.add_f64s(a, above)), simd.abs_f64s(simd.add_f64s(b, above)))
         });
@@ -175,9 +175,9 @@ impl Group<'_> {
             let weighted = zip(simd, &value, one, |value, one| simd.mul_f64s(value, one));
             let square = zip(simd, &weighted, &value, |a, b| simd.mul_f64s(a, b));
             let row = row as usize;
-            sums.likelihood[row] += sum(&weighted);
-            sums.square[row] += sum(&square);
-            sums.count[row] += sum(one);
+            sums.likelihood[row] += pairwise(&weighted);
+            sums.square[row] += pairwise(&square);
+            sums.count[row] += pairwise(one);
         };
         let zero = simd.splat_f64s(0.0);
         for (at, (link, rho)) in self.core.links.iter().zip(resilience).enumerate() {
@@ -202,18 +202,10 @@ impl Group<'_> {
 /// Offers the keys of all links to a forest program.
 #[inline(always)]
 fn offer<S: Simd>(simd: S, program: &Bottleneck, resilience: &[Lanes<B>], key: &mut [Lanes<B>]) {
-    let zero = simd.splat_f64s(0.0);
     program.clear(key);
     for (row, (offer, rho)) in program.offers().iter().zip(resilience).enumerate() {
-        let keys = map(simd, rho, |rho| simd.select_f64s(simd.greater_than_f64s(rho, zero), keys(simd, rho, row), zero));
-        offer.put(simd, &keys, key);
+        offer.put(simd, &keys_or_zero(simd, rho, row), key);
     }
-}
-
-/// The sum of the lanes, pairwise.
-fn sum(lanes: &Lanes<B>) -> f64 {
-    let [a, b, c, d, e, f, g, h] = lanes.0;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 const _: () = assert!((BLOCK as usize).is_multiple_of(B), "a block is made of whole groups");

@@ -2,9 +2,9 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::forest::{Forest, key};
+use super::forest::{Forest, MOST_RESILIENCE, key};
 use super::likelihood::Sums;
-use super::reduced::{Core, Job, MOST, Solve};
+use super::reduced::{Core, Job, Solve};
 use super::tally::{Samples, expectation};
 use super::ties;
 use crate::error::{Error, Result};
@@ -119,7 +119,7 @@ impl OneByOne<'_> {
         let Memory { pressure, resilience, forest, ties, .. } = memory;
         let level = core.circuit.level;
         let rho = |flow: f64, factor: f64, a: f64, b: f64| {
-            if is_diffused(a - b, a + level, b + level) { (flow * flow * factor).min(MOST) } else { 0.0 }
+            if is_diffused(a - b, a + level, b + level) { (flow * flow * factor).min(MOST_RESILIENCE) } else { 0.0 }
         };
         for (row, (link, out)) in core.links.iter().zip(&mut *resilience).enumerate() {
             let [a, b] = link.slots.map(|node| pressure[node as usize]);

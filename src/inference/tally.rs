@@ -98,7 +98,7 @@ pub fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
 }
 
 /// The sum of the lanes, pairwise.
-fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
+pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

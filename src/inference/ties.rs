@@ -32,7 +32,6 @@ impl Ties {
                 around[*end].push(link as u32);
             }
         }
-        let bare = |node: usize| circuit.fixed[node].is_none() && circuit.shunt[node] == 0.0 && circuit.source[node] == 0.0;
         let may_tie = |links: &[u32]| {
             let mut factors: Vec<f64> = links.iter().map(|link| factor[*link as usize]).collect();
             factors.sort_unstable_by(f64::total_cmp);
@@ -47,7 +46,7 @@ impl Ties {
                     continue;
                 }
                 let links = &around[node];
-                if bare(node) && may_tie(links) {
+                if circuit.is_inner(node) && may_tie(links) {
                     ties.links.extend_from_slice(links);
                     ties.start.push(ties.links.len() as u32);
                 }

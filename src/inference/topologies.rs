@@ -100,7 +100,7 @@ impl Count {
 fn draw_flow(network: &Network, boundary: &Boundary, params: &Params, above_median: &[bool], count: &mut Count) -> Result<()> {
     let uncertain = params.uncertain.vessels(network);
     let patterns = Patterns::new(params.keep_probabilities(network), params)?;
-    let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, params.viscosity)).collect();
+    let tubes = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
     let solver = Steady::new(&circuit)?;
     let mut vote = Vote {
@@ -141,13 +141,13 @@ struct Vote<'a> {
 impl Vote<'_> {
     /// The topology that the sample with the vessels `open` votes for, and its weight.
     fn of(&mut self, open: impl Fn(usize) -> bool) -> Result<(Vec<bool>, f64)> {
-        let pressure = self.solver.pressures(&open)?;
+        let above_level = self.solver.above_level(&open)?;
         let mut tubes = self.tubes.clone();
         for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
             debug_assert!(self.uncertain[row]);
             tube.resistance = f64::INFINITY;
         }
-        let state = State::at_pressures(&self.circuit.ends, self.boundary, &tubes, self.params.viscosity, pressure);
+        let state = State::at_pressures(self.circuit, self.boundary, &tubes, self.params.viscosity, &above_level);
         let mut kept: Vec<bool> =
             (0..tubes.len()).map(|row| !self.uncertain[row] || (open(row) && self.above_median[row])).collect();
         self.forest.clear();

@@ -6,7 +6,8 @@ use super::group::{self, Flow, Group};
 use super::likelihood::Sums;
 use super::sampler::{Block, Method};
 use super::{Params, Weight};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::hemodynamics::circuit::beyond_doubles;
 use crate::hemodynamics::floating::stranded;
 use crate::hemodynamics::peel::{Peeled, peel};
 use crate::hemodynamics::{Circuit, StarMesh};
@@ -17,14 +18,19 @@ use crate::simd::InstructionSet;
 /// Everything about a graph that all its samples share.
 #[derive(Debug)]
 pub struct Whole {
-    circuit: Circuit,
-    solver: StarMesh,
-    bottleneck: Option<Bottleneck>,
+    /// Dead ends and certain chains are taken out of it.
+    pub circuit: Circuit,
+    pub solver: StarMesh,
+    /// The forest program; Kruskal's algorithm without one.
+    pub bottleneck: Option<Bottleneck>,
     /// Where the keys of the vessels go when there is no forest program.
     places: Vec<Offer>,
-    flows: Vec<Flow>,
-    ends: Vec<[usize; 2]>,
-    weight: Weight,
+    /// Per vessel how its resilience follows from pressures.
+    pub flows: Vec<Flow>,
+    /// Per vessel its nodes.
+    pub ends: Vec<[usize; 2]>,
+    /// What a vessel of a forest contributes.
+    pub weight: Weight,
     instructions: InstructionSet,
     lanes: usize,
 }
@@ -49,10 +55,10 @@ impl Whole {
                 None => Flow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
                 Some(chain) => {
                     let factor = match vessel.resistance {
-                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.radius, vessel.length),
+                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
                         Some(resistance) => {
                             let own = chain.conductance * resistance;
-                            resilience_per_square_drop(chain.conductance * own, vessel.radius, vessel.length)
+                            resilience_per_square_drop(chain.conductance * own, vessel.volume())
                         }
                         None => {
                             let squared = chain.conductance * chain.conductance;
@@ -60,12 +66,7 @@ impl Whole {
                         }
                     };
                     if !factor.is_normal() {
-                        let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
-                        return Err(Error::parameter(
-                            network.vessel_name(row),
-                            size,
-                            "expected a resilience that a double can hold",
-                        ));
+                        return Err(beyond_doubles(network, row, "resilience"));
                     }
                     Flow { slots: chain.ends.map(slot), factor }
                 }
@@ -113,25 +114,16 @@ impl Whole {
     pub fn block(&self, block: Block<'_>, work: &mut Group, sums: &mut Sums) {
         let Block { masks, probability, samples } = block;
         let stranded = stranded(&self.circuit, masks, samples);
-        let job = group::Job {
-            masks,
-            stranded: &stranded,
-            probability,
-            samples,
-            flows: &self.flows,
-            level: self.circuit.level,
-            circuit: &self.circuit,
-            ends: &self.ends,
-            nodes: self.circuit.node_count(),
-            weight: self.weight,
-            bottleneck: self.bottleneck.as_ref(),
-            offers: self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers),
-        };
-        let solver = &self.solver;
+        let job = group::Job { whole: self, masks, stranded: &stranded, samples, probability };
         match work {
-            Group::Eight(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            Group::Sixteen(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
-            Group::ThirtyTwo(work) => self.instructions.run(group::InLanes { job, solver, work, sums }),
+            Group::Eight(work) => self.instructions.run(group::InLanes { job, work, sums }),
+            Group::Sixteen(work) => self.instructions.run(group::InLanes { job, work, sums }),
+            Group::ThirtyTwo(work) => self.instructions.run(group::InLanes { job, work, sums }),
         }
+    }
+
+    /// Where the keys of each vessel go.
+    pub fn offers(&self) -> &[Offer] {
+        self.bottleneck.as_ref().map_or(&self.places, Bottleneck::offers)
     }
 }

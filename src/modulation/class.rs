@@ -4,7 +4,7 @@ use std::fmt;
 
 use rand::{Rng, RngExt};
 
-use crate::hemodynamics::Tube;
+use crate::hemodynamics::Factors;
 
 /// The range of the modulation u, drawn uniformly in [low, high).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,17 +28,6 @@ pub enum Reading {
     /// The lumen shrinks and the vessel grows longer, by two independent draws: radius r (1 - u1), length l (1 + u2), so
     /// that the resistance is R (1 + u2)/(1 - u1)⁴ and the volume V (1 - u1)² (1 + u2).
     Geometry,
-}
-
-/// By what the figures of a vessel are multiplied.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Factors {
-    /// Of the resistance, whether it is stated or Poiseuille's.
-    pub resistance: f64,
-    /// Of the radius.
-    pub radius: f64,
-    /// Of the length.
-    pub length: f64,
 }
 
 impl Class {
@@ -71,29 +60,15 @@ impl Reading {
     /// Draws the modulation of one vessel.
     pub fn draw(self, class: Class, rng: &mut impl Rng) -> Factors {
         let u = class.draw(rng);
-        let alone = |resistance| Factors { resistance, radius: 1.0, length: 1.0 };
+        let alone = |resistance| Factors { resistance, ..Factors::ONE };
         match self {
             Self::Increment => alone(1.0 + u),
             Self::Conductance => alone(1.0 / (1.0 - u)),
             Self::Literal => alone(1.0 - u),
             Self::Geometry => {
                 let (radius, length) = (1.0 - u, 1.0 + class.draw(rng));
-                Factors { resistance: length / radius.powi(4), radius, length }
+                Factors { resistance: length / radius.powi(4), volume: radius * radius * length, radius, length }
             }
-        }
-    }
-}
-
-impl Factors {
-    /// A vessel left as it is.
-    pub const ONE: Self = Self { resistance: 1.0, radius: 1.0, length: 1.0 };
-
-    /// The modulated vessel.
-    pub fn of(&self, tube: &Tube) -> Tube {
-        Tube {
-            resistance: tube.resistance * self.resistance,
-            volume: tube.volume * (self.radius * self.radius * self.length),
-            radius: tube.radius * self.radius,
         }
     }
 }

@@ -5,21 +5,18 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::class::{Class, Factors};
+use super::class::Class;
 use super::instances::Instances;
 use super::params::Params;
 use super::solver::{LANES, Memory, Solver};
 use crate::error::{Error, Result};
-use crate::hemodynamics::circuit::conductance;
+use crate::hemodynamics::circuit::conductances;
 use crate::hemodynamics::floating::drives_flow;
-use crate::hemodynamics::{Boundary, Circuit, Tube};
+use crate::hemodynamics::{Boundary, Circuit, Factors, Tube};
 use crate::inference::Progress;
 use crate::network::Network;
-use crate::rng::{BLOCK, block_stream};
+use crate::rng::{BLOCK, stream, streams};
 use crate::state::State;
-
-/// The streams of one class: block b of class c draws from stream c 2⁴⁸ + b of the seed.
-const STREAMS_OF_A_CLASS: u64 = 1 << 48;
 
 /// A network under modulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +40,12 @@ pub struct Modulation {
 pub fn modulate(network: &Network, boundary: &Boundary, params: &Params, progress: &mut impl Progress) -> Result<Modulation> {
     params.validate()?;
     drives_flow(network, boundary)?;
-    let tubes: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, params.viscosity)).collect();
+    let tubes = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
-    let ends = circuit.ends.clone();
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
-    unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &ends);
-    let job = Job { network, boundary, params, tubes: &tubes, ends: &ends, solver: Solver::new(circuit) };
+    unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);
+    let job = Job { network, boundary, params, tubes: &tubes, circuit: &circuit, solver: Solver::new(&circuit)? };
 
     let blocks = params.samples.div_ceil(BLOCK);
     let total = params.samples * params.classes.len() as u64;
@@ -91,7 +87,7 @@ struct Job<'a> {
     boundary: &'a Boundary,
     params: &'a Params,
     tubes: &'a [Tube],
-    ends: &'a [[usize; 2]],
+    circuit: &'a Circuit,
     solver: Solver,
 }
 
@@ -99,28 +95,27 @@ impl Job<'_> {
     /// One block of a class, shorter when it is the last one.
     fn block(&self, class: usize, block: u64, memory: &mut Memory) -> Result<Instances> {
         let Params { classes, samples, seed, reading, vessels, viscosity } = self.params;
-        let mut rng = block_stream(*seed, class as u64 * STREAMS_OF_A_CLASS + block);
+        let mut rng = stream(*seed, streams::modulation(class, block));
         let modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
         let mut instances = Instances::default();
         let mut left = (samples - block * BLOCK).min(BLOCK) as usize;
         while left > 0 {
             let group = left.min(LANES);
             left -= group;
-            let (mut factors, mut tubes, mut conductances) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut factors, mut tubes, mut conductance) = (Vec::new(), Vec::new(), Vec::new());
             for _ in 0..group {
                 let drawn = (0..self.tubes.len()).map(|_| reading.draw(classes[class], &mut rng)).enumerate();
                 let drawn: Vec<Factors> = drawn.map(|(row, f)| if modulated(row) { f } else { Factors::ONE }).collect();
-                let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| factors.of(tube)).collect();
-                let each = changed.iter().enumerate().map(|(row, tube)| conductance(self.network, row, tube));
-                conductances.push(each.collect::<Result<Vec<f64>>>()?);
+                let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect();
+                conductance.push(conductances(self.network, &changed)?);
                 factors.push(drawn);
                 tubes.push(changed);
             }
-            self.solver.solve(&conductances, memory)?;
+            self.solver.solve(&conductance, memory)?;
             for (lane, (tubes, factors)) in tubes.iter().zip(&factors).enumerate() {
-                let pressure = self.solver.pressures(lane, memory);
-                let state = State::at_pressures(self.ends, self.boundary, tubes, *viscosity, pressure);
-                instances.push(&state, tubes, factors, self.ends);
+                let above_level = self.solver.above_level(lane, memory);
+                let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, &above_level);
+                instances.push(&state, tubes, factors, &self.circuit.ends);
             }
         }
         Ok(instances)

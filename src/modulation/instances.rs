@@ -1,8 +1,7 @@
 //! The instances of one class: what flows in each, instance by instance.
 
-use super::class::Factors;
 use super::hypertension::force;
-use crate::hemodynamics::Tube;
+use crate::hemodynamics::{Factors, Tube};
 use crate::state::State;
 use crate::stats::Distribution;
 

@@ -2,7 +2,7 @@
 
 use super::class::{Class, Reading};
 use crate::error::{Error, Result};
-use crate::hemodynamics::poiseuille::BLOOD_VISCOSITY;
+use crate::hemodynamics::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 
 /// Classes at the most.
 const MOST_CLASSES: usize = 12;
@@ -65,10 +65,7 @@ impl Params {
         if self.samples == 0 || self.samples > MOST_SAMPLES {
             return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^24"));
         }
-        if !(self.viscosity.is_normal() && self.viscosity > 0.0) {
-            return Err(Error::parameter("--viscosity", self.viscosity * 1e3, "expected a positive number of cP"));
-        }
-        Ok(())
+        check_viscosity(self.viscosity)
     }
 }
 

@@ -16,49 +16,67 @@ pub const LANES: usize = 8;
 /// What all instances of a network share: which vessels are open is the same in each.
 #[derive(Debug)]
 pub struct Solver {
-    circuit: Circuit,
-    /// `None` beyond [`LANES_LIMIT`].
-    star_mesh: Option<StarMesh>,
+    how: How,
     instructions: InstructionSet,
     grounded: Vec<bool>,
     /// Nodes whose injected flow has nowhere to go, in every instance.
     stranded: Vec<(usize, u64)>,
 }
 
+#[derive(Debug)]
+enum How {
+    SideBySide(Box<StarMesh>),
+    /// Beyond [`LANES_LIMIT`].
+    OneByOne(Box<Cholesky>),
+}
+
 /// The memory of one worker.
 pub struct Memory {
-    conductance: Vec<Lanes<LANES>>,
-    star_mesh: Option<Workspace<LANES>>,
-    /// Pressures of every node, Pa above the level, for the sparse solver.
+    work: Work,
+    /// Pressures of every node, Pa above the circuit's level.
     above_level: Vec<Lanes<LANES>>,
+}
+
+enum Work {
+    SideBySide { conductance: Vec<Lanes<LANES>>, mesh: Box<Workspace<LANES>> },
+    OneByOne(Box<cholesky::Workspace>),
 }
 
 impl Solver {
     /// Prepares the instances of a circuit.
-    pub fn new(circuit: Circuit) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// The conductances of a large circuit are too far apart for the sparse factorisation.
+    pub fn new(circuit: &Circuit) -> Result<Self> {
         let open = |vessel: usize| circuit.conductance[vessel] > 0.0;
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
-        Self {
-            star_mesh: StarMesh::compile(&circuit, LANES_LIMIT),
+        Ok(Self {
+            how: match StarMesh::compile(circuit, LANES_LIMIT) {
+                Some(solver) => How::SideBySide(Box::new(solver)),
+                None => How::OneByOne(Box::new(Cholesky::compile(circuit).ok_or(Error::Breakdown)?)),
+            },
             instructions: InstructionSet::detect(),
-            grounded: grounded(&circuit, open),
-            stranded: stranded(&circuit, &masks, LANES),
-            circuit,
-        }
+            grounded: grounded(circuit, open),
+            stranded: stranded(circuit, &masks, LANES),
+        })
     }
 
     /// The solver's name: `lanes` or `cholesky`.
     pub fn name(&self) -> &'static str {
-        if self.star_mesh.is_some() { "lanes" } else { "cholesky" }
+        match self.how {
+            How::SideBySide(_) => "lanes",
+            How::OneByOne(_) => "cholesky",
+        }
     }
 
     /// Memory for one worker.
     pub fn memory(&self) -> Memory {
-        Memory {
-            conductance: vec![Lanes::ZERO; self.circuit.vessel_count()],
-            star_mesh: self.star_mesh.as_ref().map(StarMesh::workspace),
-            above_level: vec![Lanes::ZERO; self.circuit.node_count()],
-        }
+        let work = match &self.how {
+            How::SideBySide(solver) => Work::SideBySide { conductance: Vec::new(), mesh: Box::new(solver.workspace()) },
+            How::OneByOne(_) => Work::OneByOne(Box::default()),
+        };
+        Memory { work, above_level: vec![Lanes::ZERO; self.grounded.len()] }
     }
 
     /// Solves up to [`LANES`] instances by the conductances of their vessels, m³/(Pa s).
@@ -67,31 +85,29 @@ impl Solver {
     ///
     /// The conductances of a large circuit are too far apart for the sparse factorisation.
     pub fn solve(&self, instances: &[Vec<f64>], memory: &mut Memory) -> Result<()> {
-        if let (Some(solver), Some(work)) = (&self.star_mesh, &mut memory.star_mesh) {
-            for (vessel, lanes) in memory.conductance.iter_mut().enumerate() {
-                *lanes = Lanes(std::array::from_fn(|lane| instances.get(lane).map_or(0.0, |c| c[vessel])));
+        let Memory { work, above_level } = memory;
+        match (&self.how, work) {
+            (How::SideBySide(solver), Work::SideBySide { conductance, mesh }) => {
+                let vessels = instances.first().map_or(0, Vec::len);
+                let lanes = |vessel| Lanes(std::array::from_fn(|lane| instances.get(lane).map_or(0.0, |c| c[vessel])));
+                conductance.clear();
+                conductance.extend((0..vessels).map(lanes));
+                self.instructions.run(SideBySide { solver, conductance, stranded: &self.stranded, work: mesh });
+                above_level.iter_mut().enumerate().for_each(|(node, p)| *p = mesh.pressure[solver.slot(node)]);
             }
-            let (conductance, stranded) = (&memory.conductance, &self.stranded);
-            self.instructions.run(SideBySide { solver, conductance, stranded, work });
-            return Ok(());
-        }
-        for (lane, conductance) in instances.iter().enumerate() {
-            let circuit = Circuit { conductance: conductance.clone(), ..self.circuit.clone() };
-            let factor = Cholesky::compile(&circuit).ok_or(Error::Breakdown)?;
-            let store = |node: usize, p| memory.above_level[node][lane] = p;
-            factor.solve(|vessel| conductance[vessel] > 0.0, &mut cholesky::Workspace::default(), store)?;
+            (How::OneByOne(solver), Work::OneByOne(work)) => {
+                for (lane, conductance) in instances.iter().enumerate() {
+                    solver.solve_with(conductance, work, |node, p| above_level[node][lane] = p)?;
+                }
+            }
+            _ => return Err(Error::Breakdown),
         }
         Ok(())
     }
 
-    /// The pressures (Pa) of an instance that has been solved; `None` in floating components.
-    pub fn pressures(&self, lane: usize, memory: &Memory) -> Vec<Option<f64>> {
-        let above_level = |node: usize| match (&self.star_mesh, &memory.star_mesh) {
-            (Some(solver), Some(work)) => work.pressure[solver.slot(node)][lane],
-            _ => memory.above_level[node][lane],
-        };
-        let grounded = self.grounded.iter().enumerate();
-        grounded.map(|(node, grounded)| grounded.then(|| above_level(node) + self.circuit.level)).collect()
+    /// The pressures of an instance that has been solved, Pa above the circuit's level; `None` in floating components.
+    pub fn above_level(&self, lane: usize, memory: &Memory) -> Vec<Option<f64>> {
+        self.grounded.iter().zip(&memory.above_level).map(|(grounded, p)| grounded.then_some(p[lane])).collect()
     }
 }
 

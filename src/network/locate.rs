@@ -14,6 +14,15 @@ pub struct Located {
     pub distance: Option<f64>,
 }
 
+/// The node nearest to a position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// Its row.
+    pub node: usize,
+    /// How far from the position it is, m.
+    pub distance: f64,
+}
+
 /// Finds the node whose `id` is exactly `spec`, else whose label is exactly `spec`, else nearest to `x,y,z` in mm.
 ///
 /// # Errors
@@ -41,14 +50,15 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
             "no node has this id or label; {meant}expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)"
         ));
     };
-    nearest(network, position).ok_or_else(|| "the nodes have no coordinates; give an id or a label".into())
+    let found = nearest(network, position, |_| true).ok_or("the nodes have no coordinates; give an id or a label")?;
+    Ok(Located { node: found.node, distance: Some(found.distance) })
 }
 
-/// The node nearest to a position (m), ties to the lower row.
-pub fn nearest(network: &Network, position: Point) -> Option<Located> {
-    let away = network.nodes().enumerate().filter_map(|(node, n)| Some((distance(n.position?, position), node)));
-    let (distance, node) = away.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-    Some(Located { node, distance: Some(distance) })
+/// The node nearest to a position (m) among those in the rows that `admit` takes, ties to the lower row.
+pub fn nearest(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<Nearest> {
+    let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
+    let away = nodes.filter_map(|(node, n)| Some(Nearest { node, distance: distance(n.position?, position) }));
+    away.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
 }
 
 /// `x,y,z` in mm, as m.

@@ -10,8 +10,10 @@ mod stored;
 pub use contract::{Contraction, RadiusRule, contract};
 pub use evidence::Evidence;
 pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Located, locate, nearest, parse_position};
+pub use locate::{Located, Nearest, locate, nearest, parse_position};
 pub use naming::vessels_called;
+
+use std::f64::consts::PI;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use serde::{Deserialize, Serialize};
@@ -59,10 +61,15 @@ impl Role {
             Self::Inner => "inner",
         }
     }
+
+    /// The role of a node with a fixed flow into the network.
+    pub fn of_flow(flow: f64) -> Self {
+        if flow > 0.0 { Self::Inlet } else { Self::Outlet }
+    }
 }
 
-/// The pressure of an inlet when none is stated, mmHg.
-pub const INLET_PRESSURE_MMHG: f64 = 100.0;
+/// The pressure of an inlet when none is stated, Pa: 100 mmHg.
+pub const INLET_PRESSURE: f64 = pascals(100.0);
 
 /// A boundary condition at a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -81,6 +88,20 @@ pub enum Condition {
 }
 
 impl Condition {
+    /// An inlet when no pressure is stated.
+    pub const INLET: Self = Self::Pressure(INLET_PRESSURE);
+    /// An outlet when nothing is stated.
+    pub const GROUND: Self = Self::Pressure(0.0);
+
+    /// The pressure (Pa) that it ties the node to; none of a flow.
+    pub fn ground(&self) -> Option<f64> {
+        match self {
+            Self::Pressure(p) => Some(*p),
+            Self::Resistance { venous, .. } => Some(*venous),
+            Self::Flow(_) => None,
+        }
+    }
+
     /// The condition that a file in mmHg and mL hands back.
     #[must_use]
     pub fn as_stored(self) -> Self {
@@ -141,7 +162,7 @@ pub struct Vessel {
     pub origin: Origin,
     /// The anatomical prior A in [0, 1].
     pub prior: f64,
-    /// Never occluded, whatever is on trial.
+    /// Never occluded, whatever is uncertain.
     pub certain: bool,
     /// What the evidence says of a candidate.
     pub evidence: Option<Evidence>,
@@ -169,6 +190,11 @@ impl Vessel {
             kept: None,
             path: Vec::new(),
         }
+    }
+
+    /// The volume of the lumen, π r² l, m³.
+    pub fn volume(&self) -> f64 {
+        PI * self.radius * self.radius * self.length
     }
 
     /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.

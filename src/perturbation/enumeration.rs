@@ -2,7 +2,7 @@
 
 use crate::rng::BLOCK;
 
-/// Vessels on trial with an open chance that can be enumerated at the most: 2²⁰ patterns.
+/// Vessels that may be open or closed that can be enumerated at the most: 2²⁰ patterns.
 pub const MOST_UNCERTAIN: usize = 20;
 
 const LOW_BITS: usize = BLOCK.trailing_zeros() as usize;
@@ -14,31 +14,35 @@ const LOW_BITS: usize = BLOCK.trailing_zeros() as usize;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enumeration {
     /// Per vessel the word for those that do not change, or its place among those that do.
-    vessels: Vec<Trial>,
+    vessels: Vec<Pattern>,
     /// The open probability of those that change.
     keep: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Trial {
+enum Pattern {
     Constant(u64),
     Changing(usize),
 }
 
 impl Enumeration {
-    /// From the keep probability of each vessel; `None` when more than [`MOST_UNCERTAIN`] lie between 0 and 1.
-    pub fn new(keep: &[f64]) -> Option<Self> {
+    /// From the keep probability of each vessel.
+    ///
+    /// # Errors
+    ///
+    /// More than [`MOST_UNCERTAIN`] lie between 0 and 1: how many.
+    pub fn new(keep: &[f64]) -> Result<Self, usize> {
         let mut changing = Vec::new();
         let vessels = keep.iter().map(|p| match p {
-            p if *p >= 1.0 => Trial::Constant(u64::MAX),
+            p if *p >= 1.0 => Pattern::Constant(u64::MAX),
             p if *p > 0.0 => {
                 changing.push(*p);
-                Trial::Changing(changing.len() - 1)
+                Pattern::Changing(changing.len() - 1)
             }
-            _ => Trial::Constant(0),
+            _ => Pattern::Constant(0),
         });
         let vessels = vessels.collect();
-        (changing.len() <= MOST_UNCERTAIN).then_some(Self { vessels, keep: changing })
+        if changing.len() > MOST_UNCERTAIN { Err(changing.len()) } else { Ok(Self { vessels, keep: changing }) }
     }
 
     /// How many patterns there are.
@@ -53,9 +57,9 @@ impl Enumeration {
             if place < LOW_BITS { pattern >> place & 1 == 1 } else { gray >> (place - LOW_BITS) & 1 == 1 }
         };
         masks.clear();
-        masks.extend(self.vessels.iter().map(|trial| match *trial {
-            Trial::Constant(word) => word,
-            Trial::Changing(place) => (0..BLOCK as usize).fold(0, |word, i| word | u64::from(is_open(place, i)) << i),
+        masks.extend(self.vessels.iter().map(|vessel| match *vessel {
+            Pattern::Constant(word) => word,
+            Pattern::Changing(place) => (0..BLOCK as usize).fold(0, |word, i| word | u64::from(is_open(place, i)) << i),
         }));
         for (pattern, probability) in probability.iter_mut().enumerate() {
             let factors = self.keep.iter().enumerate().map(|(place, p)| if is_open(place, pattern) { *p } else { 1.0 - p });
@@ -87,6 +91,6 @@ mod tests {
         }
         assert_eq!(seen.len(), 256);
         assert!((seen.values().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert_eq!(Enumeration::new(&[0.5; 21]), None);
+        assert_eq!(Enumeration::new(&[0.5; 21]), Err(21));
     }
 }

@@ -1,9 +1,7 @@
-//! Perturbations of a network: which vessels are open, and how they are changed.
+//! Structural perturbation: which vessels are open, drawn at random or enumerated.
 
 pub mod enumeration;
 pub mod occlusion;
-pub mod stenosis;
 
 pub use enumeration::Enumeration;
 pub use occlusion::Occlusion;
-pub use stenosis::Stenosis;

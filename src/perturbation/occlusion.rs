@@ -1,8 +1,8 @@
-//! ε-occlusion: every vessel on trial is open with probability λA, independently, λ = 1 - ε.
+//! ε-occlusion: every uncertain vessel is open with probability λA, independently, λ = 1 - ε.
 
 use rand::Rng;
 
-use crate::rng::{Rows, WideStream, block_stream};
+use crate::rng::{Rows, WideStream, stream, streams};
 use crate::simd::{InstructionSet, Kernel, Simd};
 
 /// Vessels drawn side by side.
@@ -47,14 +47,15 @@ impl Occlusion {
     /// Draws block `block` of `seed`: bit i of word e says whether vessel e is open in sample i of the block.
     pub fn draw(&self, seed: u64, block: u64, masks: &mut Vec<u64>) {
         masks.clone_from(&self.surely);
-        self.instructions.run(Draw { occlusion: self, seed, block, masks });
+        self.instructions.run(Draw { occlusion: self, seed, number: streams::occlusion(block), masks });
     }
 }
 
 struct Draw<'a> {
     occlusion: &'a Occlusion,
     seed: u64,
-    block: u64,
+    /// Of the stream.
+    number: u64,
     masks: &'a mut [u64],
 }
 
@@ -66,12 +67,12 @@ impl Kernel for Draw<'_> {
     #[expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { occlusion, seed, block, masks } = self;
-        let (mut stream, mut rows) = (WideStream::new(seed, block), Rows::ZERO);
+        let Self { occlusion, seed, number, masks } = self;
+        let (mut wide, mut rows) = (WideStream::new(seed, number), Rows::ZERO);
         // What the first digits leave undecided draws on the words after those that all vessels draw.
         let mut rest = None;
         for together in &occlusion.random {
-            stream.next(simd, &mut rows);
+            wide.next(simd, &mut rows);
             let (mut below, mut open) = ([0; TOGETHER], [0; TOGETHER]);
             compare(simd, &together.keep, &rows, &mut below, &mut open);
             let (mut undecided, mut count) = ([0; TOGETHER], 0);
@@ -81,7 +82,7 @@ impl Kernel for Draw<'_> {
             }
             for i in &undecided[..count] {
                 let rng = rest.get_or_insert_with(|| {
-                    let mut rng = block_stream(seed, block);
+                    let mut rng = stream(seed, number);
                     rng.set_word_pos(2 * (Rows::WORDS_OF_64 * occlusion.random.len()) as u128);
                     rng
                 });

@@ -5,12 +5,12 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::circle::make_inlet;
-use super::large::{ANATOMY, Large, add_node};
+use super::large::{Large, add_node};
 use super::tree::make_terminal;
 use crate::error::Result;
 use crate::geometry::{Point, distance, lerp};
 use crate::network::{Network, Node, Role};
-use crate::rng::block_stream;
+use crate::rng::{stream, streams};
 
 /// Territories along each axis: as many as two for each of the six cerebral arteries.
 const TERRITORIES: [usize; 3] = [3, 2, 2];
@@ -42,7 +42,7 @@ const BEND: f64 = 0.05;
 /// Those of [`Large::validate`].
 pub fn arterial(params: &Large) -> Result<Network> {
     params.validate()?;
-    let mut rng = block_stream(params.seed, ANATOMY);
+    let mut rng = stream(params.seed, streams::ANATOMY);
     let trees = TERRITORIES.iter().product::<usize>();
     // Two vessels a branch, and L leaves make 2 L - 1 branches a tree.
     let leaves = (params.edges / 2 + trees).div_ceil(2);

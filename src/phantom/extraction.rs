@@ -1,7 +1,6 @@
 //! The uncertain extraction of a complete network, and its answer.
 
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 
 use super::damage::{Sampled, damage};
 use super::draft::{Draft, Drawn};
@@ -10,6 +9,7 @@ use super::{Break, Breaks, Truth};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Result};
 use crate::network::{Network, Role};
+use crate::rng::{stream, streams};
 
 /// Breaks a network up as an image would: missing stretches, lost ends, displaced points, noisy radii, spurious bits.
 ///
@@ -25,7 +25,7 @@ pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Trut
     if let Some(node) = network.nodes().find(|node| node.position.is_none()) {
         return Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+    let mut rng = stream(params.seed, streams::DAMAGE);
     let vessels = damage(network, params, &mut rng);
     Ok(extract(network, &vessels, params, &mut rng))
 }

@@ -4,13 +4,13 @@ use rand::seq::index;
 
 use super::damage::Sampled;
 use super::extraction::extract;
-use super::large::{GAPS, add_node};
+use super::large::add_node;
 use super::{Break, BreakKind, Breaks, Truth};
 use crate::candidates::join_nearest;
 use crate::centerline::Centerlines;
 use crate::error::{Error, Result};
 use crate::network::{Network, Node, Origin, PathPoint, Role, Vessel, fragments};
-use crate::rng::block_stream;
+use crate::rng::{stream, streams};
 
 /// Which vessels are interrupted, and how finely the others are drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +37,7 @@ impl Gaps {
             return Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
         }
         let count = (self.share * network.vessel_count() as f64).round() as usize;
-        let mut rows = index::sample(&mut block_stream(self.seed, GAPS), network.vessel_count(), count).into_vec();
+        let mut rows = index::sample(&mut stream(self.seed, streams::GAPS), network.vessel_count(), count).into_vec();
         rows.sort_unstable();
         Ok(rows)
     }
@@ -66,7 +66,7 @@ pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)>
         .collect::<Vec<_>>();
     let params = Breaks { jitter: 0.0, radius_noise: 0.0, radius_bias: 0.0, spurious: 0.0, ..Breaks::default() };
     // The order of fragments and points is drawn after the gaps.
-    let mut rng = block_stream(gaps.seed, GAPS);
+    let mut rng = stream(gaps.seed, streams::GAPS);
     rng.set_word_pos(1 << 40);
     Ok(extract(network, &vessels, &params, &mut rng))
 }

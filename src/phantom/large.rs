@@ -7,12 +7,6 @@ use crate::network::{Network, Node, Origin, PathPoint, Vessel};
 /// The least and the greatest number of vessels of a large phantom.
 pub const EDGES: [usize; 2] = [100, 10_000_000];
 
-/// The stream of the seed that shapes the anatomy; those from [`LATTICES`] on pick its lattice, one an attempt.
-pub(super) const ANATOMY: u64 = 0;
-/// The stream that picks the gaps, so that a broken phantom is the whole one of the same seed, broken.
-pub(super) const GAPS: u64 = 1;
-pub(super) const LATTICES: u64 = 2;
-
 /// The size of a large phantom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Large {

@@ -23,7 +23,7 @@ mod truth;
 pub use arterial::arterial;
 pub use breaks::Breaks;
 pub use capillary::capillary;
-pub use circle::{INLET_MMHG, cerebral, circle_of_willis};
+pub use circle::{cerebral, circle_of_willis};
 pub use curve::{Bow, course};
 pub use extraction::break_up;
 pub use gaps::{Gaps, over_connected, with_gaps};

@@ -1,14 +1,14 @@
 //! A bifurcating tree by Murray's law: radii, angles and terminal resistances.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 
-use super::circle::{INLET_MMHG, make_inlet};
+use super::circle::make_inlet;
 use super::curve::{Bow, course};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, dot, sub, unit};
-use crate::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
-use crate::units::{cubic_metres_per_second, metres, pascals};
+use crate::network::{Condition, INLET_PRESSURE, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use crate::rng::{stream, streams};
+use crate::units::{cubic_metres_per_second, metres};
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ const FLOW_AT_2_MM: f64 = 250.0;
 /// Those of [`Tree::validate`].
 pub fn branching_tree(params: &Tree) -> Result<Network> {
     params.validate()?;
-    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+    let mut rng = stream(params.seed, streams::ANATOMY);
     let mut network = Network::new();
     let root = add_node(&mut network, [0.0; 3], params.radius);
     make_inlet(&mut network, root);
@@ -104,7 +104,7 @@ pub(super) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
     let node = network.node_mut(row);
     node.role = Some(Role::Outlet);
-    node.condition = Some(Condition::Resistance { resistance: pascals(INLET_MMHG) / flow, venous: 0.0 });
+    node.condition = Some(Condition::Resistance { resistance: INLET_PRESSURE / flow, venous: 0.0 });
 }
 
 /// A vessel about to be added: where from, which way, and the side to which it will branch.

@@ -1,6 +1,7 @@
 //! How wide a segment is along most of it: the 25th percentile of the radii of its points.
 
 use crate::network::Network;
+use crate::stats::quantile;
 
 /// PComm is the wider one of the two above this ratio to P1 (Musio et al. 2026).
 const FETAL_RATIO: f64 = 1.05;
@@ -22,8 +23,5 @@ fn lower_quartile(network: &Network, vessels: &[usize]) -> Option<f64> {
             radii.push(vessel.radius);
         }
     }
-    radii.sort_by(f64::total_cmp);
-    let at = 0.25 * radii.len().checked_sub(1)? as f64;
-    let (below, above) = (radii[at.floor() as usize], radii[at.ceil() as usize]);
-    Some(below + at.fract() * (above - below))
+    quantile(&radii, 0.25)
 }

@@ -10,12 +10,12 @@ use super::by_points::Points;
 use super::collateral::Courses;
 use super::labels::{Scheme, artery, is_none};
 use super::landmarks::{Landmark, Site, sites};
-use super::place::{Placed, free_end, place};
+use super::place::{free_end, place};
 use super::sides::are_exchanged;
 use super::variant::Variant;
 use crate::error::Fault;
 use crate::geometry::{Point, distance};
-use crate::network::{Network, Origin};
+use crate::network::{Nearest, Network, Origin};
 use crate::units::millimetres;
 
 /// Where the arteries are.
@@ -196,9 +196,9 @@ impl Circle {
 }
 
 /// Takes out the landmark that is nearest to its place, the first in the file of several.
-fn nearest_of<'a>(found: &mut Vec<(&'a Landmark, Placed)>) -> Option<(&'a Landmark, Placed)> {
+fn nearest_of<'a>(found: &mut Vec<(&'a Landmark, Nearest)>) -> Option<(&'a Landmark, Nearest)> {
     let order =
-        |a: &(&Landmark, Placed), b: &(&Landmark, Placed)| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line));
+        |a: &(&Landmark, Nearest), b: &(&Landmark, Nearest)| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line));
     let first = (0..found.len()).min_by(|a, b| order(&found[*a], &found[*b]))?;
     Some(found.swap_remove(first))
 }

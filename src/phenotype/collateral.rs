@@ -5,7 +5,7 @@ use super::circle::Circle;
 use crate::error::Result;
 use crate::hemodynamics::Boundary;
 use crate::network::Network;
-use crate::simulation::{Change, Perturbation, simulate};
+use crate::simulation::{Change, Perturbation, rounding, simulate};
 use crate::state::State;
 
 /// The arteries that feed a circle: closed one at a time.
@@ -52,9 +52,6 @@ impl Collateral {
     }
 }
 
-/// Gains below this share of the total inflow are rounding.
-const CUT: f64 = 1e-9;
-
 /// Closes each feeder that is there in turn, in the topology of the vessels that `kept` admits. `viscosity` in Pa s; the circle must
 /// have been found in `network`.
 ///
@@ -83,7 +80,7 @@ pub fn collaterals(
         let most = |state: &State, rows: &[usize]| rows.iter().map(|row| state.vessels[*row].flow.abs()).fold(0.0, f64::max);
         let both = |rows: &Vec<usize>| (!rows.is_empty()).then(|| [most(before, rows), most(after, rows)]);
         let segments = courses.segments.each_ref().map(both);
-        let cut = CUT * before.inflow.max(after.inflow);
+        let cut = rounding(before, after);
         let gains = RING.into_iter().zip(&segments).filter_map(|(artery, flows)| {
             let communicates = matches!(artery, Artery::AComm | Artery::PComm(_));
             flows.filter(|_| communicates).map(|[before, after]| (artery, after - before)).filter(|(_, gain)| *gain > cut)

@@ -3,7 +3,7 @@
 use super::landmarks::{Landmark, sites};
 use crate::error::Fault;
 use crate::geometry::{Point, distance, dot, lerp, norm_squared, sub};
-use crate::network::{Network, Origin};
+use crate::network::{Nearest, Network, Origin, nearest};
 use crate::units::millimetres;
 
 /// Further from any centerline than this, m, a landmark is not one of this network; a free end counts as near within it too.
@@ -11,25 +11,11 @@ const REACH: f64 = 0.02;
 /// A node as near as this, m, is the one that was meant, free end or not.
 const EXACT: f64 = 0.001;
 
-/// A landmark found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Placed {
-    pub node: usize,
-    /// How far from the position given, m.
-    pub distance: f64,
-}
-
 /// The nearest free end (of the observed vessels, where there are any) within reach, but for those that are `taken`.
-pub(super) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Placed> {
+pub(super) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Nearest> {
     let observed = observed_degrees(network);
     let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { network.degrees(|_| true) };
-    nearest(network, at, &|row| degree[row] == 1 && !taken(row)).filter(|end| end.distance <= REACH)
-}
-
-fn nearest(network: &Network, at: Point, admit: &dyn Fn(usize) -> bool) -> Option<Placed> {
-    let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
-    let placed = nodes.filter_map(|(node, n)| Some(Placed { node, distance: distance(n.position?, at) }));
-    placed.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
+    nearest(network, at, |row| degree[row] == 1 && !taken(row)).filter(|end| end.distance <= REACH)
 }
 
 fn observed_degrees(network: &Network) -> Vec<usize> {
@@ -37,7 +23,7 @@ fn observed_degrees(network: &Network) -> Vec<usize> {
 }
 
 /// The nearest node: of an in- or outlet a free end (of the observed vessels, where there are any) when one is near.
-pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Placed, Fault> {
+pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Nearest, Fault> {
     let at = landmark.position;
     let away = distance_to_lines(network, at);
     if away > REACH {

@@ -44,16 +44,7 @@ pub fn check_tangle(forests: &Forests) -> Result<()> {
 /// millisecond.
 pub fn marginals(forests: &Forests) -> Marginals {
     let scaled = Scaled::new(forests);
-    let links = forests
-        .bridges()
-        .iter()
-        .zip(&scaled.bridge)
-        .filter(|(_, w)| **w > 0.0)
-        .map(|(b, _)| [b.child, b.parent])
-        .collect::<Vec<_>>();
-    // Without a limit there is always an order.
-    let stars = least_degree(forests.fragments(), &links, usize::MAX).unwrap_or_default();
-    let cliques = cliques(&stars);
+    let cliques = cliques(&scaled.stars(forests));
     let mut log_total = scaled.log_scale;
     // The clique in which each fragment is eliminated, and its place there.
     let mut home = vec![0; forests.fragments()];
@@ -61,7 +52,7 @@ pub fn marginals(forests: &Forests) -> Marginals {
         clique.nodes[..clique.pivots].iter().for_each(|node| home[*node] = number);
     }
     let mut held = vec![Vec::new(); cliques.len()];
-    for (row, bridge) in forests.bridges().iter().enumerate().filter(|(row, _)| scaled.bridge[*row] > 0.0) {
+    for (row, bridge, _) in scaled.possible(forests) {
         held[home[bridge.child].min(home[bridge.parent])].push(row);
     }
     let mut place = vec![0; forests.fragments()];

@@ -2,7 +2,7 @@
 
 use super::Forests;
 use super::scaled::Scaled;
-use crate::elimination::least_degree;
+use crate::elimination::Star;
 
 /// A fragment at its turn, by places in the order.
 struct Turn {
@@ -27,13 +27,10 @@ struct Turn {
 pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     assert_eq!(marked.len(), forests.fragments(), "one mark per fragment");
     let scaled = Scaled::new(forests);
-    let bridges = || forests.bridges().iter().zip(&scaled.bridge).filter(|(_, w)| **w > 0.0);
-    let links: Vec<[usize; 2]> = bridges().map(|(b, _)| [b.child, b.parent]).collect();
-    // Without a limit there is always an order.
-    let stars = least_degree(forests.fragments(), &links, usize::MAX).unwrap_or_default();
+    let stars = scaled.stars(forests);
     let mut place = vec![0; stars.len()];
     stars.iter().enumerate().for_each(|(at, star)| place[star.center] = at);
-    let turn = |star: &crate::elimination::Star| {
+    let turn = |star: &Star| {
         let mut to: Vec<usize> = star.neighbours.iter().map(|node| place[*node]).collect();
         to.sort_unstable();
         let (root, rays) = (scaled.root[star.center], to.len());
@@ -41,7 +38,7 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
         Turn { fragment: star.center, to, out: vec![0.0; rays], into: vec![0.0; rays], death }
     };
     let mut turns: Vec<Turn> = stars.iter().map(turn).collect();
-    for (bridge, odds) in bridges() {
+    for (_, bridge, odds) in scaled.possible(forests) {
         let [child, parent] = [bridge.child, bridge.parent].map(|fragment| place[fragment]);
         let turn = &mut turns[child.min(parent)];
         let ray = turn.to.partition_point(|to| *to < child.max(parent));

@@ -7,9 +7,9 @@ use super::simulated::Simulated;
 use super::summary::{Provenance, conditions, input, outlets_found};
 use crate::hemodynamics::FoundOutlets;
 use crate::network::{Network, RadiusRule, Role};
-use crate::simulation::{Change, Collateral, Perturbation, collaterals, reversals};
+use crate::simulation::{Change, FlowChange, Perturbation, gains, reversals};
 use crate::state::{LAMINAR_LIMIT, State};
-use crate::units::{millimetres, ml_per_min};
+use crate::units::{centipoise, millimetres, ml_per_min};
 
 /// Collaterals that are named: those of the largest gain of flow.
 pub const MOST_COLLATERALS: usize = 5;
@@ -44,7 +44,7 @@ impl FlowRecord {
         let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
         let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
         let changes = simulated.perturbations;
-        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<Collateral>| {
+        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
             after.map_or_else(Vec::new, |after| find(before, after, changes))
         };
         let turbulent = |state: &State| -> Vec<Value> {
@@ -68,8 +68,8 @@ impl FlowRecord {
             command: provenance.command.clone(),
             input: input(provenance),
             parameters: json!({
-                "viscosity_cP": simulated.viscosity * 1e3,
-                "radius": match radius_rule { RadiusRule::Mean => "mean", RadiusRule::Effective => "effective" },
+                "viscosity_cP": centipoise(simulated.viscosity),
+                "radius": radius_rule.name(),
                 "outlets_found": outlets_found(outlets),
                 "stenosis_model": "poiseuille",
             }),
@@ -81,7 +81,7 @@ impl FlowRecord {
             inflow_perturbed: after.map(|state| ml_per_min(state.inflow)),
             not_laminar,
             perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
-            collaterals: changed(collaterals).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
+            collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
             reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
             notes: provenance.notes.clone(),
         }
@@ -105,7 +105,7 @@ fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbatio
     value
 }
 
-fn collateral(network: &Network, c: &Collateral) -> Value {
+fn collateral(network: &Network, c: &FlowChange) -> Value {
     json!({
         "edge": c.vessel,
         "label": network.vessel(c.vessel).label,

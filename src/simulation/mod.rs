@@ -1,14 +1,16 @@
 //! Forward simulation: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
 
-mod collateral;
+mod flow_change;
+mod stenosis;
 
-pub use collateral::{Collateral, collaterals, reversals};
+pub use flow_change::{FlowChange, gains, reversals, rounding};
+pub use stenosis::Stenosis;
 
 use crate::error::{Error, Result};
 use crate::hemodynamics::floating::drives_flow;
-use crate::hemodynamics::{Boundary, Tube};
+use crate::hemodynamics::poiseuille::check_viscosity;
+use crate::hemodynamics::{Boundary, Factors, Tube};
 use crate::network::Network;
-use crate::perturbation::Stenosis;
 use crate::state::State;
 use crate::units::millimetres;
 
@@ -60,10 +62,8 @@ impl Change {
 /// A viscosity that is not positive; no two boundary conditions between which blood could flow; a perturbation that is out of
 /// its range or comes twice on one vessel; a vessel whose conductance no double can hold; a breakdown of the solver.
 pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturbations: &[Perturbation]) -> Result<Simulation> {
-    if !(viscosity.is_normal() && viscosity > 0.0) {
-        return Err(Error::parameter("--viscosity", viscosity * 1e3, "expected a positive number of cP"));
-    }
-    let at_rest: Vec<Tube> = network.vessels().map(|(_, vessel)| Tube::of(vessel, viscosity)).collect();
+    check_viscosity(viscosity)?;
+    let at_rest = Tube::at_rest(network, viscosity);
     let changed = perturbed(network, &at_rest, perturbations)?;
     drives_flow(network, boundary)?;
     let solve = |tubes: &[Tube]| State::solve(network, boundary, tubes, viscosity);
@@ -92,8 +92,7 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
                 return Err(Error::parameter("--tortuosity", factor, "expected a factor of length of at least 1"));
             }
             lengths[*vessel] *= factor;
-            tubes[*vessel].resistance *= factor;
-            tubes[*vessel].volume *= factor;
+            tubes[*vessel] = tubes[*vessel].times(&Factors::of_length(*factor));
         }
     }
     for Perturbation { vessel, change } in perturbations {
@@ -103,10 +102,7 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
             Change::Occlusion => tube.resistance = f64::INFINITY,
             Change::Stenosis(stenosis) => {
                 check(network, *vessel, stenosis, lengths[*vessel])?;
-                let factors = stenosis.factors(lengths[*vessel]);
-                tube.resistance *= factors.resistance;
-                tube.volume *= factors.volume;
-                tube.radius *= factors.radius;
+                *tube = tube.times(&stenosis.factors(lengths[*vessel]));
             }
         }
     }

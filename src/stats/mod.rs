@@ -21,6 +21,11 @@ pub fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
     Some(sorted[low] + share * (sorted[high] - sorted[low]))
 }
 
+/// σ(x) = 1/(1 + e^-x), the logistic function: the probability of log-odds x.
+pub fn sigmoid(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
 /// The median: the mean of the two middle values of an even number.
 pub fn median(values: &[f64]) -> Option<f64> {
     quantile(values, 0.5)

@@ -1,5 +1,7 @@
 //! From the probability that the model gives a link to the share of such links that are right.
 
+use crate::stats::sigmoid;
+
 /// The least probability, and the least doubt, whose log-odds are told apart.
 const LEAST: f64 = 1e-12;
 
@@ -21,7 +23,7 @@ impl Calibration {
             return 0.0;
         }
         let z: f64 = self.0.iter().zip(Self::design(p)).map(|(a, x)| a * x).sum();
-        1.0 / (1.0 + (-z).exp())
+        sigmoid(z)
     }
 }
 

@@ -14,7 +14,7 @@ use super::weights::Pass;
 use crate::candidates::evidence::{Bridge, Extraction, Span, direction, gap, radius, spans};
 use crate::geometry::distance;
 use crate::posterior::Marginals;
-use crate::stats::median;
+use crate::stats::{median, sigmoid};
 
 /// The features of a closure, in the order of their weights.
 pub const CLOSURE_FEATURES: [&str; 10] =
@@ -35,7 +35,7 @@ pub struct Closure {
 impl Closure {
     /// 1/(1 + exp(-b·x)).
     pub fn probability(&self, weights: &[f64]) -> f64 {
-        1.0 / (1.0 + (-self.features.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>()).exp())
+        sigmoid(self.features.iter().zip(weights).map(|(x, w)| x * w).sum())
     }
 }
 

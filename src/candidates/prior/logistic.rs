@@ -1,6 +1,7 @@
 //! Logistic regression with a penalty of large slopes.
 
 use super::minimise::minimise;
+use crate::stats::sigmoid;
 
 const ITERATIONS: usize = 300;
 
@@ -27,7 +28,7 @@ pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
             let z: f64 = y.iter().zip(x).zip(&scale).map(|((y, x), s)| y / s * x).sum();
             let truth = f64::from(u8::from(*is_true));
             value += weight / total * (z.max(0.0) + (-z.abs()).exp().ln_1p() - truth * z);
-            let residual = weight / total * (1.0 / (1.0 + (-z).exp()) - truth);
+            let residual = weight / total * (sigmoid(z) - truth);
             slope.iter_mut().zip(x).zip(&scale).for_each(|((g, x), s)| *g += residual * x / s);
         }
         (value, slope)

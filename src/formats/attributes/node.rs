@@ -5,7 +5,7 @@ use super::{Item, Name, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::Point;
-use crate::network::{Condition, INLET_PRESSURE_MMHG, Node, Role};
+use crate::network::{Condition, Node, Role};
 use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
 
 /// The nodes of records, each with its id, which must be unique.
@@ -90,8 +90,8 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
         (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
         (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
         (None, None, None) => match role {
-            Some(Role::Inlet) => Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG))),
-            Some(Role::Outlet) => Some(Condition::Pressure(0.0)),
+            Some(Role::Inlet) => Some(Condition::INLET),
+            Some(Role::Outlet) => Some(Condition::GROUND),
             Some(Role::Inner) | None => None,
         },
     })

@@ -8,7 +8,7 @@ use crate::modulation::{Hypertension, Instances};
 use crate::network::Role;
 use crate::report::summary::{conditions, input, outlets_found};
 use crate::stats::Distribution;
-use crate::units::{ml_per_min, mmhg_per_mm2};
+use crate::units::{centipoise, ml_per_min, mmhg_per_mm2};
 
 /// What came out of a class, or of the one unperturbed instance.
 fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {
@@ -61,7 +61,7 @@ impl<'a> Record<'a> {
                 "samples": params.samples,
                 "reading": params.reading.name(),
                 "modulated_edges": modulated,
-                "viscosity_cP": params.viscosity * 1e3,
+                "viscosity_cP": centipoise(params.viscosity),
                 "threshold_mmHg_per_mm2": mmhg_per_mm2(outcome.hypertension.threshold),
                 "outlets_found": outlets_found(outcome.outlets),
             }),

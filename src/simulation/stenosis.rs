@@ -1,5 +1,7 @@
 //! Stenosis: a vessel narrowed over its whole length or over a stretch of it.
 
+use crate::hemodynamics::Factors;
+
 /// A narrowing. With the open share of the diameter o = 1 - s (s the reduction of diameter), and the narrowed share of the
 /// length f = stretch/l, the narrowed and the normal stretch are in series under Poiseuille's law:
 /// R' = R·(1 - f + f/o⁴), the volume of the lumen V' = V·(1 - f + f·o²), and the radius where it is narrowest r' = r·o.
@@ -12,17 +14,6 @@ pub struct Stenosis {
     pub open_diameter: f64,
     /// Length of the narrowed stretch, m; the whole vessel where there is none.
     pub stretch: Option<f64>,
-}
-
-/// What multiplies the figures of a vessel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Factors {
-    /// Of the resistance.
-    pub resistance: f64,
-    /// Of the volume of the lumen.
-    pub volume: f64,
-    /// Of the radius where the vessel is narrowest.
-    pub radius: f64,
 }
 
 impl Stenosis {
@@ -47,6 +38,11 @@ impl Stenosis {
         let narrowed = self.stretch.map_or(1.0, |stretch| stretch / length);
         let normal = 1.0 - narrowed;
         let open = self.open_diameter;
-        Factors { resistance: normal + narrowed / open.powi(4), volume: normal + narrowed * open * open, radius: open }
+        Factors {
+            resistance: normal + narrowed / open.powi(4),
+            volume: normal + narrowed * open * open,
+            radius: open,
+            length: 1.0,
+        }
     }
 }
