@@ -161,3 +161,28 @@ fn exchanged_sides_are_warned_of() {
         assert_eq!(stderr(&output).contains("left and right look exchanged"), warned, "{}", stderr(&output));
     }
 }
+
+/// A phantom lies as a patient does in right-handed axes, so that the check stands up on it: silent on its landmarks, and not on
+/// those of the two sides exchanged.
+#[test]
+fn the_sides_of_a_phantom_are_what_they_are_called() {
+    let here = folder();
+    let made = willis(here.path(), &["phantom", "cerebral", "--break", "--seed", "3", "-o", "a.swc"]);
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    let landmarks = fs::read_to_string(here.path().join("a.landmarks.csv")).expect("landmarks");
+    let exchanged: String = landmarks
+        .split_inclusive('\n')
+        .map(|line| match line.split_at(line.len().min(2)) {
+            ("L-", rest) => format!("R-{rest}"),
+            ("R-", rest) => format!("L-{rest}"),
+            _ => line.to_owned(),
+        })
+        .collect();
+    assert_ne!(landmarks, exchanged);
+    for (text, warned) in [(landmarks, false), (exchanged, true)] {
+        fs::write(here.path().join("l.csv"), text).expect("written");
+        let output = willis(here.path(), &["classify", "a.swc", "--landmarks", "l.csv", "-o", "out", "--force"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("left and right look exchanged"), warned, "{}", stderr(&output));
+    }
+}
