@@ -4,7 +4,7 @@ use super::extraction::Extraction;
 use super::frame::Frame;
 use super::search::Bridge;
 use super::steady::{compare, steady};
-use crate::geometry::{Point, distance, dot, norm_squared, sub, unit};
+use crate::geometry::{Point, cross, distance, dot, norm_squared, sub, unit};
 
 /// No gap is shorter than this, in spacings.
 const LEAST_GAP: f64 = 1e-6;
@@ -53,8 +53,7 @@ impl Span<'_> {
 
 /// The angle between two vectors, rad; a zero vector is across everything.
 pub fn angle(a: Point, b: Point) -> f64 {
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    if a == [0.0; 3] || b == [0.0; 3] { std::f64::consts::FRAC_PI_2 } else { norm_squared(cross).sqrt().atan2(dot(a, b)) }
+    if a == [0.0; 3] || b == [0.0; 3] { std::f64::consts::FRAC_PI_2 } else { norm_squared(cross(a, b)).sqrt().atan2(dot(a, b)) }
 }
 
 /// The bridges of one search as spans, in their order.
