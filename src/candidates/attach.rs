@@ -3,23 +3,16 @@
 
 use std::collections::BTreeMap;
 
-use super::ends::{FreeEnd, point_spacing};
+use super::ends::{BEND, FreeEnd, SNAP_SPACINGS, point_spacing, reach};
 use super::knn::PointIndex;
 use super::{Attach, Looks, Params, Place, Site};
 use crate::geometry::{Point, distance, dot, norm_squared, sub};
 use crate::network::{Network, Origin};
 
-/// Reach in point spacings and in end diameters: independent of any unit.
-const REACH_SPACINGS: f64 = 20.0;
-const REACH_DIAMETERS: f64 = 5.0;
 /// The search for targets begins this far away, in point spacings, or at this share of the reach, and widens by this factor.
 const FIRST_SPACINGS: f64 = 2.0;
 const FIRST_SHARE: f64 = 0.02;
 const WIDENING: f64 = 1.5;
-/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
-const BEND: f64 = 1.3;
-/// A meeting point so many spacings from its branch's free end is moved there.
-const SNAP_SPACINGS: f64 = 3.0;
 
 /// Where a candidate leaves and where it arrives.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +63,7 @@ impl<'a> Surroundings<'a> {
     ///
     /// No targets once `looks` says that there were too many.
     pub fn targets(&self, end: &FreeEnd, params: &Params, looks: &Looks) -> Vec<Target> {
-        let reach = REACH_SPACINGS * self.spacing + REACH_DIAMETERS * 2.0 * end.radius;
+        let reach = reach(self.spacing, end.radius);
         let reach = params.max_gap.map_or(reach, |most| reach.min(most));
         let mut radius = reach.min(FIRST_SPACINGS * self.spacing).max(FIRST_SHARE * reach);
         let mut order = self.found(end, radius, reach, params.attach, looks);

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, distance};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
-use crate::units::as_stored;
+use crate::units::{as_stored, millimetres};
 use attach::{Surroundings, Target};
 use crowd::{Looks, check_junctions};
 use ends::free_ends;
@@ -87,7 +87,7 @@ impl Params {
         }
         for (name, value) in [("--max-gap", self.max_gap), ("--max-candidate-radius", self.max_radius)] {
             if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
-                return Err(Error::parameter(name, m * 1e3, "expected a positive length"));
+                return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
             }
         }
         Ok(())
