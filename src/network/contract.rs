@@ -29,6 +29,14 @@ pub struct Contraction {
 }
 
 impl RadiusRule {
+    /// The word on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Effective => "effective",
+        }
+    }
+
     /// The radius (m) that stands for a vessel with these points.
     pub fn radius(self, path: &[PathPoint]) -> f64 {
         let (mut length, mut sum) = (0.0, 0.0);

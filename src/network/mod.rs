@@ -8,7 +8,7 @@ mod naming;
 mod stored;
 
 pub use contract::{Contraction, RadiusRule, contract};
-pub use evidence::Evidence;
+pub use evidence::{END_ODDS, Evidence};
 pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Located, locate, nearest, parse_position};
 pub use naming::vessels_called;
@@ -141,7 +141,7 @@ pub struct Vessel {
     pub origin: Origin,
     /// The anatomical prior A in [0, 1].
     pub prior: f64,
-    /// Never occluded, whatever is on trial.
+    /// Never occluded, whatever is uncertain.
     pub certain: bool,
     /// What the evidence says of a candidate.
     pub evidence: Option<Evidence>,

@@ -108,6 +108,17 @@ impl Artery {
         }
     }
 
+    /// The undivided artery that it is a segment of; itself where it is none.
+    #[must_use]
+    pub fn whole(self) -> Self {
+        match self {
+            Self::A1(side) | Self::A2(side) => Self::Aca(side),
+            Self::P1(side) | Self::P2(side) => Self::Pca(side),
+            Self::M1(side) => Self::Mca(side),
+            other => other,
+        }
+    }
+
     /// Its name without the side.
     pub fn stem(self) -> &'static str {
         match self {

@@ -69,7 +69,7 @@ impl FlowRecord {
             input: input(provenance),
             parameters: json!({
                 "viscosity_cP": simulated.viscosity * 1e3,
-                "radius": match radius_rule { RadiusRule::Mean => "mean", RadiusRule::Effective => "effective" },
+                "radius": radius_rule.name(),
                 "outlets_found": outlets_found(outlets),
                 "stenosis_model": "poiseuille",
             }),

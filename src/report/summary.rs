@@ -10,7 +10,7 @@ use crate::candidates::{self, Attach, CandidateRadius};
 use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
 use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z};
-use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
+use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
 /// Where a run comes from.
@@ -98,7 +98,7 @@ pub fn candidate_parameters(built: Built<'_>) -> Value {
         "attach": match p.attach { Attach::Centerline => "centerline", Attach::Ends => "ends" },
         "candidate_radius": match p.radius { CandidateRadius::Min => "min", CandidateRadius::Mean => "mean" },
         "max_candidate_radius_mm": p.max_radius.map(millimetres),
-        "radius": match p.radius_rule { RadiusRule::Mean => "mean", RadiusRule::Effective => "effective" },
+        "radius": p.radius_rule.name(),
     })
 }
 
