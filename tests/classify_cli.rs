@@ -50,11 +50,13 @@ fn the_folder_holds_the_phenotype_and_its_record() {
     assert_eq!(contents(here.path()), before);
 }
 
-/// Centerlines without labels, by landmarks in the unit of the file.
+/// Centerlines without labels, by landmarks in the unit of the file, or in mm where they say so.
 #[test]
 fn landmarks_stand_in_for_labels() {
     let here = folder();
-    for (unit, scale) in [("mm", 1.0), ("cm", 0.1)] {
+    for (unit, scale, columns, of_landmarks) in
+        [("mm", 1.0, "x,y,z", 1.0), ("cm", 0.1, "x,y,z", 0.1), ("um", 1e3, "x_mm,y_mm,z_mm", 1.0)]
+    {
         let mut swc = String::new();
         let mut add = |id: usize, [x, y, z]: [f64; 3], parent: i64| {
             writeln!(swc, "{id} 0 {} {} {} {} {parent}", x * scale, y * scale, z * scale, scale).expect("written");
@@ -65,9 +67,9 @@ fn landmarks_stand_in_for_labels() {
         add(3, [-60.0, 6.0, 10.0], 2);
         add(4, [-4.0, 40.0, 40.0], 2);
         fs::write(here.path().join("a.swc"), &swc).expect("written");
-        let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
+        let mut text = format!("label,{columns}\n");
         for (label, at) in [("L-ICA", [-20.0, 0.0, -61.0]), ("L-M1", [-61.0, 6.0, 10.0]), ("L-A2", [-4.0, 41.0, 40.0])] {
-            let [x, y, z] = at.map(|x: f64| x * scale);
+            let [x, y, z] = at.map(|x: f64| x * of_landmarks);
             writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
         fs::write(here.path().join("l.csv"), &text).expect("written");

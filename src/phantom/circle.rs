@@ -2,11 +2,8 @@
 
 use super::alastruey::{NODES, ROOT, TABLE};
 use super::{curve::course, layout, part::part};
-use crate::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use crate::network::{Condition, INLET_PRESSURE_MMHG, Network, Node, PathPoint, RadiusRule, Role, Vessel};
 use crate::units::pascals;
-
-/// The pressure at the inlets of a phantom, mmHg.
-pub const INLET_MMHG: f64 = 100.0;
 
 /// The whole network of [`TABLE`], its centerlines sampled at about `spacing` (m; 0.5 mm is customary).
 ///
@@ -74,5 +71,5 @@ pub fn cerebral(network: &Network) -> Network {
 pub(super) fn make_inlet(network: &mut Network, row: usize) {
     let node = network.node_mut(row);
     node.role = Some(Role::Inlet);
-    node.condition = Some(Condition::Pressure(pascals(INLET_MMHG)));
+    node.condition = Some(Condition::Pressure(pascals(INLET_PRESSURE_MMHG)));
 }

@@ -3,11 +3,11 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::circle::{INLET_MMHG, make_inlet};
+use super::circle::make_inlet;
 use super::curve::{Bow, course};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, cross, dot, sub, unit};
-use crate::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use crate::network::{Condition, INLET_PRESSURE_MMHG, Network, Node, PathPoint, RadiusRule, Role, Vessel};
 use crate::units::{cubic_metres_per_second, metres, pascals};
 
 /// The shape of a branching tree.
@@ -104,7 +104,7 @@ pub(super) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
     let node = network.node_mut(row);
     node.role = Some(Role::Outlet);
-    node.condition = Some(Condition::Resistance { resistance: pascals(INLET_MMHG) / flow, venous: 0.0 });
+    node.condition = Some(Condition::Resistance { resistance: pascals(INLET_PRESSURE_MMHG) / flow, venous: 0.0 });
 }
 
 /// A vessel about to be added: where from, which way, and the side to which it will branch.

@@ -90,6 +90,16 @@ impl Side {
 }
 
 impl Artery {
+    /// Those that come in pairs.
+    pub(super) const PAIRED: [fn(Side) -> Self; 11] =
+        [Self::Ica, Self::M1, Self::Mca, Self::A1, Self::A2, Self::Aca, Self::P1, Self::P2, Self::Pca, Self::PComm, Self::Va];
+
+    /// Every artery.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let sided = Self::PAIRED.into_iter().flat_map(|artery| Side::BOTH.map(artery));
+        sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
+    }
+
     /// Its side; none in the midline.
     pub fn side(self) -> Option<Side> {
         match self {

@@ -20,20 +20,7 @@ pub(super) fn are_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
     };
     let both = |artery: fn(Side) -> Artery| Side::BOTH.map(artery);
     let mut rightward = [0.0; 3];
-    let kinds: [fn(Side) -> Artery; 11] = [
-        Artery::Ica,
-        Artery::M1,
-        Artery::Mca,
-        Artery::A1,
-        Artery::A2,
-        Artery::Aca,
-        Artery::P1,
-        Artery::P2,
-        Artery::Pca,
-        Artery::PComm,
-        Artery::Va,
-    ];
-    for artery in kinds {
+    for artery in Artery::PAIRED {
         if let [Some(left), Some(right)] = both(artery).map(|artery| at.get(&artery)) {
             let step = sub(*right, *left);
             rightward = [rightward[0] + step[0], rightward[1] + step[1], rightward[2] + step[2]];
