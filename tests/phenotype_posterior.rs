@@ -195,7 +195,7 @@ fn a_folder_of_infer_is_asked_again() {
     };
     run(&["phantom", "cerebral", "--without", "L-PComm", "--break", "--seed", "1", "-o", "a.swc"]);
     let landmarks = fs::read_to_string(here.path().join("a.landmarks.csv")).unwrap();
-    assert!(landmarks.starts_with("label,x_mm,y_mm,z_mm\n") && landmarks.contains("L-ICA I,44,16,112\n"), "{landmarks}");
+    assert!(landmarks.starts_with("label,x_mm,y_mm,z_mm\n") && landmarks.contains("L-ICA I,-44,16,112\n"), "{landmarks}");
     run(&["infer", "a.swc", "-o", "run", "--landmarks", "{}.landmarks.csv", "-n", "300", "--seed", "7"]);
     let said = run(&["classify", "run", "-o", "again", "--landmarks", "a.landmarks.csv"]);
     assert!(said.contains("300 plausible topologies, whose free ends continue by the evidence"), "{said}");

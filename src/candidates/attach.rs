@@ -20,7 +20,7 @@ pub struct Target {
     /// The free end, with its mean radius.
     pub from: Anchor,
     /// The place it reaches.
-    pub anchor: Anchor,
+    pub to: Anchor,
 }
 
 /// What lies around the free ends of a network.
@@ -73,7 +73,7 @@ impl<'a> Surroundings<'a> {
         }
         order.truncate(params.k);
         let from = Anchor { place: NetworkPoint::Node(end.node), position: end.position, radius: end.radius };
-        order.into_iter().map(|(_, anchor)| Target { from, anchor: self.with_end_radius(self.anchors[anchor]) }).collect()
+        order.into_iter().map(|(_, anchor)| Target { from, to: self.with_end_radius(self.anchors[anchor]) }).collect()
     }
 
     /// The targets no further than `radius`, by distance and anchor.

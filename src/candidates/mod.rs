@@ -110,7 +110,7 @@ pub enum NetworkPoint {
     },
 }
 
-/// A place with its position (m) and local radius (m).
+/// A point of a network where a candidate may hold, with its position (m) and local radius (m).
 #[derive(Debug, Clone, Copy)]
 struct Anchor {
     place: NetworkPoint,
@@ -155,10 +155,10 @@ fn with_candidates(
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let mut joined: BTreeSet<[NetworkPoint; 2]> =
         network.vessels().map(|(ends, _)| pair(NetworkPoint::Node(ends[0]), NetworkPoint::Node(ends[1]))).collect();
-    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.anchor.place)));
+    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.to.place)));
     let mut cuts = Cuts::new();
     for (target, _) in &found {
-        for anchor in [&target.from, &target.anchor] {
+        for anchor in [&target.from, &target.to] {
             if let NetworkPoint::Along { vessel, point } = anchor.place {
                 cuts.entry(vessel).or_default().insert(point);
             }
@@ -166,7 +166,7 @@ fn with_candidates(
     }
     let (mut graph, node_at) = split(network, &cuts, params.radius_rule);
     for (target, evidence) in found {
-        let ends = [&target.from, &target.anchor].map(|anchor| match anchor.place {
+        let ends = [&target.from, &target.to].map(|anchor| match anchor.place {
             NetworkPoint::Node(node) => node,
             place @ NetworkPoint::Along { .. } => node_at[&place],
         });
@@ -182,14 +182,14 @@ fn pair(a: NetworkPoint, b: NetworkPoint) -> [NetworkPoint; 2] {
 }
 
 fn candidate(target: &Target, params: &Params) -> Vessel {
-    let (a, b) = (target.from.radius, target.anchor.radius);
+    let (a, b) = (target.from.radius, target.to.radius);
     let radius = match params.radius {
         CandidateRadius::Min => a.min(b),
         CandidateRadius::Mean => 0.5 * (a + b),
     };
     let radius = params.max_radius.map_or(radius, |most| radius.min(most));
-    let length = distance(target.from.position, target.anchor.position);
-    let path = [&target.from, &target.anchor].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
+    let length = distance(target.from.position, target.to.position);
+    let path = [&target.from, &target.to].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
     Vessel { path, ..Vessel::new(length, radius, Origin::Candidate) }
 }
 

@@ -84,6 +84,6 @@ fn target(extraction: &Extraction, bridge: FoundBridge) -> Target {
     let there = extraction.end_at[bridge.point].map(|end| extraction.ends[end].radius);
     Target {
         from: anchor(end.point, end.radius),
-        anchor: anchor(bridge.point, there.unwrap_or(extraction.smooth.radius[bridge.point])),
+        to: anchor(bridge.point, there.unwrap_or(extraction.smooth.radius[bridge.point])),
     }
 }

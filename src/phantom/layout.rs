@@ -56,7 +56,7 @@ pub(super) fn bow(label: &str) -> Bow {
     };
     let (side, swings) = match name {
         "Ascending aorta" => ([1.0, 1.0, 0.0], 1),
-        "Brachiocephalic" => ([1.0, 0.0, 0.0], 1),
+        "Brachiocephalic" | "ICA II" => ([1.0, 0.0, 0.0], 1),
         "Aortic arch II" => ([-0.3, 0.0, 1.0], 1),
         "CCA" => ([1.0, 0.5, 0.0], 3),
         "ICA I" => ([1.0, 1.0, 0.0], 3),
@@ -64,7 +64,6 @@ pub(super) fn bow(label: &str) -> Bow {
         "VA" => ([1.0, -0.6, 0.0], 1),
         "Brachial" => ([1.0, 0.0, 0.5], 1),
         "Thoracic aorta" => ([-1.0, 0.0, 0.0], 1),
-        "ICA II" => ([1.0, 0.0, 0.0], 1),
         "PComm" => ([1.0, 0.0, -1.0], 1),
         "BA" | "AComm" => ([0.0, 1.0, 0.0], 1),
         "M1" => ([0.3, 0.5, 1.0], 1),
