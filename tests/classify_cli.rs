@@ -50,11 +50,13 @@ fn the_folder_holds_the_phenotype_and_its_record() {
     assert_eq!(contents(here.path()), before);
 }
 
-/// Centerlines without labels, by landmarks in the unit of the file.
+/// Centerlines without labels, by landmarks in the unit of the file, or in mm where they say so.
 #[test]
 fn landmarks_stand_in_for_labels() {
     let here = folder();
-    for (unit, scale) in [("mm", 1.0), ("cm", 0.1)] {
+    for (unit, scale, columns, of_landmarks) in
+        [("mm", 1.0, "x,y,z", 1.0), ("cm", 0.1, "x,y,z", 0.1), ("um", 1e3, "x_mm,y_mm,z_mm", 1.0)]
+    {
         let mut swc = String::new();
         let mut add = |id: usize, [x, y, z]: [f64; 3], parent: i64| {
             writeln!(swc, "{id} 0 {} {} {} {} {parent}", x * scale, y * scale, z * scale, scale).expect("written");
@@ -65,9 +67,9 @@ fn landmarks_stand_in_for_labels() {
         add(3, [-60.0, 6.0, 10.0], 2);
         add(4, [-4.0, 40.0, 40.0], 2);
         fs::write(here.path().join("a.swc"), &swc).expect("written");
-        let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
+        let mut text = format!("label,{columns}\n");
         for (label, at) in [("L-ICA", [-20.0, 0.0, -61.0]), ("L-M1", [-61.0, 6.0, 10.0]), ("L-A2", [-4.0, 41.0, 40.0])] {
-            let [x, y, z] = at.map(|x: f64| x * scale);
+            let [x, y, z] = at.map(|x: f64| x * of_landmarks);
             writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
         fs::write(here.path().join("l.csv"), &text).expect("written");
@@ -157,6 +159,31 @@ fn exchanged_sides_are_warned_of() {
         }
         fs::write(here.path().join("nodes.csv"), nodes).expect("written");
         let output = willis(here.path(), &["classify", "edges.csv", "-o", "out", "--force"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("left and right look exchanged"), warned, "{}", stderr(&output));
+    }
+}
+
+/// A phantom lies as a patient does in right-handed axes, so that the check stands up on it: silent on its landmarks, and not on
+/// those of the two sides exchanged.
+#[test]
+fn the_sides_of_a_phantom_are_what_they_are_called() {
+    let here = folder();
+    let made = willis(here.path(), &["phantom", "cerebral", "--break", "--seed", "3", "-o", "a.swc"]);
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    let landmarks = fs::read_to_string(here.path().join("a.landmarks.csv")).expect("landmarks");
+    let exchanged: String = landmarks
+        .split_inclusive('\n')
+        .map(|line| match line.split_at(line.len().min(2)) {
+            ("L-", rest) => format!("R-{rest}"),
+            ("R-", rest) => format!("L-{rest}"),
+            _ => line.to_owned(),
+        })
+        .collect();
+    assert_ne!(landmarks, exchanged);
+    for (text, warned) in [(landmarks, false), (exchanged, true)] {
+        fs::write(here.path().join("l.csv"), text).expect("written");
+        let output = willis(here.path(), &["classify", "a.swc", "--landmarks", "l.csv", "-o", "out", "--force"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert_eq!(stderr(&output).contains("left and right look exchanged"), warned, "{}", stderr(&output));
     }

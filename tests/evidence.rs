@@ -6,7 +6,7 @@ use common::Draw;
 use willis::candidates::evidence::gap::log_detour;
 use willis::candidates::evidence::radius::relative_size;
 use willis::candidates::evidence::{
-    Bridge, Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, Search, features, root_features, search, spans,
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, FoundBridge, Search, features, root_features, search, spans,
 };
 use willis::centerline::Centerlines;
 use willis::geometry::Point;
@@ -149,7 +149,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
         (end(0.0, 15.0), node(10.0, 0.0)),
         (end(10.0, 0.0), node(6.0, 5.0)),
     ];
-    let bridges = bridges.map(|(end, point)| Bridge { end, point, inside: false });
+    let bridges = bridges.map(|(end, point)| FoundBridge { end, point, inside: false });
     let fragment = |place: usize| extraction.fragment[place];
     let log_weights = [0.3, -0.2, 0.5, -1.0, 0.1];
     let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| posterior::Bridge {
@@ -212,7 +212,7 @@ fn a_loop_has_no_direction() {
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let inlet = network.nodes().position(|n| n.position.is_some_and(|p| p[0] > 11.9)).expect("the tail's end");
     let extraction = Extraction::new(&network, &[inlet]).expect("positions");
-    let bridges: Vec<Bridge> = search(&extraction, &Search::default()).unwrap().into_iter().filter(|b| !b.inside).collect();
+    let bridges: Vec<FoundBridge> = search(&extraction, &Search::default()).unwrap().into_iter().filter(|b| !b.inside).collect();
     let forests = weighed(&extraction, &bridges);
     let got = Feedback::new(&extraction, &bridges).features(&forests, &marginals(&forests));
     let (mut on_ring, mut on_tail) = (0, 0);
@@ -239,7 +239,7 @@ fn a_gap_in_a_ring_has_a_detour() {
     points.links.extend((1..12).map(|i| [i - 1, i]));
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = [Bridge { end: 0, point: extraction.ends[1].point, inside: true }];
+    let bridges = [FoundBridge { end: 0, point: extraction.ends[1].point, inside: true }];
     let span = &spans(&extraction, &bridges)[0];
     assert!((log_detour(span) - 11_f64.ln()).abs() < 1e-12 && relative_size(span) == 0.0);
 }
@@ -274,7 +274,7 @@ fn what_has_no_points_is_no_error() {
 type Row = ([u32; 2], bool, Vec<f64>);
 
 /// Forests with some weights that depend on the bridges alone.
-fn weighed(extraction: &Extraction, bridges: &[Bridge]) -> Forests {
+fn weighed(extraction: &Extraction, bridges: &[FoundBridge]) -> Forests {
     let x = features(extraction, bridges);
     let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| posterior::Bridge {
         child: extraction.ends[bridge.end].fragment,
@@ -304,11 +304,13 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
     let extraction = Extraction::new(&network, &inlets).expect("positions");
     let bridges = search(&extraction, &Search::default()).unwrap();
     let name = |point: usize| match extraction.place[point] {
-        willis::candidates::Place::Node(node) => network.node(node).id.parse().expect("a number"),
-        willis::candidates::Place::Along { vessel, point } => network.vessel(vessel).path[point].id.expect("a number") as u32,
+        willis::candidates::NetworkPoint::Node(node) => network.node(node).id.parse().expect("a number"),
+        willis::candidates::NetworkPoint::Along { vessel, point } => {
+            network.vessel(vessel).path[point].id.expect("a number") as u32
+        }
     };
     let columns = features(&extraction, &bridges);
-    let between: Vec<Bridge> = bridges.iter().copied().filter(|b| !b.inside).collect();
+    let between: Vec<FoundBridge> = bridges.iter().copied().filter(|b| !b.inside).collect();
     let forests = weighed(&extraction, &between);
     let feedback = Feedback::new(&extraction, &between).features(&forests, &marginals(&forests));
     let mut feedback = feedback.rows().into_iter();

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use ndarray::Array2;
 use willis::candidates::evidence::{
-    Bridge, Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, Search, features, root_features, search,
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, FoundBridge, ROOT_FEATURES, Search, features, root_features, search,
 };
 use willis::centerline::Centerlines;
 use willis::network::{Network, RadiusRule, contract};
@@ -42,9 +42,9 @@ fn row_of(network: &Network, id: f64) -> usize {
 }
 
 /// The feedback on the bridges between fragments, weighed as the reference does; zero for those within one.
-fn feedback(e: &Extraction, bridges: &[Bridge], x: &Array2<f64>) -> Array2<f64> {
+fn feedback(e: &Extraction, bridges: &[FoundBridge], x: &Array2<f64>) -> Array2<f64> {
     let rows: Vec<usize> = (0..bridges.len()).filter(|row| !bridges[*row].inside).collect();
-    let between: Vec<Bridge> = rows.iter().map(|row| bridges[*row]).collect();
+    let between: Vec<FoundBridge> = rows.iter().map(|row| bridges[*row]).collect();
     let at = |row: usize, name: &str| x[[row, FEATURES.iter().position(|(n, _)| *n == name).expect("a feature")]];
     let weighed = |row: &usize| posterior::Bridge {
         child: e.ends[bridges[*row].end].fragment,

@@ -11,7 +11,7 @@ use peers::document;
 use willis::centerline::Centerlines;
 use willis::formats::{Format, RadiusArray, read_markups, read_points, read_swc};
 use willis::network::{Network, RadiusRule, contract, cycles, fragments};
-use willis::units::{Scale, millimetres};
+use willis::units::{LengthUnit, Scale, millimetres};
 
 fn mm() -> Scale {
     Scale::default()
@@ -149,7 +149,7 @@ fn points_in_any_order_of_columns_and_rows() {
 #[test]
 fn points_faults_name_line_and_value() {
     let head = "fragment,x,y,z,radius\n";
-    let columns = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on); label and id are optional";
+    let columns = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
     for (text, message) in [
         ("fragment,x,y,radius\n1,0,0,1\n".into(), format!("p:1: columns fragment,x,y,radius; {columns}")),
         ("fragment,x,y,z\n1,0,0,1\n".into(), "p:1: no column radius; expected one, or give --default-radius".into()),
@@ -173,6 +173,19 @@ fn points_faults_name_line_and_value() {
     assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save it so");
     assert_eq!(document("a.csv", b"fragment,x,y\n").unwrap_err(), format!("a.csv:1: columns fragment,x,y; {columns}"));
     assert!(read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &mm(), true).unwrap().0.radii[0].is_nan());
+}
+
+/// A column called `_mm` is in mm whatever the unit of the others, axis by axis.
+#[test]
+fn columns_in_mm_are_not_scaled_by_the_unit() {
+    let voxels = Scale { unit: LengthUnit::Voxel, spacing: Some([0.5, 0.25, 2.0]) };
+    let read = |text: &str| {
+        let lines = read_points(text.as_bytes(), &voxels, false).unwrap().0;
+        (lines.points[1].map(millimetres), millimetres(lines.radii[1]))
+    };
+    assert_eq!(read("fragment,x_mm,y_mm,z_mm,radius_mm\n1,0,0,0,1\n1,2,4,8,1\n"), ([2.0, 4.0, 8.0], 1.0));
+    assert_eq!(read("fragment,x,y,z,radius\n1,0,0,0,1\n1,2,4,8,1\n"), ([1.0, 1.0, 16.0], 0.25));
+    assert_eq!(read("fragment,x,y,Z_MM,r_mm\n1,0,0,0,1\n1,2,4,8,1\n"), ([1.0, 1.0, 8.0], 1.0));
 }
 
 #[test]

@@ -121,13 +121,13 @@ fn vessels_without_a_common_node_do_not_touch() {
 }
 
 #[test]
-fn left_is_plus_x_and_the_circle_lies_above_the_heart() {
+fn right_is_plus_x_and_the_circle_lies_above_the_heart() {
     let network = circle_of_willis(SPACING);
     for (_, vessel) in network.vessels().filter(|(_, v)| v.label != "L-CCA" && v.label != "R-CCA") {
         let x = vessel.path.iter().map(|p| p.position[0]).sum::<f64>();
         match vessel.label.split_once('-') {
-            Some(("L", _)) => assert!(x > 0.0, "{}", vessel.label),
-            Some(("R", _)) => assert!(x < 0.0, "{}", vessel.label),
+            Some(("L", _)) => assert!(x < 0.0, "{}", vessel.label),
+            Some(("R", _)) => assert!(x > 0.0, "{}", vessel.label),
             _ => {}
         }
     }

@@ -6,12 +6,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use willis::centerline::WELD_TOLERANCE;
-use willis::formats::{Content, ReadOptions, read, read_graphml};
+use willis::error::Fault;
+use willis::formats::{Content, ReadOptions, read, read_graphml, read_landmarks};
 use willis::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 use willis::phenotype::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
 use willis::phenotype::Side::{Left as L, Right as R};
-use willis::phenotype::{Artery, Circle, Completeness, RING, Scheme, Variant, artery, divide, read_landmarks};
-use willis::units::{Scale, metres};
+use willis::phenotype::{Artery, Circle, Completeness, Landmark, RING, Scheme, Variant, artery, divide, identify};
+use willis::units::{LengthUnit, Scale, metres};
 
 /// Nodes of a circle in mm: x to the right, y to the front, z up. `i` where carotids come in, `c` the origin of PComm, `t` the end of the
 /// carotid, `m` `a` `p` outlets of M1, A2 and P2, `j` where AComm and `k` where PComm meet A1 and P1.
@@ -112,12 +113,16 @@ fn landmarks(ends: &[(&str, &str)]) -> String {
     text
 }
 
+fn marked(landmarks: &str) -> Result<Vec<Landmark>, Fault> {
+    read_landmarks(landmarks.as_bytes(), &Scale::default()).and_then(identify)
+}
+
 fn by_labels(network: &Network) -> Variant {
     Circle::labelled(network, Scheme::Names).expect("a circle").0.variant(network, |_| true)
 }
 
 fn by_landmarks(network: &Network, ends: &[(&str, &str)]) -> Variant {
-    let landmarks = read_landmarks(&landmarks(ends), &Scale::default()).expect("landmarks");
+    let landmarks = marked(&landmarks(ends)).expect("landmarks");
     Circle::at(network, &landmarks).expect("a circle").0.variant(network, |_| true)
 }
 
@@ -153,8 +158,7 @@ fn absent_segments_are_missing_and_no_others() {
 fn vessels_that_are_not_kept_are_not_there() {
     let whole = network(&CIRCLE);
     let (labelled, _) = Circle::labelled(&whole, Scheme::Names).expect("a circle");
-    let (placed, _) =
-        Circle::at(&whole, &read_landmarks(&landmarks(&ENDS), &Scale::default()).expect("landmarks")).expect("a circle");
+    let (placed, _) = Circle::at(&whole, &marked(&landmarks(&ENDS)).expect("landmarks")).expect("a circle");
     for segment in RING {
         let kept = |row: usize| whole.vessel(row).label != segment.to_string();
         assert_eq!(labelled.variant(&whole, kept).missing(), [segment]);
@@ -462,7 +466,7 @@ fn the_published_variants_are_named_right() {
             let [x, y, z] = node.position.unwrap().map(willis::units::millimetres);
             writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
-        let landmarks = read_landmarks(&text, &Scale::default()).unwrap();
+        let landmarks = marked(&text).unwrap();
         let (placed, _) = Circle::at(&network, &landmarks).unwrap();
         for variant in [by_labels(&network), placed.variant(&network, |_| true)] {
             assert_eq!(missing(&variant), named_missing(&file), "{}", file.display());
@@ -497,7 +501,7 @@ fn names_and_words_say_what_is_missing() {
 fn landmarks_are_refused_with_their_line() {
     let refused = |text: &str, words: &[&str]| {
         let whole = network(&CIRCLE);
-        let fault = match read_landmarks(text, &Scale::default()) {
+        let fault = match marked(text) {
             Err(fault) => fault,
             Ok(landmarks) => Circle::at(&whole, &landmarks).expect_err(text),
         };
@@ -511,15 +515,35 @@ fn landmarks_are_refused_with_their_line() {
     refused("label,x_mm,y_mm,z_mm\nL-ICA,-20,0,-90\n", &["f:2", "\"L-ICA\" lies 30.0 mm", "within 20 mm"]);
     refused("label,x_mm,y_mm,z_mm\nL-M1,-60,6,10\n", &["no inlet", "L-ICA, R-ICA, BA"]);
     refused("label,x_mm,y_mm,z_mm\nfoo,1,2,3\n", &["f:2", "\"foo\"", "expected an inlet"]);
+    refused("label,x_mm,y_mm,z_mm\nR-MM1,1,2,3\n", &["f:2", "\"R-MM1\"", "did you mean \"R-M1\"? expected an inlet"]);
+    refused("label,x_mm,y_mm,z_mm\nBA/L-P1/R-PP1,1,2,3\n", &["did you mean \"R-P1\"? expected an inlet"]);
     refused("label,x_mm,y_mm,z_mm\nL-A1,1,2,3\n", &["f:2", "\"L-A1\"", "expected an inlet"]);
-    refused("label,x_mm,y_mm,z_mm\nL-ICA,1,2\n", &["f:2", "another length"]);
+    refused("label,x_mm,y_mm,z_mm\nL-ICA,1,2\n", &["f:2", "z_mm \"\"", "a finite number"]);
     refused("label,x_mm,y_mm,z_mm\nL-ICA,1,2,nan\n", &["f:2", "z_mm \"nan\"", "a finite number"]);
-    refused("label,x_mm,y_mm\nL-ICA,1,2\n", &["f:1", "no column z_mm"]);
+    refused("label,x_mm,y_mm\nL-ICA,1,2\n", &["f:1", "columns label,x_mm,y_mm", "a column z_mm or z"]);
     refused("label,x_mm,y_mm,z_mm\n", &["no landmark"]);
     let nothing = network(&[("lt", "lm", "L-M1", 1.0)]);
     let fault = Circle::labelled(&nothing, Scheme::Names).expect_err("no inlet");
     assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("--landmarks"), "{fault:?}");
     assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), Scheme::TopCow).is_err());
+}
+
+/// As other tables: any of three delimiters, quotes, a mark at the beginning, further columns, empty rows, comments; in the unit of the
+/// file where the columns name none.
+#[test]
+fn a_table_of_landmarks_is_read_as_other_tables_are() {
+    let plain = marked("label,x_mm,y_mm,z_mm\nL-ICA,-20,0,-60\nL-M1,-60,6,10\n").unwrap();
+    let other = "\u{feff}# seen by a reader\r\nnote;Label;Z_mm;y_mm;x_mm\r\na;\"L-ICA\";-60;0;-20\r\n# not sure\r\n;;;;\r\n;L-M1;10;6;-60\r\n";
+    for text in [other.to_owned(), other.replace(';', "\t"), other.replace(';', ",")] {
+        let found = marked(&text).unwrap();
+        let same = |a: &Landmark, b: &Landmark| (&a.label, &a.arteries, a.position) == (&b.label, &b.arteries, b.position);
+        assert!(found.len() == 2 && found.iter().zip(&plain).all(|(a, b)| same(a, b)), "{text}: {found:?}");
+        assert_eq!([found[0].line, found[1].line], [3, 6]);
+    }
+    let cm = Scale { unit: LengthUnit::Centimetre, spacing: None };
+    let first = |text: &str| read_landmarks(text.as_bytes(), &cm).unwrap()[0].position;
+    assert_eq!(first("label,x,y,z\nL-ICA,-2,0,-6\n"), [-20.0, 0.0, -60.0].map(metres));
+    assert_eq!(first("label,x_mm,y_mm,z_mm\nL-ICA,-2,0,-6\n"), [-2.0, 0.0, -6.0].map(metres));
 }
 
 #[test]
@@ -540,7 +564,7 @@ fn exchanged_sides_are_told() {
     let names: Vec<(String, &str)> = ENDS.into_iter().map(|(label, id)| (swap(label), id)).collect();
     let swapped: Vec<(&str, &str)> = names.iter().map(|(label, id)| (label.as_str(), *id)).collect();
     for (ends, exchanged) in [(&ENDS[..], false), (&swapped[..], true)] {
-        let landmarks = read_landmarks(&landmarks(ends), &Scale::default()).unwrap();
+        let landmarks = marked(&landmarks(ends)).unwrap();
         assert_eq!(warned(&Circle::at(&right, &landmarks).unwrap().1), exchanged);
     }
 }
@@ -553,7 +577,7 @@ fn an_outlet_that_was_lost_does_not_take_its_neighbours_end() {
     // Where L-A2 would have been, had it not been cut: nearest to the end of R-A2, 8 mm away.
     assert!(text.contains("L-A2,-4,40,40"));
     text = text.replace("R-A2,4,40,40", "R-A2,4,40,41");
-    let (circle, notes) = Circle::at(&part, &read_landmarks(&text, &Scale::default()).unwrap()).unwrap();
+    let (circle, notes) = Circle::at(&part, &marked(&text).unwrap()).unwrap();
     assert!(notes.iter().any(|note| note.starts_with("L-A2 is taken as not seen")), "{notes:?}");
     assert_eq!(circle.variant(&part, |_| true), Variant::COMPLETE);
 }
@@ -566,7 +590,7 @@ fn an_outlet_that_is_cut_short_has_the_end_that_is_left() {
     let text = landmarks(&ENDS);
     assert!(text.contains("R-A2,4,40,40") && text.contains("L-A2,-4,40,40"));
     let text = text.replace("R-A2,4,40,40", "R-A2,-1,40,40");
-    let (circle, notes) = Circle::at(&whole, &read_landmarks(&text, &Scale::default()).unwrap()).unwrap();
+    let (circle, notes) = Circle::at(&whole, &marked(&text).unwrap()).unwrap();
     assert!(notes.iter().any(|note| note.starts_with("R-A2 at node ") && note.ends_with("5.000 mm away")), "{notes:?}");
     assert_eq!(circle.variant(&whole, |_| true), Variant::COMPLETE);
 }

@@ -111,6 +111,27 @@ fn variants_have_the_probability_of_their_topologies() {
     assert!(found.deciding[0].with == 0.0 && (found.deciding[0].without - 0.75).abs() < 0.02);
 }
 
+/// Shares that add up to 1 on paper and to more than 1 in floating point: what all topologies have is certain, and nothing is more.
+#[test]
+fn no_probability_passes_one() {
+    let network = broken(&[("L-A1", 3.0)], None);
+    let circle = Circle::labelled(&network, Scheme::Names).unwrap().0;
+    let shares = [0.56, 0.32, 0.06, 0.06];
+    assert!(shares.iter().sum::<f64>() > 1.0);
+    let holds = |lost: usize| (0..network.vessel_count()).map(|row| row != lost).collect();
+    let weighted =
+        shares.iter().zip([usize::MAX, vessel(&network, "L-PComm"), vessel(&network, "R-PComm"), vessel(&network, "R-P1")]);
+    let weighted = weighted.map(|(share, lost)| (holds(lost), *share)).collect();
+    let found = Posterior::of(&circle, &network, &Topologies { weighted, samples: 100 });
+    assert_eq!(found.segments[0], 1.0);
+    let decided = found.deciding.iter().flat_map(|d| [d.probability, d.with, d.without]);
+    let variants = found.variants.iter().map(|(_, p)| *p);
+    assert!(found.segments.into_iter().chain(found.fetal).chain(variants).chain(decided).all(|p| (0.0..=1.0).contains(&p)));
+    // A single variant in all of them.
+    let shares = shares.map(|share| (holds(usize::MAX), share)).to_vec();
+    assert_eq!(Posterior::of(&circle, &network, &Topologies { weighted: shares, samples: 100 }).probability(), 1.0);
+}
+
 /// The candidate of one end excludes the other: L-A1 joins its carotid (2/5) or its end goes astray to the end of L-PComm's posterior
 /// artery (2/5), never both. A product of marginals would give both 4/25.
 #[test]
@@ -174,7 +195,7 @@ fn a_folder_of_infer_is_asked_again() {
     };
     run(&["phantom", "cerebral", "--without", "L-PComm", "--break", "--seed", "1", "-o", "a.swc"]);
     let landmarks = fs::read_to_string(here.path().join("a.landmarks.csv")).unwrap();
-    assert!(landmarks.starts_with("label,x_mm,y_mm,z_mm\n") && landmarks.contains("L-ICA I,44,16,112\n"), "{landmarks}");
+    assert!(landmarks.starts_with("label,x_mm,y_mm,z_mm\n") && landmarks.contains("L-ICA I,-44,16,112\n"), "{landmarks}");
     run(&["infer", "a.swc", "-o", "run", "--landmarks", "{}.landmarks.csv", "-n", "300", "--seed", "7"]);
     let said = run(&["classify", "run", "-o", "again", "--landmarks", "a.landmarks.csv"]);
     assert!(said.contains("300 plausible topologies, whose free ends continue by the evidence"), "{said}");

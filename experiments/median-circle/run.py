@@ -81,10 +81,10 @@ def main():
     results = [row for rows in common.everywhere(measure, [(setting, seed) for setting in SETTINGS for seed in GEOMETRIES]) for row in rows]
     common.write_results(HERE, [{key: r[key] for key in list(r)[:10]} for r in results])
     tables = {
-        "survival": (["on trial", "candidate radius", "ε", "ring whole", "true vessels above the median", "false candidates above it"], survival(results)),
+        "survival": (["uncertain", "candidate radius", "ε", "ring whole", "true vessels above the median", "false candidates above it"], survival(results)),
         "fallen": (["candidate radius", "ε", "missing in most geometries", "next", "next"], fallen(results)),
         "why": (["candidate radius", "artery", "above the median", "flow in the circle", "with candidates", "in the forest", "ρ there, × median", "fell: seldom in it", "fell: low ρ"], why(results, "0.3")),
-        "sensitivity": (["mean of the ends, all on trial", *[f"ε = {e}" for e in EPSILONS]], sensitivity(results)),
+        "sensitivity": (["mean of the ends, all uncertain", *[f"ε = {e}" for e in EPSILONS]], sensitivity(results)),
     }
     for mark, (header, lines) in tables.items():
         common.splice(HERE / "README.md", mark, common.table(header, lines))

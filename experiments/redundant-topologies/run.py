@@ -20,7 +20,7 @@ def infer(source, out, extra):
 
 
 def redundant(network):
-    """The network's own vessels are known; candidates between nearest ends are added, and all is on trial."""
+    """The network's own vessels are known; candidates between nearest ends are added, and all is uncertain."""
     out = WORK / "redundant-topologies" / network.name
     infer(network.path, out, ["--observed", *network.conditions["ground"]])
     results = []

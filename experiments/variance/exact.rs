@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::model::{Model, Work};
 
-/// Graphs with more vessels on trial than this are not enumerated.
+/// Graphs with more uncertain vessels than this are not enumerated.
 const MOST_VESSELS: usize = 20;
 
 pub struct Exact {

@@ -36,7 +36,7 @@ pub struct Work {
 }
 
 impl Model {
-    /// A graph with the conditions that its nodes state, every vessel on trial, the priors of the file.
+    /// A graph with the conditions that its nodes state, every vessel uncertain, the priors of the file.
     pub fn new(name: &str, network: &Network, epsilon: f64) -> Result<Self> {
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let circuit = Circuit::new(network, &boundary, BLOOD_VISCOSITY)?;

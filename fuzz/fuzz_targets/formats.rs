@@ -10,7 +10,7 @@ use willis::error::Fault;
 use willis::formats::{self, RadiusArray, conditions};
 use willis::network::{Network, RadiusRule, contract};
 use willis::phantom::{cerebral, circle_of_willis};
-use willis::phenotype::read_landmarks;
+use willis::phenotype::identify;
 use willis::units::Scale;
 
 static FORMAT: LazyLock<String> = LazyLock::new(|| std::env::var("WILLIS_FORMAT").expect("WILLIS_FORMAT names a format"));
@@ -69,7 +69,7 @@ fuzz_target!(|bytes: &[u8]| {
                 let _ = formats::add_loops(second, &mut lines);
             }
         }
-        "landmarks" => drop(read_landmarks(&text, &mm)),
+        "landmarks" => drop(formats::read_landmarks(bytes, &mm).and_then(identify)),
         "conditions-csv" => drop(conditions::read_csv(&text)),
         "conditions-toml" => drop(conditions::read_toml(&text)),
         "weights" => drop(Weights::read(&text)),

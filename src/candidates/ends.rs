@@ -1,13 +1,20 @@
-//! The free ends of the observed vessels: where they are, how wide, and which way they point.
+//! The free ends of the observed vessels: where they are, how wide, which way they point, and how far and where they may reach.
 
-use crate::geometry::{Point, distance, unit};
+use crate::geometry::{Point, distance, sub, unit};
 use crate::network::{Network, Origin, PathPoint};
 use crate::stats::median;
 
 /// The direction is fitted over so many point spacings at least ...
-const FIT_SPACINGS: f64 = 6.0;
+pub(super) const FIT_SPACINGS: f64 = 6.0;
 /// ... and over so many end radii.
-const FIT_RADII: f64 = 3.0;
+pub(super) const FIT_RADII: f64 = 3.0;
+/// Reach in point spacings and in end radii: independent of any unit.
+const REACH_SPACINGS: f64 = 20.0;
+const REACH_RADII: f64 = 10.0;
+/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
+pub(super) const BEND: f64 = 1.3;
+/// A meeting point so many spacings from a free end of its branch is moved there.
+pub(super) const SNAP_SPACINGS: f64 = 3.0;
 
 /// A free end.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +49,7 @@ pub fn free_ends(network: &Network, spacing: f64) -> Vec<FreeEnd> {
                 let other = network.node(nodes[1 - last]).position;
                 [Some(position), other].into_iter().flatten().collect()
             };
-            ends.push(FreeEnd { node, vessel, position, radius, direction: direction(&points) });
+            ends.push(FreeEnd { node, vessel, position, radius, direction: outwards(&points) });
         }
     }
     ends.sort_by_key(|e| e.node);
@@ -75,13 +82,19 @@ fn near_points(path: &[PathPoint], reach: f64) -> Vec<Point> {
     points
 }
 
+/// How far (m) an end of a radius (m) may reach.
+pub(super) fn reach(spacing: f64, radius: f64) -> f64 {
+    REACH_SPACINGS * spacing + REACH_RADII * radius
+}
+
 /// The direction of the least-squares line through points taken as equally spaced, towards the first.
-fn direction(points: &[Point]) -> Point {
+pub(super) fn outwards(points: &[Point]) -> Point {
     let middle = 0.5 * (points.len() as f64 - 1.0);
     let mut v = [0.0; 3];
     for (i, p) in points.iter().enumerate() {
+        let from_first = sub(*p, points[0]);
         for axis in 0..3 {
-            v[axis] += (middle - i as f64) * (p[axis] - points[0][axis]);
+            v[axis] += (middle - i as f64) * from_first[axis];
         }
     }
     unit(v)

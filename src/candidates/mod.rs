@@ -6,6 +6,7 @@ mod ends;
 pub mod evidence;
 mod knn;
 mod nearest;
+mod parallel;
 pub mod prior;
 mod probable;
 mod split;
@@ -17,11 +18,12 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, distance};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
-use crate::units::as_stored;
+use crate::units::{as_stored, millimetres};
 use attach::{Surroundings, Target};
 use crowd::{Looks, check_junctions};
 use ends::free_ends;
 pub use nearest::join_nearest;
+pub use parallel::in_order;
 pub use probable::build_probable;
 use split::{Cuts, split};
 
@@ -87,7 +89,7 @@ impl Params {
         }
         for (name, value) in [("--max-gap", self.max_gap), ("--max-candidate-radius", self.max_radius)] {
             if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
-                return Err(Error::parameter(name, m * 1e3, "expected a positive length"));
+                return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
             }
         }
         Ok(())
@@ -96,7 +98,7 @@ impl Params {
 
 /// A point of a network: a node, or a point along a vessel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum NetworkPoint {
     /// A node, by row.
     Node(usize),
     /// A point of a vessel's path.
@@ -108,10 +110,10 @@ pub enum Place {
     },
 }
 
-/// A place with its position (m) and local radius (m).
+/// A point of a network where a candidate may hold, with its position (m) and local radius (m).
 #[derive(Debug, Clone, Copy)]
-struct Site {
-    place: Place,
+struct Anchor {
+    place: NetworkPoint,
     position: Point,
     radius: f64,
 }
@@ -138,7 +140,7 @@ pub fn build(network: &Network, params: &Params) -> Result<Network> {
     let around = Surroundings::new(network);
     let ends = free_ends(network, around.spacing);
     let looks = Looks::around(ends.len());
-    let targets = prior::in_order(&ends, |_, end| around.targets(end, params, &looks));
+    let targets = in_order(&ends, |_, end| around.targets(end, params, &looks));
     looks.check()?;
     let found = targets.into_iter().flatten().map(|target| (target, None)).collect();
     Ok(with_candidates(network, found, params).0)
@@ -150,23 +152,23 @@ fn with_candidates(
     network: &Network,
     mut found: Vec<(Target, Option<Evidence>)>,
     params: &Params,
-) -> (Network, BTreeMap<Place, usize>) {
-    let mut joined: BTreeSet<[Place; 2]> =
-        network.vessels().map(|(ends, _)| pair(Place::Node(ends[0]), Place::Node(ends[1]))).collect();
-    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.site.place)));
+) -> (Network, BTreeMap<NetworkPoint, usize>) {
+    let mut joined: BTreeSet<[NetworkPoint; 2]> =
+        network.vessels().map(|(ends, _)| pair(NetworkPoint::Node(ends[0]), NetworkPoint::Node(ends[1]))).collect();
+    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.to.place)));
     let mut cuts = Cuts::new();
     for (target, _) in &found {
-        for site in [&target.from, &target.site] {
-            if let Place::Along { vessel, point } = site.place {
+        for anchor in [&target.from, &target.to] {
+            if let NetworkPoint::Along { vessel, point } = anchor.place {
                 cuts.entry(vessel).or_default().insert(point);
             }
         }
     }
     let (mut graph, node_at) = split(network, &cuts, params.radius_rule);
     for (target, evidence) in found {
-        let ends = [&target.from, &target.site].map(|site| match site.place {
-            Place::Node(node) => node,
-            place @ Place::Along { .. } => node_at[&place],
+        let ends = [&target.from, &target.to].map(|anchor| match anchor.place {
+            NetworkPoint::Node(node) => node,
+            place @ NetworkPoint::Along { .. } => node_at[&place],
         });
         let prior = evidence.map_or(1.0, |e| e.probability);
         graph.add_vessel(ends, Vessel { prior, evidence, ..candidate(&target, params) });
@@ -175,19 +177,19 @@ fn with_candidates(
     (graph, node_at)
 }
 
-fn pair(a: Place, b: Place) -> [Place; 2] {
+fn pair(a: NetworkPoint, b: NetworkPoint) -> [NetworkPoint; 2] {
     [a.min(b), a.max(b)]
 }
 
 fn candidate(target: &Target, params: &Params) -> Vessel {
-    let (a, b) = (target.from.radius, target.site.radius);
+    let (a, b) = (target.from.radius, target.to.radius);
     let radius = match params.radius {
         CandidateRadius::Min => a.min(b),
         CandidateRadius::Mean => 0.5 * (a + b),
     };
     let radius = params.max_radius.map_or(radius, |most| radius.min(most));
-    let length = distance(target.from.position, target.site.position);
-    let path = [&target.from, &target.site].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
+    let length = distance(target.from.position, target.to.position);
+    let path = [&target.from, &target.to].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
     Vessel { path, ..Vessel::new(length, radius, Origin::Candidate) }
 }
 

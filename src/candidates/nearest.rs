@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
+use super::in_order;
 use super::knn::PointIndex;
-use super::prior::in_order;
 use crate::geometry::distance;
 use crate::network::{Network, Origin, Vessel};
 use crate::units::as_stored;

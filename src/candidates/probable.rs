@@ -1,17 +1,17 @@
 //! Candidates by evidence: the bridges that may be, each with its probability.
 
 use super::attach::Target;
-use super::evidence::{Bridge, Extraction, Search, search};
+use super::evidence::{Extraction, FoundBridge, Search, search};
 use super::prior::{Belief, Weights, believe};
-use super::{Attach, Params, Place, Site, with_candidates};
+use super::{Anchor, Attach, NetworkPoint, Params, with_candidates};
 use crate::error::Result;
 use crate::geometry::distance;
 use crate::network::{Evidence, Network};
 
-/// Links less probable than this are left out.
-const LEAST_PROBABILITY: f64 = 1e-3;
+/// Links less probable than this are left out ...
+const LEAST_PROBABLE_LINK: f64 = 1e-3;
 /// ... and loops less probable than this.
-const LEAST_CLOSURE: f64 = 1e-2;
+const LEAST_PROBABLE_LOOP: f64 = 1e-2;
 
 /// Joins the fragments of the observed vessels by the bridges that the evidence allows.
 ///
@@ -32,7 +32,7 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
     });
     let belief = believe(&extraction, &bridges, weights)?;
     let mut found = links(&extraction, &belief);
-    let closes = belief.closures.iter().filter(|(_, p)| *p > LEAST_CLOSURE);
+    let closes = belief.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
     found.extend(closes.map(|(bridge, p)| {
         let continues = [Evidence::odds(*p), 0.0];
         (target(&extraction, *bridge), Some(Evidence { probability: *p, hangs: [0.0; 2], continues }))
@@ -40,8 +40,8 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
     let (mut graph, node_at) = with_candidates(network, found, params);
     for (point, place) in extraction.place.iter().enumerate() {
         let node = match place {
-            Place::Node(node) => Some(node),
-            Place::Along { .. } => node_at.get(place),
+            NetworkPoint::Node(node) => Some(node),
+            NetworkPoint::Along { .. } => node_at.get(place),
         };
         if let Some(node) = node {
             graph.node_mut(*node).alone = Some(belief.alone[extraction.fragment[point]]);
@@ -53,7 +53,7 @@ pub fn build_probable(network: &Network, inlets: &[usize], params: &Params, weig
 /// The links that are probable enough, by the first of their bridges.
 fn links(extraction: &Extraction, belief: &Belief) -> Vec<(Target, Option<Evidence>)> {
     let count = belief.link.iter().max().map_or(0, |most| most + 1);
-    let mut of_link: Vec<Option<(Bridge, f64, Evidence)>> = vec![None; count];
+    let mut of_link: Vec<Option<(FoundBridge, f64, Evidence)>> = vec![None; count];
     let mut order = Vec::new();
     for (row, (bridge, link)) in belief.bridges.iter().zip(&belief.link).enumerate() {
         let p = belief.marginals.bridges[row];
@@ -72,17 +72,18 @@ fn links(extraction: &Extraction, belief: &Belief) -> Vec<(Target, Option<Eviden
     }
     let found = order.into_iter().filter_map(|link| of_link[link]);
     found
-        .filter(|(_, sum, _)| *sum > LEAST_PROBABILITY)
+        .filter(|(_, sum, _)| *sum > LEAST_PROBABLE_LINK)
         .map(|(bridge, _, evidence)| (target(extraction, bridge), Some(evidence)))
         .collect()
 }
 
-fn target(extraction: &Extraction, bridge: Bridge) -> Target {
-    let site = |point: usize, radius: f64| Site { place: extraction.place[point], position: extraction.position[point], radius };
+fn target(extraction: &Extraction, bridge: FoundBridge) -> Target {
+    let anchor =
+        |point: usize, radius: f64| Anchor { place: extraction.place[point], position: extraction.position[point], radius };
     let end = &extraction.ends[bridge.end];
     let there = extraction.end_at[bridge.point].map(|end| extraction.ends[end].radius);
     Target {
-        from: site(end.point, end.radius),
-        site: site(bridge.point, there.unwrap_or(extraction.smooth.radius[bridge.point])),
+        from: anchor(end.point, end.radius),
+        to: anchor(bridge.point, there.unwrap_or(extraction.smooth.radius[bridge.point])),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Place;
+use super::NetworkPoint;
 use crate::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 
 /// Per vessel the points at which to split it.
@@ -12,7 +12,7 @@ pub type Cuts = BTreeMap<usize, BTreeSet<usize>>;
 ///
 /// A new node takes the number of its point as id; where the point has none, or the id is taken, it is called after the
 /// vessel's row and the point.
-pub fn split(network: &Network, cuts: &Cuts, rule: RadiusRule) -> (Network, BTreeMap<Place, usize>) {
+pub fn split(network: &Network, cuts: &Cuts, rule: RadiusRule) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let mut graph = Network::new();
     for node in network.nodes() {
         graph.add_node(node.clone());
@@ -27,7 +27,7 @@ pub fn split(network: &Network, cuts: &Cuts, rule: RadiusRule) -> (Network, BTre
         let (mut from, mut start) = (ends[0], 0);
         for point in points {
             let node = graph.add_node(cut_node(vessel, row, *point, &mut taken));
-            node_at.insert(Place::Along { vessel: row, point: *point }, node);
+            node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
             graph.add_vessel([from, node], part(vessel, &vessel.path[start..=*point], rule));
             (from, start) = (node, *point);
         }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use willis::error::{Fault, Result};
-use willis::formats::{bytes_of, checksum};
+use willis::error::Result;
+use willis::formats::{bytes_of, checksum, read_landmarks};
 use willis::network::Network;
-use willis::phenotype::{Circle, Scheme, read_landmarks};
+use willis::phenotype::{Circle, Scheme, identify};
 use willis::units::Scale;
 
 use super::input::beside;
@@ -27,8 +27,8 @@ enum Labels {
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Circle of Willis")]
 pub struct CircleArgs {
-    /// Where arteries enter and leave, in the place of labels: a CSV file of label,x_mm,y_mm,z_mm in the unit of INPUT; in its
-    /// name {} is INPUT without its ending and {dir} the folder of INPUT
+    /// Where arteries enter and leave, in the place of labels: a CSV file of label,x_mm,y_mm,z_mm, or x,y,z in the unit of INPUT;
+    /// in its name {} is INPUT without its ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     landmarks: Option<PathBuf>,
     /// What the labels are [default: names; numbers where only one list has them]
@@ -105,9 +105,7 @@ impl CircleArgs {
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
     let bytes = bytes_of(file)?;
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV file of label,x_mm,y_mm,z_mm").in_file(file))?;
-    let landmarks = read_landmarks(text, scale).map_err(|fault| fault.in_file(file))?;
+    let landmarks = read_landmarks(&bytes, scale).and_then(identify).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
     Ok(Found { circle, known_by: "landmarks".to_owned(), landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
 }

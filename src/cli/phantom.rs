@@ -8,12 +8,10 @@ use willis::candidates;
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
 use willis::formats::convert::Target;
-use willis::formats::{Format, write_centerlines_swc, write_loops};
+use willis::formats::{Format, write_centerlines_swc, write_landmarks, write_loops};
 use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
 use willis::network::{Network, Origin, fragments};
-use willis::phantom::{
-    Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without, write_landmarks,
-};
+use willis::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without};
 use willis::report::{StagedFile, staged::write_file};
 
 use super::convert::{check, put};

@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use clap::Args;
 use serde_json::{Value, json};
+use willis::candidates::in_order;
 use willis::candidates::prior::{
-    Case, CrossValidation, Example, Figures, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets, in_order,
+    Case, CrossValidation, Example, Figures, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
 };
 use willis::error::{Error, Result};
 use willis::report::{StagedFile, staged::write_file};

@@ -12,7 +12,7 @@ use crate::error::Fault;
 use crate::network::Network;
 use crate::units::{Scale, millimetres};
 
-const HEADER: &str = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on); label and id are optional";
+const HEADER: &str = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
 const FRAGMENT: &[&str] = &["fragment"];
 const X: &[&str] = &["x", "x_mm"];
 const Y: &[&str] = &["y", "y_mm"];
@@ -21,7 +21,8 @@ const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
 const LABEL: &[&str] = &["label"];
 const ID: &[&str] = &["id"];
 
-/// Reads points in the order of their fragments; returns also what a person should know.
+/// Reads points in the order of their fragments; returns also what a person should know. Columns called `_mm` are in mm, others in the
+/// unit of `scale`.
 ///
 /// The columns are separated by commas, semicolons or tabs and may come in any order; further ones are ignored. The rows with the
 /// same text in `fragment` form one polyline in their order, also where rows of others lie between them. An empty radius is a
@@ -54,9 +55,9 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
         if name.is_empty() {
             return Err(Fault::line(row.line, "no fragment", "expected the name or number of the polyline"));
         }
-        let position = row.position([x, y, z])?;
-        let radius = radius.map_or(Ok(f64::NAN), |column| row.real(column))?;
-        let radius = Some(scale.length(radius)).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
+        let position = row.point([x, y, z], scale)?;
+        let radius = radius.map_or(Ok(f64::NAN), |column| row.length(column, scale))?;
+        let radius = Some(radius).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
         let id = if let Some(column) = id {
             let text = row.text(column);
             let wrong = || Fault::line(row.line, format!("id \"{text}\""), "expected a whole number from 0 on");
@@ -70,7 +71,7 @@ pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool
         };
         let known = last.get(name).copied();
         let strand = known.map_or(last.len() as u32, |(strand, _)| strand);
-        let point = lines.add_point(scale.position(position), radius, id, strand);
+        let point = lines.add_point(position, radius, id, strand);
         if let Some((_, before)) = known {
             lines.add_link([before, point], label.map_or("", |column| row.text(column)));
         }

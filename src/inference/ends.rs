@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use rand::RngExt;
 
 use super::params::Params;
-use crate::network::{Network, Origin, fragments};
+use crate::network::{END_ODDS, Network, Origin, fragments};
 use crate::rng::{BLOCK, stream, streams};
 
-/// What a topology weighs for each known outlet that nothing feeds: e⁻², as an end that ends where it is. Not nothing, because what
-/// feeds it may lie beyond the field of view.
-const UNFED: f64 = 0.135_335_283_236_612_7;
+/// What a topology weighs for each known outlet that nothing feeds: as an end that ends where it is. Not nothing, because what feeds it
+/// may lie beyond the field of view.
+const UNFED: f64 = END_ODDS;
 
 /// What is known of the nodes of a network.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The odds by which a free end that nobody knows for an inlet or outlet ends where it is, where a bridge of weight w has the odds
 /// w: e⁻², between a price that leaves gaps open and one that bridges every end.
-const ENDS: f64 = 0.135_335_283_236_612_7;
+pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 
 /// The evidence for a candidate vessel between two nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ impl Evidence {
 
     /// The odds of continuing by a candidate of weight w.
     pub fn odds_of_weight(weight: f64) -> f64 {
-        (weight / ENDS).clamp(0.0, MOST_ODDS)
+        (weight / END_ODDS).clamp(0.0, MOST_ODDS)
     }
 
     /// The odds of continuing by a candidate of such a probability among all that may be: w = p/(1 - p).

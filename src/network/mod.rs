@@ -1,209 +1,25 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
+mod condition;
 mod contract;
 mod evidence;
 mod fragments;
 mod locate;
 mod naming;
+mod node;
 mod stored;
+mod vessel;
 
+pub use condition::{Condition, INLET_PRESSURE};
 pub use contract::{Contraction, RadiusRule, contract};
-pub use evidence::Evidence;
+pub use evidence::{END_ODDS, Evidence};
 pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Located, Nearest, locate, nearest, parse_position};
 pub use naming::vessels_called;
-
-use std::f64::consts::PI;
+pub use node::{Node, Role};
+pub use vessel::{Origin, PathPoint, Vessel};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
-use serde::{Deserialize, Serialize};
-
-use crate::geometry::Point;
-use crate::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
-
-/// A junction, a free end or a landmark.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Node {
-    /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
-    pub id: String,
-    /// Position, m; absent in a graph without coordinates.
-    pub position: Option<Point>,
-    /// Radius of the lumen here, m.
-    pub radius: Option<f64>,
-    /// The anatomical name; empty when the input has none.
-    pub label: String,
-    /// The role that the input states.
-    pub role: Option<Role>,
-    /// The boundary condition that the input states.
-    pub condition: Option<Condition>,
-    /// What speaks for leaving the fragment of this node alone, where the evidence says so: the posterior probability that it
-    /// hangs on no other, times the price of that (`candidates::prior::alone`).
-    pub alone: Option<f64>,
-}
-
-/// What a node is to the flow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Role {
-    /// Blood enters here.
-    Inlet,
-    /// Blood leaves here.
-    Outlet,
-    /// No condition: Kirchhoff's current law holds.
-    Inner,
-}
-
-impl Role {
-    /// The word in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inlet => "inlet",
-            Self::Outlet => "outlet",
-            Self::Inner => "inner",
-        }
-    }
-
-    /// The role of a node with a fixed flow into the network.
-    pub fn of_flow(flow: f64) -> Self {
-        if flow > 0.0 { Self::Inlet } else { Self::Outlet }
-    }
-}
-
-/// The pressure of an inlet when none is stated, Pa: 100 mmHg.
-pub const INLET_PRESSURE: f64 = pascals(100.0);
-
-/// A boundary condition at a node.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Condition {
-    /// A fixed pressure, Pa; 0 is ground.
-    Pressure(f64),
-    /// A terminal resistance, Pa s/m³, to a venous pressure, Pa.
-    Resistance {
-        /// Pa s/m³, positive.
-        resistance: f64,
-        /// Pa.
-        venous: f64,
-    },
-    /// A fixed flow into the network, m³/s.
-    Flow(f64),
-}
-
-impl Condition {
-    /// An inlet when no pressure is stated.
-    pub const INLET: Self = Self::Pressure(INLET_PRESSURE);
-    /// An outlet when nothing is stated.
-    pub const GROUND: Self = Self::Pressure(0.0);
-
-    /// The pressure (Pa) that it ties the node to; none of a flow.
-    pub fn ground(&self) -> Option<f64> {
-        match self {
-            Self::Pressure(p) => Some(*p),
-            Self::Resistance { venous, .. } => Some(*venous),
-            Self::Flow(_) => None,
-        }
-    }
-
-    /// The condition that a file in mmHg and mL hands back.
-    #[must_use]
-    pub fn as_stored(self) -> Self {
-        match self {
-            Self::Pressure(p) => Self::Pressure(pascals(mmhg(p))),
-            Self::Resistance { resistance, venous } => Self::Resistance {
-                resistance: pascal_seconds_per_cubic_metre(mmhg_s_per_ml(resistance)),
-                venous: pascals(mmhg(venous)),
-            },
-            Self::Flow(flow) => Self::Flow(cubic_metres_per_second(ml_per_min(flow))),
-        }
-    }
-}
-
-/// Whether the image showed the vessel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Origin {
-    /// Traced in the image.
-    Observed,
-    /// A possible connection.
-    #[default]
-    Candidate,
-}
-
-impl Origin {
-    /// The word in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Observed => "observed",
-            Self::Candidate => "candidate",
-        }
-    }
-}
-
-/// A point on a vessel's centerline.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PathPoint {
-    /// Position, m.
-    pub position: Point,
-    /// Radius, m.
-    pub radius: f64,
-    /// The point's number in the input, where it has one.
-    pub id: Option<u64>,
-}
-
-/// A vessel between two nodes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Vessel {
-    /// Length along the centerline, m.
-    pub length: f64,
-    /// Radius that stands for the whole vessel, m.
-    pub radius: f64,
-    /// Resistance, Pa s/m³, where the input states one instead of leaving it to Poiseuille's law.
-    pub resistance: Option<f64>,
-    /// The anatomical name; empty when the input has none.
-    pub label: String,
-    /// Observed or candidate.
-    pub origin: Origin,
-    /// The anatomical prior A in [0, 1].
-    pub prior: f64,
-    /// Never occluded, whatever is uncertain.
-    pub certain: bool,
-    /// What the evidence says of a candidate.
-    pub evidence: Option<Evidence>,
-    /// Whether an earlier run kept the vessel, where the input says so.
-    pub kept: Option<bool>,
-    /// The centerline from the first node to the second; empty when only the nodes are known.
-    pub path: Vec<PathPoint>,
-}
-
-/// Points at an end over which its radius is averaged.
-const END_POINTS: usize = 10;
-
-impl Vessel {
-    /// A vessel of a length and radius (m) about which nothing else is known.
-    pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
-        Self {
-            length,
-            radius,
-            resistance: None,
-            label: String::new(),
-            origin,
-            prior: 1.0,
-            certain: false,
-            evidence: None,
-            kept: None,
-            path: Vec::new(),
-        }
-    }
-
-    /// The volume of the lumen, π r² l, m³.
-    pub fn volume(&self) -> f64 {
-        PI * self.radius * self.radius * self.length
-    }
-
-    /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.
-    pub fn end_radius(&self, last: bool) -> f64 {
-        let n = self.path.len().min(END_POINTS);
-        let points = if last { &self.path[self.path.len() - n..] } else { &self.path[..n] };
-        if n == 0 { self.radius } else { points.iter().map(|p| p.radius).sum::<f64>() / n as f64 }
-    }
-}
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]

@@ -1,11 +1,8 @@
 //! The landmarks that a person would set on an extraction: where the arteries that it shows come in and go out.
 
-use std::io::{self, Write};
-
 use super::Truth;
 use crate::geometry::Point;
 use crate::network::Network;
-use crate::units::millimetres;
 
 /// The labelled free ends of a complete network, but for vessels that its extraction lost: label and true position, m, in node order.
 pub fn landmarks<'a>(network: &'a Network, truth: &Truth) -> Vec<(&'a str, Point)> {
@@ -19,18 +16,4 @@ pub fn landmarks<'a>(network: &'a Network, truth: &Truth) -> Vec<(&'a str, Point
     }
     found.sort_by_key(|(node, ..)| *node);
     found.into_iter().map(|(_, label, position)| (label, position)).collect()
-}
-
-/// Writes landmarks as CSV: `label,x_mm,y_mm,z_mm`.
-///
-/// # Errors
-///
-/// Those of `out`.
-pub fn write_landmarks(mut out: impl Write, landmarks: &[(&str, Point)]) -> io::Result<()> {
-    writeln!(out, "label,x_mm,y_mm,z_mm")?;
-    for (label, position) in landmarks {
-        let [x, y, z] = position.map(millimetres);
-        writeln!(out, "{label},{x},{y},{z}")?;
-    }
-    out.flush()
 }

@@ -28,7 +28,7 @@ pub use curve::{Bow, course};
 pub use extraction::break_up;
 pub use gaps::{Gaps, over_connected, with_gaps};
 pub use kind::{Kind, Recipe};
-pub use landmarks::{landmarks, write_landmarks};
+pub use landmarks::landmarks;
 pub use large::{EDGES, Large};
 pub use part::without;
 pub use tree::{Tree, branching_tree};

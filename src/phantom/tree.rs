@@ -5,7 +5,7 @@ use rand::RngExt;
 use super::circle::make_inlet;
 use super::curve::{Bow, course};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, dot, sub, unit};
+use crate::geometry::{Point, cross, dot, sub, unit};
 use crate::network::{Condition, INLET_PRESSURE, Network, Node, PathPoint, RadiusRule, Role, Vessel};
 use crate::rng::{stream, streams};
 use crate::units::{cubic_metres_per_second, metres};
@@ -151,8 +151,4 @@ impl Shoot {
 fn add_node(network: &mut Network, position: Point, radius: f64) -> usize {
     let id = (network.node_count() + 1).to_string();
     network.add_node(Node { id, position: Some(position), radius: Some(radius), role: Some(Role::Inner), ..Node::default() })
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

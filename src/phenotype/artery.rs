@@ -90,6 +90,16 @@ impl Side {
 }
 
 impl Artery {
+    /// Those that come in pairs.
+    pub(super) const PAIRED: [fn(Side) -> Self; 11] =
+        [Self::Ica, Self::M1, Self::Mca, Self::A1, Self::A2, Self::Aca, Self::P1, Self::P2, Self::Pca, Self::PComm, Self::Va];
+
+    /// Every artery.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let sided = Self::PAIRED.into_iter().flat_map(|artery| Side::BOTH.map(artery));
+        sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
+    }
+
     /// Its side; none in the midline.
     pub fn side(self) -> Option<Side> {
         match self {
@@ -105,6 +115,17 @@ impl Artery {
             | Self::Mca(s)
             | Self::Aca(s)
             | Self::Pca(s) => Some(s),
+        }
+    }
+
+    /// The undivided artery that it is a segment of; itself where it is none.
+    #[must_use]
+    pub fn whole(self) -> Self {
+        match self {
+            Self::A1(side) | Self::A2(side) => Self::Aca(side),
+            Self::P1(side) | Self::P2(side) => Self::Pca(side),
+            Self::M1(side) => Self::Mca(side),
+            other => other,
         }
     }
 

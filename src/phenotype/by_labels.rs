@@ -16,7 +16,7 @@ use crate::network::Network;
 
 /// What a label makes of a vessel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(super) enum Place {
+pub(super) enum Named {
     /// A vessel of an artery.
     Artery(Artery),
     /// A vessel without a label: a part of whatever it joins.
@@ -66,7 +66,7 @@ fn feeders() -> Set {
 
 struct Solver<'a, K> {
     network: &'a Network,
-    places: &'a [Place],
+    places: &'a [Named],
     kept: &'a K,
     /// Per node the arteries of the kept vessels that touch it.
     touch: Vec<Set>,
@@ -75,10 +75,10 @@ struct Solver<'a, K> {
 }
 
 /// The variant over the vessels that `kept` admits.
-pub(super) fn variant(places: &[Place], network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
+pub(super) fn variant(places: &[Named], network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
     let (mut touch, mut known) = (vec![0; network.node_count()], 0);
     for (row, place) in places.iter().enumerate() {
-        if let Place::Artery(artery) = place {
+        if let Named::Artery(artery) = place {
             known |= bit(*artery);
             if kept(row) {
                 for node in network.ends(row) {
@@ -92,10 +92,10 @@ pub(super) fn variant(places: &[Place], network: &Network, kept: &impl Fn(usize)
 
 /// Which vessels the arteries are, by their labels. A carotid is closed where it comes in, so that what leaves it higher up can be fed from
 /// above.
-pub(super) fn courses(places: &[Place], network: &Network) -> Courses {
+pub(super) fn courses(places: &[Named], network: &Network) -> Courses {
     let degree = network.degrees(|_| true);
     let of = |wanted: &[Artery]| -> Vec<usize> {
-        let is = |row: &usize| matches!(places[*row], Place::Artery(artery) if wanted.contains(&artery));
+        let is = |row: &usize| matches!(places[*row], Named::Artery(artery) if wanted.contains(&artery));
         (0..places.len()).filter(is).collect()
     };
     let at_its_end = |artery: Artery| -> Vec<usize> {
@@ -104,13 +104,7 @@ pub(super) fn courses(places: &[Place], network: &Network) -> Courses {
     let vertebrals = || Side::BOTH.into_iter().flat_map(|side| at_its_end(Artery::Va(side))).collect();
     let basilar = Some(of(&[Artery::Ba])).filter(|rows| !rows.is_empty()).unwrap_or_else(vertebrals);
     let [left, right] = Side::BOTH.map(|side| at_its_end(Artery::Ica(side)));
-    let whole = |artery: Artery| match artery {
-        Artery::A1(side) | Artery::A2(side) => Artery::Aca(side),
-        Artery::P1(side) | Artery::P2(side) => Artery::Pca(side),
-        Artery::M1(side) => Artery::Mca(side),
-        other => other,
-    };
-    let territory = |artery: Artery| of(&[artery, whole(artery)]);
+    let territory = |artery: Artery| of(&[artery, artery.whole()]);
     Courses {
         feeders: [left, right, basilar],
         segments: RING.map(|artery| of(&[artery])),
@@ -125,7 +119,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
 
     /// The kept vessels of some arteries.
     fn vessels(&self, of: Set) -> Vec<usize> {
-        let is = |row: &usize| matches!(self.places[*row], Place::Artery(a) if bit(a) & of != 0) && (self.kept)(*row);
+        let is = |row: &usize| matches!(self.places[*row], Named::Artery(a) if bit(a) & of != 0) && (self.kept)(*row);
         (0..self.places.len()).filter(is).collect()
     }
 
@@ -138,9 +132,9 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let may = |row: usize| {
             (self.kept)(row)
                 && match self.places[row] {
-                    Place::Artery(artery) => bit(artery) & own != 0,
-                    Place::Free => true,
-                    Place::Other => false,
+                    Named::Artery(artery) => bit(artery) & own != 0,
+                    Named::Free => true,
+                    Named::Other => false,
                 }
         };
         let avoid = self.nodes(|touch| touch & !own != 0);
@@ -219,13 +213,8 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
 
     /// Whether the vessels of a segment close a cycle among themselves.
     fn is_fenestrated(&self, segment: Artery) -> bool {
-        let whole = match segment {
-            Artery::A1(side) => Artery::Aca(side),
-            Artery::P1(side) => Artery::Pca(side),
-            other => other,
-        };
         let own = self.vessels(bit(segment));
-        let vessels = if own.is_empty() { self.vessels(bit(whole)) } else { own };
+        let vessels = if own.is_empty() { self.vessels(bit(segment.whole())) } else { own };
         let mut parts = petgraph::unionfind::UnionFind::<usize>::new(self.network.node_count());
         vessels.into_iter().any(|row| {
             let [a, b] = self.network.ends(row);

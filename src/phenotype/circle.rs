@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::artery::Artery;
-use super::by_labels::{self, Place};
+use super::by_labels::{self, Named};
 use super::by_points::Points;
 use super::collateral::Courses;
 use super::labels::{Scheme, artery, is_none};
@@ -27,7 +27,7 @@ pub struct Circle {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 enum Where {
     /// Per vessel what its label makes of it.
-    Vessels(Vec<Place>),
+    Vessels(Vec<Named>),
     /// Nodes of in- and outlets and bifurcations.
     Nodes(Box<Points>),
 }
@@ -45,11 +45,11 @@ impl Circle {
         let mut places = Vec::with_capacity(network.vessel_count());
         for (_, vessel) in network.vessels() {
             places.push(match artery(&vessel.label, scheme) {
-                _ if is_none(&vessel.label) => Place::Free,
-                Some(artery) => Place::Artery(artery),
+                _ if is_none(&vessel.label) => Named::Free,
+                Some(artery) => Named::Artery(artery),
                 None => {
                     *strange.entry(vessel.label.trim().to_owned()).or_insert(0_usize) += 1;
-                    Place::Other
+                    Named::Other
                 }
             });
         }
@@ -61,7 +61,7 @@ impl Circle {
                 format!("expected {codes}"),
             ));
         }
-        if !places.iter().any(|place| matches!(place, Place::Artery(artery) if is_inlet(*artery))) {
+        if !places.iter().any(|place| matches!(place, Named::Artery(artery) if is_inlet(*artery))) {
             return Err(Fault::file(
                 "no vessel is labelled as an internal carotid, basilar or vertebral artery",
                 "expected labels such as L-ICA, R-ICA, BA, L-VA (--labels icafe|topcow for numbers), or give --landmarks FILE",
@@ -204,14 +204,14 @@ fn nearest_of<'a>(found: &mut Vec<(&'a Landmark, Nearest)>) -> Option<(&'a Landm
 }
 
 /// Of every artery that enters or leaves the circle, its free end farthest from the mean of all ends of labelled vessels.
-fn outermost(network: &Network, places: &[Place]) -> Vec<usize> {
+fn outermost(network: &Network, places: &[Named]) -> Vec<usize> {
     let middles = middles(network, places);
     let count = middles.len().max(1) as f64;
     let centre: Point = std::array::from_fn(|axis| middles.values().map(|p| p[axis]).sum::<f64>() / count);
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
     for (row, place) in places.iter().enumerate() {
-        let Place::Artery(artery) = place else { continue };
+        let Named::Artery(artery) = place else { continue };
         if matches!(artery, Artery::A1(_) | Artery::P1(_) | Artery::PComm(_) | Artery::AComm) {
             continue;
         }
@@ -232,10 +232,10 @@ fn is_inlet(artery: Artery) -> bool {
 }
 
 /// The mean position of the ends of every artery's vessels, m.
-fn middles(network: &Network, places: &[Place]) -> BTreeMap<Artery, Point> {
+fn middles(network: &Network, places: &[Named]) -> BTreeMap<Artery, Point> {
     let mut sums: BTreeMap<Artery, (Point, f64)> = BTreeMap::new();
     for (row, place) in places.iter().enumerate() {
-        let Place::Artery(artery) = place else { continue };
+        let Named::Artery(artery) = place else { continue };
         for p in network.ends(row).into_iter().filter_map(|node| network.node(node).position) {
             let (sum, count) = sums.entry(*artery).or_default();
             (*sum, *count) = ([sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]], *count + 1.0);

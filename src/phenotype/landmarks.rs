@@ -4,8 +4,9 @@ use super::artery::{Artery, Side};
 use super::by_points::Points;
 use super::labels::{Scheme, artery};
 use crate::error::Fault;
+use crate::formats::ListedLandmark;
 use crate::geometry::Point;
-use crate::units::Scale;
+use crate::suggestion::did_you_mean;
 
 /// A point on an artery.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,54 +39,35 @@ pub(super) enum Site {
 const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an outlet (L-M1, L-A2, L-P2, 3rd-A2, ...) or a bifurcation \
                         (L-ICA/L-M1/L-A1, L-ICA/L-PComm, L-A1/L-A2/AComm, L-P1/L-P2/L-PComm, BA/L-P1/R-P1, ...)";
 
-/// Reads landmarks: CSV with the columns `label,x_mm,y_mm,z_mm` (or `label,x,y,z`), the positions in the unit of the network's own
-/// file, `scale`.
+/// The landmarks of a table by the arteries that they are on.
 ///
 /// # Errors
 ///
-/// The line, its value and what is accepted; a label twice; no landmark at all.
-pub fn read_landmarks(text: &str, scale: &Scale) -> Result<Vec<Landmark>, Fault> {
-    const COLUMNS: &str = "expected the columns label,x_mm,y_mm,z_mm";
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(|e| Fault::line(1, e.to_string(), COLUMNS))?.clone();
-    let column = |names: [&str; 2]| {
-        let at = header.iter().position(|h| names.contains(&h));
-        at.ok_or_else(|| Fault::line(1, format!("no column {}", names[0]), COLUMNS))
-    };
-    let label_column = column(["label", "label"])?;
-    let places = [column(["x_mm", "x"])?, column(["y_mm", "y"])?, column(["z_mm", "z"])?];
+/// The line, its label and what is accepted; a label twice.
+pub fn identify(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| {
-            let line = e.position().map_or(1, |p| p.line() as usize);
-            Fault::line(line, "a row of another length than the header", COLUMNS)
-        })?;
-        let line = record.position().map_or(0, |p| p.line() as usize);
-        let label = record.get(label_column).unwrap_or_default().to_owned();
-        let mut at = [0.0; 3];
-        for (x, column) in at.iter_mut().zip(places) {
-            let text = record.get(column).unwrap_or_default();
-            let found = || Fault::line(line, format!("{} \"{text}\"", &header[column]), "expected a finite number");
-            *x = text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(found)?;
-        }
-        let unknown = || Fault::line(line, format!("label \"{label}\""), ACCEPTED);
-        let mut arteries: Vec<Artery> =
-            label.split('/').map(|part| artery(part, Scheme::Names).ok_or_else(unknown)).collect::<Result<_, _>>()?;
-        arteries.sort_unstable();
-        arteries.dedup();
-        if sites(&arteries).is_empty() {
-            return Err(unknown());
-        }
-        if let Some(first) = out.iter().find(|other| sites(&other.arteries) == sites(&arteries) && other.arteries == arteries) {
+    for ListedLandmark { line, label, position } in listed {
+        let arteries =
+            arteries(&label).map_err(|meant| Fault::line(line, format!("label \"{label}\""), format!("{meant}{ACCEPTED}")))?;
+        if let Some(first) = out.iter().find(|other| other.arteries == arteries) {
             return Err(Fault::line(line, format!("label \"{label}\", as on line {}", first.line), "expected every label once"));
         }
-        out.push(Landmark { line, label, arteries, position: scale.position(at) });
-    }
-    if out.is_empty() {
-        return Err(Fault::file("no landmark", ACCEPTED));
+        out.push(Landmark { line, label, arteries, position });
     }
     Ok(out)
+}
+
+/// The arteries of a label, sorted; where these are no place on a circle, the name that may have been meant.
+fn arteries(label: &str) -> Result<Vec<Artery>, String> {
+    let meant = |part: &str| {
+        let names: Vec<String> = Artery::all().map(|artery| artery.to_string()).collect();
+        did_you_mean(part, names.iter().map(String::as_str))
+    };
+    let named = label.split('/').map(|part| artery(part, Scheme::Names).ok_or_else(|| meant(part)));
+    let mut arteries: Vec<Artery> = named.collect::<Result<_, _>>()?;
+    arteries.sort_unstable();
+    arteries.dedup();
+    if sites(&arteries).is_empty() { Err(String::new()) } else { Ok(arteries) }
 }
 
 /// What a landmark of these arteries stands for; nothing where they are no in- or outlet and meet nowhere on a circle.

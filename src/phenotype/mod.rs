@@ -23,7 +23,7 @@ pub use collateral::{Collateral, Courses, FEEDERS, TERRITORIES, collaterals};
 pub use counted::counted;
 pub use divide::divide;
 pub use labels::{Scheme, artery, is_none};
-pub use landmarks::{Landmark, read_landmarks};
+pub use landmarks::{Landmark, identify};
 pub use naming::Completeness;
 pub use posterior::{Deciding, Posterior};
 pub use variant::Variant;

@@ -65,12 +65,15 @@ impl Posterior {
             add(&mut segments, &variant.present, *weight);
             add(&mut fetal, &variant.fetal, *weight);
         }
-        let mut variants: Vec<(Variant, f64)> = shares.into_iter().collect();
+        // What is added up of the weights, in the order of all, is never more than all: no probability passes 1.
+        let all: f64 = topologies.weighted.iter().map(|(_, weight)| weight).sum();
+        let mut variants: Vec<(Variant, f64)> = shares.into_iter().map(|(variant, sum)| (variant, share(sum, all))).collect();
         variants.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best));
+        let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best, all));
         let best = variants.first().map(|(best, _)| *best);
         let heaviest = each.iter().position(|variant| Some(*variant) == best);
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
+        let (segments, fetal) = (segments.map(|sum| share(sum, all)), fetal.map(|sum| share(sum, all)));
         Self { variants, segments, fetal, deciding, topology, samples: topologies.samples }
     }
 
@@ -96,18 +99,24 @@ fn add<const N: usize>(sums: &mut [f64; N], there: &[bool; N], weight: f64) {
     }
 }
 
-fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: &Variant) -> Vec<Deciding> {
-    let all: f64 = topologies.weighted.iter().zip(each).filter(|(_, v)| *v == best).map(|((_, w), _)| w).sum();
+/// A part of a whole; 0 of nothing.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// The candidates on which the `best` variant hangs; `all` is the weight of all topologies.
+fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: &Variant, all: f64) -> Vec<Deciding> {
+    let of_best: f64 = topologies.weighted.iter().zip(each).filter(|(_, v)| *v == best).map(|((_, w), _)| w).sum();
     let of = |vessel: usize| {
-        let (mut probability, mut both) = (0.0, 0.0);
+        let (mut there, mut both) = (0.0, 0.0);
         for ((kept, weight), variant) in topologies.weighted.iter().zip(each) {
             if kept[vessel] {
-                probability += weight;
+                there += weight;
                 both += if variant == best { *weight } else { 0.0 };
             }
         }
-        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-        Deciding { vessel, probability, with: share(both, probability), without: share(all - both, 1.0 - probability) }
+        let without = share(of_best - both, all - there).clamp(0.0, 1.0);
+        Deciding { vessel, probability: share(there, all), with: share(both, there), without }
     };
     let candidates = (0..network.vessel_count()).filter(|row| network.vessel(*row).origin == Origin::Candidate);
     let mut deciding: Vec<Deciding> = candidates.map(of).filter(|d| d.share() >= LEAST_SHARE).collect();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::artery::{Artery, Side};
-use crate::geometry::{Point, dot, sub, unit};
+use crate::geometry::{Point, cross, dot, sub, unit};
 
 /// Below this product of unit vectors the arteries lie too flat to tell.
 const TOO_FLAT: f64 = 0.05;
@@ -20,20 +20,7 @@ pub(super) fn are_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
     };
     let both = |artery: fn(Side) -> Artery| Side::BOTH.map(artery);
     let mut rightward = [0.0; 3];
-    let kinds: [fn(Side) -> Artery; 11] = [
-        Artery::Ica,
-        Artery::M1,
-        Artery::Mca,
-        Artery::A1,
-        Artery::A2,
-        Artery::Aca,
-        Artery::P1,
-        Artery::P2,
-        Artery::Pca,
-        Artery::PComm,
-        Artery::Va,
-    ];
-    for artery in kinds {
+    for artery in Artery::PAIRED {
         if let [Some(left), Some(right)] = both(artery).map(|artery| at.get(&artery)) {
             let step = sub(*right, *left);
             rightward = [rightward[0] + step[0], rightward[1] + step[1], rightward[2] + step[2]];
@@ -44,7 +31,6 @@ pub(super) fn are_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
     let top = [both(Artery::M1), both(Artery::Mca), both(Artery::A1)].into_iter().find_map(|pair| mean(&pair))?;
     let bottom = mean(&both(Artery::Ica))?;
     let (ahead, up) = (unit(sub(front, back)), unit(sub(top, bottom)));
-    let cross = [ahead[1] * up[2] - ahead[2] * up[1], ahead[2] * up[0] - ahead[0] * up[2], ahead[0] * up[1] - ahead[1] * up[0]];
-    let product = dot(unit(rightward), cross);
+    let product = dot(unit(rightward), cross(ahead, up));
     (product.abs() > TOO_FLAT).then_some(product < 0.0)
 }

@@ -7,7 +7,8 @@ mod truth;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::candidates::prior::{Case, in_order};
+use crate::candidates::in_order;
+use crate::candidates::prior::Case;
 use crate::error::{Error, Result};
 
 /// Cases that were read.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::candidates::Place;
+use crate::candidates::NetworkPoint;
 use crate::candidates::evidence::Extraction;
-use crate::candidates::prior::{Answer, Link, Side};
+use crate::candidates::prior::{Answer, Link, LinkSide};
 use crate::error::Fault;
 use crate::network::Network;
 use crate::units::metres;
@@ -26,15 +26,8 @@ struct File {
 
 #[derive(Deserialize)]
 struct Member {
-    role: Role,
+    role: LinkSide,
     allowed: Vec<u64>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Role {
-    Parent,
-    Child,
 }
 
 #[derive(Deserialize)]
@@ -83,8 +76,7 @@ fn of_links(links: &[Vec<Member>], nodes: &[Vec<f64>], voxel_mm: Option<f64>, ex
                 let accepted = || format!("expected nodes from 1 to {}", points.len());
                 rows.push(there.ok_or_else(|| Fault::item(format!("link {row}"), format!("node {id}"), accepted()))? - 1);
             }
-            let side = if matches!(member.role, Role::Parent) { Side::Parent } else { Side::Child };
-            link.push((side, rows));
+            link.push((member.role, rows));
         }
         out.push(link);
     }
@@ -104,8 +96,8 @@ fn of_breaks(gaps: &[Gap], inlets: &[serde_json::Value], network: &Network, extr
     let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
     for (point, place) in extraction.place.iter().enumerate() {
         let id = match place {
-            Place::Node(row) => network.node(*row).id.parse().ok(),
-            Place::Along { vessel, point } => network.vessel(*vessel).path[*point].id,
+            NetworkPoint::Node(row) => network.node(*row).id.parse().ok(),
+            NetworkPoint::Along { vessel, point } => network.vessel(*vessel).path[*point].id,
         };
         point_of.extend(id.map(|id| (id, point)));
     }

@@ -2,13 +2,11 @@
 
 use super::extraction::Extraction;
 use super::frame::Frame;
-use super::meeting::{BEND, Hit};
+use super::meeting::Hit;
 use super::steady::{compare, steady};
+use crate::candidates::ends::{BEND, reach};
 use crate::geometry::{Point, dot, sub};
 
-/// Reach in spacings and in radii of the end: independent of any unit.
-const REACH_SPACINGS: f64 = 20.0;
-const REACH_RADII: f64 = 10.0;
 /// So many of the nearest points are put in order first, and so many times as many when those do not hold what is asked for.
 const FIRST: usize = 1024;
 const MORE: usize = 8;
@@ -26,7 +24,7 @@ pub struct Around<'a> {
 
 impl<'a> Around<'a> {
     pub fn new(extraction: &'a Extraction, end: &'a Frame) -> Self {
-        let reach = REACH_SPACINGS * extraction.spacing + REACH_RADII * end.radius;
+        let reach = reach(extraction.spacing, end.radius);
         let near = extraction.index.around(extraction.position[end.point], reach).into_iter();
         let (own, others) = near.partition(|(_, point)| extraction.fragment[*point] == end.fragment);
         Self { extraction, end, reach, own, others }

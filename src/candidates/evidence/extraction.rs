@@ -8,7 +8,7 @@ use super::roads::Roads;
 use super::smooth::{SmoothPoints, smooth};
 use super::steady::steady;
 use super::tangent::{Course, courses};
-use crate::candidates::Place;
+use crate::candidates::NetworkPoint;
 use crate::candidates::crowd::check_junctions;
 use crate::candidates::knn::PointIndex;
 use crate::centerline::is_radius;
@@ -23,7 +23,7 @@ use crate::stats::median;
 /// observed vessel, or a node without one. A node belongs to its widest branch, of equally wide ones to the longest.
 pub struct Extraction {
     /// Where a point is in the network.
-    pub place: Vec<Place>,
+    pub place: Vec<NetworkPoint>,
     /// Positions, m.
     pub position: Vec<Point>,
     /// Radii as measured, m, positive.
@@ -80,7 +80,7 @@ impl Extraction {
         let observed: Vec<([usize; 2], &Vessel)> = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).collect();
         let parts = fragments(network, |_, v| v.origin == Origin::Observed);
         let mut degree = network.degrees(|v| v.origin == Origin::Observed);
-        let mut place: Vec<Place> = (0..network.node_count()).map(Place::Node).collect();
+        let mut place: Vec<NetworkPoint> = (0..network.node_count()).map(NetworkPoint::Node).collect();
         let mut radius: Vec<f64> = network.nodes().map(|n| n.radius.filter(|r| is_radius(*r)).unwrap_or(f64::NAN)).collect();
         let mut fragment = parts.of_node.clone();
         let mut lines = Vec::with_capacity(observed.len());
@@ -89,7 +89,7 @@ impl Extraction {
             let mut line = vec![ends[0]];
             for (point, at) in v.path.iter().enumerate().take(v.path.len().saturating_sub(1)).skip(1) {
                 line.push(place.len());
-                place.push(Place::Along { vessel, point });
+                place.push(NetworkPoint::Along { vessel, point });
                 position.push(at.position);
                 radius.push(at.radius);
                 fragment.push(parts.of_node[ends[0]]);

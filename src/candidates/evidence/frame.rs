@@ -1,13 +1,10 @@
 //! The free ends of an extraction: where each is, how wide, which way it points and how surely.
 
 use super::steady::steady;
-use crate::geometry::{Point, sub, unit};
+use crate::candidates::ends::{FIT_RADII, FIT_SPACINGS, outwards};
+use crate::geometry::Point;
 
-/// The direction is fitted over so many spacings at least ...
-const FIT_SPACINGS: f64 = 6.0;
-/// ... over so many radii of the end ...
-const FIT_RADII: f64 = 3.0;
-/// ... and over so many points at most.
+/// The direction is fitted over so many points at most.
 const FIT_POINTS: f64 = 40.0;
 
 /// A free end.
@@ -74,17 +71,4 @@ fn fitted(path: &[(Point, f64)], spacing: f64) -> Frame {
         radius: mean(upto(n)).exp(),
         orientation: 0.0,
     }
-}
-
-/// The direction of the least-squares line through points taken as equally spaced, towards the first.
-fn outwards(points: &[Point]) -> Point {
-    let middle = 0.5 * (points.len() as f64 - 1.0);
-    let mut v = [0.0; 3];
-    for (i, p) in points.iter().enumerate() {
-        let from_first = sub(*p, points[0]);
-        for axis in 0..3 {
-            v[axis] += (middle - i as f64) * from_first[axis];
-        }
-    }
-    unit(v)
 }

@@ -3,12 +3,9 @@
 use super::extraction::Extraction;
 use super::frame::Frame;
 use super::steady::{compare, steady};
+use crate::candidates::ends::{BEND, SNAP_SPACINGS};
 use crate::geometry::{distance, dot, sub, unit};
 
-/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
-pub const BEND: f64 = 1.3;
-/// A meeting point so many spacings from a free end of its branch is moved there.
-const SNAP_SPACINGS: f64 = 3.0;
 /// A vessel that runs beside its parent joins it further on: so many spacings from the nearest point, give or take.
 const BESIDE_SPACINGS: f64 = 3.5;
 const BESIDE_SLACK: f64 = 0.8;

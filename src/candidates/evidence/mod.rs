@@ -33,7 +33,7 @@ pub use fragment::Fragment;
 pub use frame::Frame;
 pub use meeting::Meetings;
 pub use root::{ROOT_FEATURES, RootFeature, root_features};
-pub use search::{Bridge, Search, search};
+pub use search::{FoundBridge, Search, search};
 pub use smooth::SmoothPoints;
 pub use span::{Span, spans};
 pub use tangent::Course;
@@ -82,7 +82,7 @@ pub const FEATURES: &[(&str, Feature)] = &[
 ///
 /// Rank, margin and mutual choice are among the bridges given, so these should be all of a search. What the posterior of these
 /// features says of the other bridges is in [`Feedback`].
-pub fn features(extraction: &Extraction, bridges: &[Bridge]) -> Array2<f64> {
+pub fn features(extraction: &Extraction, bridges: &[FoundBridge]) -> Array2<f64> {
     let spans = spans(extraction, bridges);
     Array2::from_shape_fn((spans.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&spans[row]))
 }

@@ -1,6 +1,6 @@
 //! Path lengths along the vessels.
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::geometry::{Point, distance};
@@ -17,34 +17,13 @@ pub struct Roads {
     on: Vec<(usize, f64)>,
 }
 
-/// A node to go on from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Open {
-    length: f64,
-    node: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    /// The nearest is the greatest.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.length.total_cmp(&self.length).then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 /// Path lengths from some nodes as far as a limit, kept to be used again.
 pub struct Reached {
     /// Per node its path length, m; infinite where it was not reached.
     length: Vec<f64>,
     touched: Vec<usize>,
-    open: BinaryHeap<Open>,
+    /// The nodes to go on from, by the bits of their path lengths: these are never negative, so that their bits are in their order.
+    open: BinaryHeap<Reverse<(u64, usize)>>,
 }
 
 impl Reached {
@@ -105,10 +84,11 @@ impl Roads {
             if reached.length[*node] > 0.0 {
                 reached.length[*node] = 0.0;
                 reached.touched.push(*node);
-                reached.open.push(Open { length: 0.0, node: *node });
+                reached.open.push(Reverse((0, *node)));
             }
         }
-        while let Some(Open { length, node }) = reached.open.pop() {
+        while let Some(Reverse((bits, node))) = reached.open.pop() {
+            let length = f64::from_bits(bits);
             if length > reached.length[node] {
                 continue;
             }
@@ -122,7 +102,7 @@ impl Roads {
                         reached.touched.push(*next);
                     }
                     reached.length[*next] = there;
-                    reached.open.push(Open { length: there, node: *next });
+                    reached.open.push(Reverse((there.to_bits(), *next)));
                 }
             }
         }

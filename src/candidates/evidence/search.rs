@@ -7,7 +7,7 @@ use super::meeting::{Hit, Meetings};
 use super::roads::Reached;
 use super::steady::steady;
 use crate::candidates::crowd::Looks;
-use crate::candidates::prior::in_order;
+use crate::candidates::in_order;
 use crate::error::Result;
 use crate::geometry::distance;
 
@@ -43,7 +43,7 @@ impl Default for Search {
 
 /// A bridge that may be, from a free end to a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Bridge {
+pub struct FoundBridge {
     /// The free end it leaves, a row of [`Extraction::ends`].
     pub end: usize,
     /// The point it reaches.
@@ -61,7 +61,7 @@ pub struct Bridge {
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search(extraction: &Extraction, params: &Search) -> Result<Vec<Bridge>> {
+pub fn search(extraction: &Extraction, params: &Search) -> Result<Vec<FoundBridge>> {
     let looks = Looks::around(extraction.ends.len());
     let parts: Vec<&[Frame]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
@@ -74,7 +74,7 @@ pub fn search(extraction: &Extraction, params: &Search) -> Result<Vec<Bridge>> {
             let around = Around::new(extraction, end);
             for inside in [false, true] {
                 let targets = if inside { around.own_branches(params, &mut reached) } else { around.other_fragments(params) };
-                bridges.extend(targets.into_iter().map(|point| Bridge { end: row, point, inside }));
+                bridges.extend(targets.into_iter().map(|point| FoundBridge { end: row, point, inside }));
             }
             looks.add(around.count() + reached.count());
         }

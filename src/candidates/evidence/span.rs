@@ -2,9 +2,9 @@
 
 use super::extraction::Extraction;
 use super::frame::Frame;
-use super::search::Bridge;
+use super::search::FoundBridge;
 use super::steady::{compare, steady};
-use crate::geometry::{Point, distance, dot, norm_squared, sub, unit};
+use crate::geometry::{Point, cross, distance, dot, norm_squared, sub, unit};
 
 /// No gap is shorter than this, in spacings.
 const LEAST_GAP: f64 = 1e-6;
@@ -53,12 +53,11 @@ impl Span<'_> {
 
 /// The angle between two vectors, rad; a zero vector is across everything.
 pub fn angle(a: Point, b: Point) -> f64 {
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    if a == [0.0; 3] || b == [0.0; 3] { std::f64::consts::FRAC_PI_2 } else { norm_squared(cross).sqrt().atan2(dot(a, b)) }
+    if a == [0.0; 3] || b == [0.0; 3] { std::f64::consts::FRAC_PI_2 } else { norm_squared(cross(a, b)).sqrt().atan2(dot(a, b)) }
 }
 
 /// The bridges of one search as spans, in their order.
-pub fn spans<'a>(extraction: &'a Extraction, bridges: &[Bridge]) -> Vec<Span<'a>> {
+pub fn spans<'a>(extraction: &'a Extraction, bridges: &[FoundBridge]) -> Vec<Span<'a>> {
     let mut spans: Vec<Span<'a>> = bridges.iter().map(|b| span(extraction, *b)).collect();
     let mut of_end = vec![Vec::new(); extraction.ends.len()];
     for (row, bridge) in bridges.iter().enumerate() {
@@ -98,7 +97,7 @@ pub fn spans<'a>(extraction: &'a Extraction, bridges: &[Bridge]) -> Vec<Span<'a>
     spans
 }
 
-fn span(extraction: &Extraction, bridge: Bridge) -> Span<'_> {
+fn span(extraction: &Extraction, bridge: FoundBridge) -> Span<'_> {
     let child = &extraction.ends[bridge.end];
     let parent_end = extraction.end_at[bridge.point].map(|end| &extraction.ends[end]);
     let (from, to) = (extraction.position[child.point], extraction.position[bridge.point]);
@@ -118,7 +117,7 @@ fn span(extraction: &Extraction, bridge: Bridge) -> Span<'_> {
 }
 
 /// The detours of the bridges within a fragment.
-fn add_detours(extraction: &Extraction, bridges: &[Bridge], spans: &mut [Span]) {
+fn add_detours(extraction: &Extraction, bridges: &[FoundBridge], spans: &mut [Span]) {
     let mut reached = extraction.roads.room();
     let mut from = None;
     for (row, bridge) in bridges.iter().enumerate().filter(|(_, b)| b.inside) {

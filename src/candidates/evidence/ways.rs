@@ -1,7 +1,7 @@
 //! The ways out of a point along its branches.
 
 use super::extraction::Extraction;
-use crate::candidates::Place;
+use crate::candidates::NetworkPoint;
 
 /// A way out of a point: along a branch to one of its nodes.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +17,7 @@ impl Extraction {
     /// The ways out of a point: two on the way of a branch, at a node as many as it has links.
     pub(super) fn ways(&self, point: usize) -> Vec<Way> {
         let way = |branch, at, forwards| Way { branch, at, forwards };
-        if let Place::Along { .. } = self.place[point] {
+        if let NetworkPoint::Along { .. } = self.place[point] {
             let branch = self.branch[point];
             // The inner points of a branch have consecutive numbers.
             let at = 1 + point - self.lines[branch][1];

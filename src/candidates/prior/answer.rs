@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use crate::candidates::evidence::Extraction;
 use crate::candidates::knn::PointIndex;
 use crate::geometry::{Point, distance};
@@ -15,9 +17,10 @@ const STANDING_SPACINGS: f64 = 3.0;
 const STANDING_RADII: f64 = 2.0;
 const STANDING_GAPS: f64 = 0.75;
 
-/// Which side of a link hangs on which.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+/// Which side of a link hangs on which; the words in files are `parent` and `child`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinkSide {
     /// The one that is nearer to an inlet.
     Parent,
     /// The one that hangs on it.
@@ -25,7 +28,7 @@ pub enum Side {
 }
 
 /// A place where pieces belong together: per piece its side and the rows of the points at which a bridge may attach.
-pub type Link = Vec<(Side, Vec<usize>)>;
+pub type Link = Vec<(LinkSide, Vec<usize>)>;
 
 /// A right bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +43,7 @@ pub struct Right {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Answer {
     /// Per link the sides of its pieces.
-    sides: Vec<Vec<Side>>,
+    sides: Vec<Vec<LinkSide>>,
     /// Per point of the extraction the links and pieces that a bridge to it reaches.
     sites: Vec<Vec<(usize, usize)>>,
 }
@@ -122,7 +125,7 @@ impl Answer {
         let mut hangs_on: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let mut may = |(points, [child, parent]): &([usize; 2], [usize; 2])| {
             let Some(Right { link, pieces }) = self.right(points[0], points[1]) else { return false };
-            if pieces.map(|piece| self.sides[link][piece]) != [Side::Child, Side::Parent] {
+            if pieces.map(|piece| self.sides[link][piece]) != [LinkSide::Child, LinkSide::Parent] {
                 return false;
             }
             if hangs_on.get(child).is_some_and(|on| on.contains(parent)) {
@@ -158,7 +161,7 @@ fn leads(hangs_on: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bool
 
 /// Per bridge the sides of its ends when each connected group of fragments hangs on the one with an inlet, of several, or without
 /// any, on the widest, then the longest. Bridges that close a circle have no child.
-fn outwards(extraction: &Extraction, bridges: &[[usize; 2]], inlets: &[usize]) -> Vec<[Side; 2]> {
+fn outwards(extraction: &Extraction, bridges: &[[usize; 2]], inlets: &[usize]) -> Vec<[LinkSide; 2]> {
     let ends: Vec<[usize; 2]> = bridges.iter().map(|ends| ends.map(|point| extraction.fragment[point])).collect();
     let mut at = vec![Vec::new(); extraction.fragments.len()];
     for (bridge, fragments) in ends.iter().enumerate() {
@@ -176,7 +179,7 @@ fn outwards(extraction: &Extraction, bridges: &[[usize; 2]], inlets: &[usize]) -
         let (a, b) = (rank(*a), rank(*b));
         b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(b.2.total_cmp(&a.2))
     });
-    let mut sides = vec![[Side::Parent; 2]; bridges.len()];
+    let mut sides = vec![[LinkSide::Parent; 2]; bridges.len()];
     let mut reached = vec![false; at.len()];
     for root in order {
         if std::mem::replace(&mut reached[root], true) {
@@ -187,7 +190,7 @@ fn outwards(extraction: &Extraction, bridges: &[[usize; 2]], inlets: &[usize]) -
             for bridge in &at[parent] {
                 let child = usize::from(ends[*bridge][0] == parent);
                 if !std::mem::replace(&mut reached[ends[*bridge][child]], true) {
-                    sides[*bridge][child] = Side::Child;
+                    sides[*bridge][child] = LinkSide::Child;
                     queue.push_back(ends[*bridge][child]);
                 }
             }

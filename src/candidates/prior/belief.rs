@@ -6,7 +6,7 @@ use super::closure::closures;
 use super::hangs::hangs;
 use super::rows::Rows;
 use super::weights::Weights;
-use crate::candidates::evidence::{Bridge, Extraction, Feedback};
+use crate::candidates::evidence::{Extraction, Feedback, FoundBridge};
 use crate::error::{Error, Result};
 use crate::posterior::{Forests, Marginals, arborescence, check_tangle, marginals};
 
@@ -14,7 +14,7 @@ use crate::posterior::{Forests, Marginals, arborescence, check_tangle, marginals
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belief {
     /// The bridges between fragments, in the order of [`Belief::forests`].
-    pub bridges: Vec<Bridge>,
+    pub bridges: Vec<FoundBridge>,
     /// The weights of the last pass.
     pub forests: Forests,
     /// The marginals of the last pass, not calibrated.
@@ -28,7 +28,7 @@ pub struct Belief {
     /// Per fragment what speaks for leaving it alone then.
     pub alone: Vec<f64>,
     /// The bridges within a fragment with the probability that they close a loop that is there.
-    pub closures: Vec<(Bridge, f64)>,
+    pub closures: Vec<(FoundBridge, f64)>,
 }
 
 /// The posterior that `weights` give the bridges of an extraction, which should be all of a search.
@@ -36,7 +36,7 @@ pub struct Belief {
 /// # Errors
 ///
 /// Weights without a pass, or of other features than this program measures; fragments in a tangle.
-pub fn believe(extraction: &Extraction, bridges: &[Bridge], weights: &Weights) -> Result<Belief> {
+pub fn believe(extraction: &Extraction, bridges: &[FoundBridge], weights: &Weights) -> Result<Belief> {
     weights.validate()?;
     let rows = Rows::new(extraction, bridges);
     let (forests, marginals) = last_pass(extraction, &rows, weights)?;

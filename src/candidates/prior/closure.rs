@@ -11,7 +11,7 @@ use petgraph::graph::{NodeIndex, UnGraph};
 use super::alone::entries;
 use super::rows::Rows;
 use super::weights::Pass;
-use crate::candidates::evidence::{Bridge, Extraction, Span, direction, gap, radius, spans};
+use crate::candidates::evidence::{Extraction, FoundBridge, Span, direction, gap, radius, spans};
 use crate::geometry::distance;
 use crate::posterior::Marginals;
 use crate::stats::{median, sigmoid};
@@ -27,7 +27,7 @@ const LEAST_SCORE: f64 = -3.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
     /// The bridge; of two directions the one with the better score.
-    pub bridge: Bridge,
+    pub bridge: FoundBridge,
     /// Its features, as [`CLOSURE_FEATURES`] names them.
     pub features: [f64; 10],
 }

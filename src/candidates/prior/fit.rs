@@ -12,10 +12,10 @@ use super::hangs::hangs;
 use super::logistic::logistic;
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
-use super::parallel::in_order;
 use super::platt::calibrate;
 use super::weights::{Pass, Provenance, Weights};
 use crate::candidates::evidence::Feedback;
+use crate::candidates::in_order;
 use crate::error::{Error, Result};
 use crate::posterior::{Forests, Marginals, arborescence, marginals};
 

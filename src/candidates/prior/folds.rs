@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::case::{Case, Example, share_of};
 use super::figures::{Told, figures, told};
 use super::fit::{Step, TrainParams, fit};
-use super::parallel::in_order;
 use super::weights::{Figures, Fold, Weights};
+use crate::candidates::in_order;
 use crate::error::{Error, Result};
 
 /// The fold, of so many, that holds a subject out: by a hash of its name.

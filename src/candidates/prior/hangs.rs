@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::candidates::evidence::{Bridge, Extraction};
+use crate::candidates::evidence::{Extraction, FoundBridge};
 use crate::geometry::distance;
 use crate::posterior::Marginals;
 
@@ -20,9 +20,9 @@ const NOT_MUCH_LESS: f64 = 0.5;
 /// Per bridge what speaks for hanging its child by it: its marginal, and for the one bridge that stands for its child and
 /// parent those of the bridges nearly equal to it. A search offers several meeting points a few voxels apart, which share the
 /// probability of one connection.
-pub fn hangs(extraction: &Extraction, bridges: &[Bridge], marginals: &Marginals) -> Vec<f64> {
+pub fn hangs(extraction: &Extraction, bridges: &[FoundBridge], marginals: &Marginals) -> Vec<f64> {
     let own = &marginals.bridges;
-    let parent = |b: &Bridge| extraction.fragment[b.point];
+    let parent = |b: &FoundBridge| extraction.fragment[b.point];
     let mut alike: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
     for (row, bridge) in bridges.iter().enumerate() {
         alike.entry((bridge.end, parent(bridge))).or_default().push(row);

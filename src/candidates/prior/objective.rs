@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use ndarray::{Array2, ArrayView1};
 
 use super::case::Example;
-use super::parallel::in_order;
 use super::rows::{is_cut, weighed};
 use super::weights::Pass;
+use crate::candidates::in_order;
 use crate::error::Result;
 use crate::posterior::{log_likelihood, marginals};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
 use super::weights::Pass;
-use crate::candidates::evidence::{Bridge, Extraction, features, root_features};
+use crate::candidates::evidence::{Extraction, FoundBridge, features, root_features};
 use crate::error::Result;
 use crate::posterior::{self, Forests};
 
@@ -15,9 +15,9 @@ const MOST_LOG_WEIGHT: f64 = 25.0;
 /// The bridges between fragments.
 pub struct Rows {
     /// The bridges, in the order of the search.
-    pub bridges: Vec<Bridge>,
+    pub bridges: Vec<FoundBridge>,
     /// The bridges within a fragment.
-    pub inside: Vec<Bridge>,
+    pub inside: Vec<FoundBridge>,
     /// Their features, shape (bridges within a fragment, features).
     pub inside_features: Array2<f64>,
     /// Child and parent fragment of each.
@@ -34,12 +34,12 @@ pub struct Rows {
 
 impl Rows {
     /// Measures the bridges of a search; those within a fragment count among the rivals of the others and stand apart then.
-    pub fn new(extraction: &Extraction, found: &[Bridge]) -> Self {
+    pub fn new(extraction: &Extraction, found: &[FoundBridge]) -> Self {
         let (inside, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].inside);
         let all = features(extraction, found);
         let [bridge, inside_features] = [&between, &inside].map(|rows| all.select(Axis(0), rows));
         let inside = inside.into_iter().map(|row| found[row]).collect();
-        let bridges: Vec<Bridge> = between.into_iter().map(|row| found[row]).collect();
+        let bridges: Vec<FoundBridge> = between.into_iter().map(|row| found[row]).collect();
         let mut links = BTreeMap::new();
         let mut link = Vec::with_capacity(bridges.len());
         let mut fragments = Vec::with_capacity(bridges.len());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::extraction::Extraction;
-use super::super::search::Bridge;
+use super::super::search::FoundBridge;
 use super::super::steady::steady;
 use crate::candidates::knn::PointIndex;
 use crate::geometry::distance;
@@ -24,7 +24,7 @@ pub struct Claims {
 
 impl Claims {
     /// The competitors of each bridge.
-    pub fn new(e: &Extraction, bridges: &[Bridge]) -> Self {
+    pub fn new(e: &Extraction, bridges: &[FoundBridge]) -> Self {
         let child = |row: usize| e.ends[bridges[row].end].fragment;
         let parent = |row: usize| e.fragment[bridges[row].point];
         let mut from = vec![Vec::new(); e.ends.len()];
@@ -36,7 +36,7 @@ impl Claims {
         let beside = near_each(e, &at);
         let none = Vec::new();
         let of = |rows: &Vec<usize>, keep: &dyn Fn(usize) -> bool| rows.iter().copied().filter(|row| keep(*row)).collect();
-        let each = |claims: &dyn Fn(usize, &Bridge) -> Vec<usize>| {
+        let each = |claims: &dyn Fn(usize, &FoundBridge) -> Vec<usize>| {
             bridges.iter().enumerate().map(|(row, bridge)| claims(row, bridge)).collect::<Vec<Vec<usize>>>()
         };
         Self {

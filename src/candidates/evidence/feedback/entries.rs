@@ -1,7 +1,7 @@
 //! Where blood probably enters each fragment, and to which side of each point most of it does.
 
 use super::super::extraction::Extraction;
-use super::super::search::Bridge;
+use super::super::search::FoundBridge;
 use super::super::steady::steady;
 use crate::posterior::Marginals;
 
@@ -82,7 +82,7 @@ impl Entries {
     ///
     /// A free end counts with the probability that its fragment hangs by it, the inlets of a fragment share the probability
     /// that it is a root, and without inlets half of that goes to the widest end.
-    pub fn balance(&self, e: &Extraction, bridges: &[Bridge], marginals: &Marginals) -> Vec<f64> {
+    pub fn balance(&self, e: &Extraction, bridges: &[FoundBridge], marginals: &Marginals) -> Vec<f64> {
         let mut entries = vec![0.0; self.order.len()];
         for (bridge, p) in bridges.iter().zip(&marginals.bridges) {
             entries[e.ends[bridge.end].point] += p;

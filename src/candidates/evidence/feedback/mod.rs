@@ -9,7 +9,7 @@ mod entries;
 use ndarray::Array2;
 
 use super::extraction::Extraction;
-use super::search::Bridge;
+use super::search::FoundBridge;
 use super::steady::steady;
 use crate::geometry::{dot, sub, unit};
 use crate::posterior::{Forests, Marginals, rooted_in};
@@ -36,7 +36,7 @@ const MOST_CLAIMS: f64 = 2.0;
 /// What of the feedback does not change from one posterior to the next.
 pub struct Feedback<'a> {
     extraction: &'a Extraction,
-    bridges: Vec<Bridge>,
+    bridges: Vec<FoundBridge>,
     entries: Entries,
     claims: Claims,
     /// Per fragment whether it is taken to be fed.
@@ -49,7 +49,7 @@ impl<'a> Feedback<'a> {
     /// # Panics
     ///
     /// When a bridge is within a fragment.
-    pub fn new(extraction: &'a Extraction, bridges: &[Bridge]) -> Self {
+    pub fn new(extraction: &'a Extraction, bridges: &[FoundBridge]) -> Self {
         assert!(bridges.iter().all(|bridge| !bridge.inside), "bridges between fragments");
         let fragments = &extraction.fragments;
         let longest = fragments.iter().map(|f| f.length).fold(0.0, f64::max);

@@ -1,0 +1,50 @@
+//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
+
+mod labels;
+mod weld;
+
+pub use labels::Labels;
+pub use weld::WELD_TOLERANCE;
+
+use crate::geometry::Point;
+
+/// Points with radii and the links between consecutive ones. Lengths in m.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Centerlines {
+    /// Positions, m.
+    pub points: Vec<Point>,
+    /// Radii, m; whatever the file said, so NaN, zero and negative values are missing radii.
+    pub radii: Vec<f64>,
+    /// The point's number in the file (SWC index, VTP row).
+    pub ids: Vec<u64>,
+    /// The polyline (VTP cell, SWC tree) that a point belongs to first.
+    pub strand: Vec<u32>,
+    /// Pairs of linked points.
+    pub links: Vec<[u32; 2]>,
+    /// The anatomical names of the links.
+    pub labels: Labels,
+}
+
+impl Centerlines {
+    /// Adds a point (m) of a strand and returns its row.
+    pub fn add_point(&mut self, position: Point, radius: f64, id: u64, strand: u32) -> u32 {
+        self.points.push(position);
+        self.radii.push(radius);
+        self.ids.push(id);
+        self.strand.push(strand);
+        self.points.len() as u32 - 1
+    }
+
+    /// Links two points, under an anatomical name unless it is empty.
+    pub fn add_link(&mut self, ends: [u32; 2], label: &str) {
+        self.links.push(ends);
+        if !label.is_empty() {
+            self.labels.set(self.links.len() - 1, label);
+        }
+    }
+}
+
+/// Whether a file's radius can be used: finite and positive.
+pub fn is_radius(r: f64) -> bool {
+    r.is_finite() && r > 0.0
+}

@@ -1,0 +1,97 @@
+//! A vessel of the network: its length, its radius and its centerline.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::Evidence;
+use crate::geometry::Point;
+
+/// Whether the image showed the vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Origin {
+    /// Traced in the image.
+    Observed,
+    /// A possible connection.
+    #[default]
+    Candidate,
+}
+
+impl Origin {
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Observed => "observed",
+            Self::Candidate => "candidate",
+        }
+    }
+}
+
+/// A point on a vessel's centerline.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PathPoint {
+    /// Position, m.
+    pub position: Point,
+    /// Radius, m.
+    pub radius: f64,
+    /// The point's number in the input, where it has one.
+    pub id: Option<u64>,
+}
+
+/// A vessel between two nodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Vessel {
+    /// Length along the centerline, m.
+    pub length: f64,
+    /// Radius that stands for the whole vessel, m.
+    pub radius: f64,
+    /// Resistance, Pa s/m³, where the input states one instead of leaving it to Poiseuille's law.
+    pub resistance: Option<f64>,
+    /// The anatomical name; empty when the input has none.
+    pub label: String,
+    /// Observed or candidate.
+    pub origin: Origin,
+    /// The anatomical prior A in [0, 1].
+    pub prior: f64,
+    /// Never occluded, whatever is uncertain.
+    pub certain: bool,
+    /// What the evidence says of a candidate.
+    pub evidence: Option<Evidence>,
+    /// Whether an earlier run kept the vessel, where the input says so.
+    pub kept: Option<bool>,
+    /// The centerline from the first node to the second; empty when only the nodes are known.
+    pub path: Vec<PathPoint>,
+}
+
+/// Points at an end over which its radius is averaged.
+const END_POINTS: usize = 10;
+
+impl Vessel {
+    /// A vessel of a length and radius (m) about which nothing else is known.
+    pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
+        Self {
+            length,
+            radius,
+            resistance: None,
+            label: String::new(),
+            origin,
+            prior: 1.0,
+            certain: false,
+            evidence: None,
+            kept: None,
+            path: Vec::new(),
+        }
+    }
+
+    /// The volume of the lumen, π r² l, m³.
+    pub fn volume(&self) -> f64 {
+        PI * self.radius * self.radius * self.length
+    }
+
+    /// The mean radius (m) over the last points at an end, the second one when `last`; the vessel's own without a path.
+    pub fn end_radius(&self, last: bool) -> f64 {
+        let n = self.path.len().min(END_POINTS);
+        let points = if last { &self.path[self.path.len() - n..] } else { &self.path[..n] };
+        if n == 0 { self.radius } else { points.iter().map(|p| p.radius).sum::<f64>() / n as f64 }
+    }
+}
