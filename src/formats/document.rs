@@ -3,6 +3,7 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use super::beside::nodes_beside;
 use super::csv_graph::{edges_of, nodes_of};
 use super::graphml::stream_graphml;
 use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
@@ -141,7 +142,7 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 
 /// A table of edges, with the table of nodes beside it.
 fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let (beside, scale) = (pair::nodes_beside(path), &options.scale);
+    let (beside, scale) = (nodes_beside(path), &options.scale);
     let read = |nodes: &PathBuf| {
         let bytes = bytes_within(nodes, options.max_input)?;
         nodes_of(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))

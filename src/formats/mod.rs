@@ -1,6 +1,7 @@
 //! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
 
 mod attributes;
+mod beside;
 mod checksum;
 mod column;
 pub mod conditions;
@@ -38,6 +39,7 @@ mod vtp;
 mod vtrails;
 mod xml;
 
+pub use beside::files_beside;
 pub use checksum::{Checksummed, checksum, checksum_of, checksum_of_file};
 pub use column::{Column, Values};
 pub use csv_graph::{NodeTable, read_csv_edges, read_csv_nodes, write_csv_graph};

@@ -9,10 +9,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use self::lines::with_lines;
+use super::beside::nodes_path;
 use super::skeleton::is_straight;
 use super::sniff::Format;
 use super::{
-    Digits, graph_columns, pair, write_csv_graph, write_graphml, write_loops, write_markups, write_points, write_skeleton_npz,
+    Digits, graph_columns, write_csv_graph, write_graphml, write_loops, write_markups, write_points, write_skeleton_npz,
     write_swc, write_tre, write_vesselvio, write_voreen, write_vtk, write_vtp,
 };
 use crate::error::{Error, Result};
@@ -70,7 +71,7 @@ impl Target {
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
-            Format::Csv | Format::Voreen | Format::VesselVio => Some(pair::nodes_path(path).ok_or_else(|| {
+            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_path(path).ok_or_else(|| {
                 Error::parameter("output", path.display(), "is the name of the table of nodes; expected that of the vessels")
             })?),
             _ => None,
