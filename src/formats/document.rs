@@ -79,7 +79,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             return Err(Error::parameter("--loops", loops.display(), accepted));
         };
         let bytes = bytes_within(loops, options.max_input)?;
-        let added = add_loops(without_mark(&bytes), lines).map_err(|fault| fault.in_file(loops))?;
+        let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{added} links are those of {}", loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
