@@ -40,7 +40,7 @@ impl Picture {
 
 const KEPT: [u8; 3] = [0x00, 0x72, 0xb2];
 
-fn map(nodes: usize, entries: &[(usize, usize, f64)]) -> Picture {
+fn map(nodes: usize, entries: &[(u32, u32, f64)]) -> Picture {
     Picture::read(&heat_map(&Matrix { nodes, entries }).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a heat map"))
 }
 
@@ -228,7 +228,7 @@ fn wrong_numbers_are_errors_that_name_them() {
         let accepted = "expected a finite number from 0 up, in W/m³";
         assert_eq!(heat((0, 2, value)), format!("likelihood of (0, 2) {value}: {accepted}"));
     }
-    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, usize::MAX - 1, 1.0)] }).map(|_| ()).expect_err("too many");
+    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, u32::MAX - 1, 1.0)] }).map(|_| ()).expect_err("too many");
     assert!(error.to_string().starts_with("nodes 18446744073709551615: "), "{error}");
     let plot = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
         convergence(samples, series, threshold, kept).map(|_| ()).expect_err("wrong").to_string()

@@ -14,7 +14,7 @@ const INK: &str = "#1a1a1a";
 /// Points from the page's corner to that of the axes of the convergence, and to their other corner.
 const AXES: [[f64; 2]; 2] = [[62.0, 50.0], [440.0, 284.0]];
 
-fn heat(nodes: usize, entries: &[(usize, usize, f64)]) -> Figure {
+fn heat(nodes: usize, entries: &[(u32, u32, f64)]) -> Figure {
     heat_map(&Matrix { nodes, entries }).expect("a heat map")
 }
 

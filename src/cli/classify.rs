@@ -8,9 +8,9 @@ use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::phenotype::{Collateral, Posterior, Variant, counted};
 use willis::report::cohort::{Cell, phenotype_figures};
-use willis::report::staged::write_record;
 use willis::report::{
     Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype,
+    write_record,
 };
 
 use super::circle::CircleArgs;

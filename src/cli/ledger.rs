@@ -1,15 +1,14 @@
 //! cohort.json: with what a cohort was made, so that the same command can go on with it.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::{bytes_of, checksum_of_file, files_beside};
-use willis::report::StagedFile;
-use willis::report::staged::{COHORT_MARK, write_file};
+use willis::formats::{checksum_of_file, files_beside};
+use willis::report::names::COHORT;
+use willis::report::{StagedFile, read_json, write_json};
 
 use super::run::Run;
 use super::subjects::Subject;
@@ -67,16 +66,13 @@ pub fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
 impl Ledger {
     /// The ledger of a cohort's folder; `None` where there is none.
     pub fn read(folder: &Path) -> Option<Self> {
-        serde_json::from_slice(&bytes_of(&folder.join(COHORT_MARK)).ok()?).ok()
+        read_json(&folder.join(COHORT), "").ok()
     }
 
     /// Writes it into the folder of a cohort, in place of an earlier one.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        let file = StagedFile::new(&folder.join(COHORT_MARK), true)?;
-        write_file(&file.path(), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })?;
+        let file = StagedFile::new(&folder.join(COHORT), true)?;
+        write_json(&file.path(), self)?;
         file.commit()
     }
 

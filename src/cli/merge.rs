@@ -9,7 +9,7 @@ use willis::error::{Error, Fault, Result};
 use willis::inference::{Likelihood, Part};
 use willis::network::Network;
 use willis::report::StagedFolder;
-use willis::report::staged::SHARD_MARK;
+use willis::report::names::SHARD;
 
 use super::apart::gather;
 use super::failure::Failure;
@@ -150,7 +150,7 @@ impl Kind {
     fn in_folder(folder: &Path) -> Result<Option<Self>> {
         Ok(if Run::stands_in(folder) {
             Some(Self::Run)
-        } else if folder.join(SHARD_MARK).is_file() {
+        } else if folder.join(SHARD).is_file() {
             Some(Self::Shard)
         } else if Failure::stands_in(folder) {
             Some(if Failure::read(folder)?.range.is_some() { Self::FailedShard } else { Self::Run })

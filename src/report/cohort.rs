@@ -4,13 +4,12 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::names::{COHORT_PAGE, COHORT_TABLE};
 use super::page::write_cohort_page;
 use super::staged::{StagedFile, write_file};
 use crate::error::Result;
 use crate::formats::{Column, write_csv};
 
-/// The table and the page.
-pub const FILES: [&str; 2] = ["cohort.csv", "cohort.html"];
 /// The one column that differs between two runs of one command, from run.json, in seconds.
 pub const WALL_TIME: &str = "wall_s";
 
@@ -229,7 +228,7 @@ fn uncertainty(row: &Row) -> f64 {
 ///
 /// A file that cannot be written.
 pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()> {
-    let [table, page] = FILES.map(|name| StagedFile::new(&folder.join(name), true));
+    let [table, page] = [COHORT_TABLE, COHORT_PAGE].map(|name| StagedFile::new(&folder.join(name), true));
     let (table, page) = (table?, page?);
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<Row> = rows.to_vec();

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::simulated::Simulated;
-use super::summary::{Provenance, conditions, input, outlets_found};
+use super::summary::{Provenance, conditions, outlets_found};
 use crate::hemodynamics::FoundOutlets;
 use crate::network::{Network, RadiusRule, Role};
 use crate::simulation::{Change, Collateral, Perturbation, collaterals, reversals};
@@ -66,7 +66,7 @@ impl FlowRecord {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
-            input: input(provenance),
+            input: provenance.of_input(),
             parameters: json!({
                 "viscosity_cP": simulated.viscosity * 1e3,
                 "radius": match radius_rule { RadiusRule::Mean => "mean", RadiusRule::Effective => "effective" },

@@ -5,8 +5,10 @@ pub mod cohort;
 mod disk;
 mod flow_record;
 mod flow_tables;
+mod json;
 mod making;
 mod modulation;
+pub mod names;
 mod ours;
 pub mod outcome;
 pub mod page;
@@ -20,9 +22,9 @@ mod tables;
 
 pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
+pub use json::{read_json, write_json, write_record};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
-pub use page::FILE as PAGE_FILE;
+pub use outcome::{Outcome, write_outcome};
 pub use part_file::{read_part, write_part};
 pub use phenotype::{
     Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,

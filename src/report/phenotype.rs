@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::json::write_json;
+use super::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
 use super::staged::write_file;
-use super::summary::{Provenance, input};
+use super::summary::Provenance;
 use crate::error::Result;
 use crate::formats::{Column, plain, write_csv};
 use crate::network::Network;
@@ -124,7 +126,7 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
     json!({
         "willis": env!("CARGO_PKG_VERSION"),
         "command": provenance.command,
-        "input": input(provenance),
+        "input": provenance.of_input(),
         "parameters": { "arteries": classified.known_by },
         "landmarks": classified.landmarks,
         "counts": {
@@ -150,10 +152,7 @@ pub fn write_phenotype(
     posterior: Option<&Posterior>,
     phenotype: &Value,
 ) -> Result<()> {
-    write_file(&folder.join("phenotype.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, phenotype)?;
-        std::io::Write::write_all(out, b"\n")
-    })?;
+    write_json(&folder.join(PHENOTYPE), phenotype)?;
     let (mut columns, mut row) = (phenotype_columns(), phenotype_row(subject, variant));
     if let Some(posterior) = posterior {
         columns.push("p_variant".to_owned());
@@ -162,7 +161,7 @@ pub fn write_phenotype(
         row.extend(posterior.segments.iter().map(f64::to_string));
     }
     row[0] = plain(subject).into_owned();
-    write_file(&folder.join("phenotype.csv"), |out| {
+    write_file(&folder.join(PHENOTYPE_TABLE), |out| {
         let mut csv = csv::Writer::from_writer(out);
         csv.write_record(columns)?;
         csv.write_record(row)?;
@@ -208,5 +207,5 @@ pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()
         real("residual_share", |before, after| if before > 0.0 { after / before } else { f64::NAN }),
         Column::whole("takes_over", rows.iter().map(|row| usize::from(row.5))),
     ];
-    write_file(&folder.join("collateral.csv"), |out| write_csv(out, &columns))
+    write_file(&folder.join(COLLATERAL), |out| write_csv(out, &columns))
 }

@@ -75,9 +75,11 @@ pub fn word_of_keep(keep: Keep) -> String {
     }
 }
 
-/// The input by path, format, checksum and unit.
-pub(super) fn input(provenance: &Provenance) -> Value {
-    json!({ "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units })
+impl Provenance {
+    /// The input by path, format, checksum and unit, as every record has it.
+    pub fn of_input(&self) -> Value {
+        json!({ "path": self.input, "format": self.format, "sha256": self.sha256, "units": self.units })
+    }
 }
 
 /// What outlets that were found are.
@@ -161,7 +163,7 @@ impl Summary {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
-            input: input(provenance),
+            input: provenance.of_input(),
             seed: params.seed,
             parameters: json!({
                 "epsilon": params.epsilon,

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::{Table, encode, fill};
 use crate::formats::Column;
 use crate::report::cohort::{About, Row, WALL_TIME};
+use crate::report::names::{PAGE, PHENOTYPE};
 
 const TEMPLATE: &str = include_str!("assets/cohort.html");
 /// One module script, as in the page of a run.
@@ -35,7 +36,7 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
-        "opens": if about.command == "infer" { super::FILE } else { "phenotype.json" },
+        "opens": if about.command == "infer" { PAGE } else { PHENOTYPE },
         "table": encode::table(&table)?,
     });
     if rows.iter().any(|row| row.page.is_some()) {

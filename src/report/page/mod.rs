@@ -13,7 +13,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use crate::formats::Column;
+use crate::formats::{Column, escape};
 
 pub use cohort::write_cohort_page;
 pub use figure::Figure;
@@ -21,9 +21,6 @@ pub use infer::page as infer_page;
 pub use modulate::{Tables as ModulationTables, page as modulation_page};
 pub use scene::{Marker, Scene, scene};
 pub use simulate::page as simulation_page;
-
-/// The name of the page in the folder of a run.
-pub const FILE: &str = "report.html";
 
 /// A page, whatever command it is of.
 #[derive(Debug, Clone)]
@@ -173,7 +170,7 @@ fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, dat
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
         out.write_all(before.as_bytes())?;
         match name {
-            "title" => out.write_all(as_markup(title).as_bytes())?,
+            "title" => out.write_all(escape(title).as_bytes())?,
             "style" => out.write_all(STYLE.as_bytes())?,
             "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
             _ => scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
@@ -181,11 +178,6 @@ fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, dat
         rest = after;
     }
     out.write_all(rest.as_bytes())
-}
-
-/// Text as HTML shows it.
-fn as_markup(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// JSON in which nothing can end a script or a line of one.

@@ -5,6 +5,7 @@ use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
 use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::report::names::CONVERGENCE_PICTURE;
 
 const INCHES: [f64; 2] = [6.4, 4.6];
 /// Left, top, right and bottom of the axes, points.
@@ -43,7 +44,7 @@ const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<Figure> {
     validate(samples, series, threshold, kept)?;
     let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
-    Ok(Figure::new("convergence", INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept)))
+    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept)))
 }
 
 fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {

@@ -5,6 +5,7 @@ use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::report::names::FLOW_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
 const POINTS_PER_INCH: f64 = 72.0;
@@ -82,7 +83,7 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
     let top = if pair { TOP[0] } else { TOP[1] };
     let bottom = top + each * shown.len() as f64;
     let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
-    Ok(Figure::new("flow", inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
+    Ok(Figure::new(FLOW_PICTURE, inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
 }
 
 fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {

@@ -5,6 +5,7 @@ use super::colour::{INK, MAP, Rgb, ZERO, colour};
 use super::figure::Figure;
 use super::sheet::{Align, HAIR, Image, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::report::names::LIKELIHOOD_PICTURE;
 
 const INCHES: [f64; 2] = [6.4, 5.6];
 /// Upper left corner and side of the matrix, points.
@@ -34,7 +35,7 @@ pub struct Matrix<'a> {
     ///
     /// Each vessel is given once, so that an entry stands for both its cells, (a, b) and (b, a). Entries of the same two
     /// nodes add up, as parallel vessels do in the matrix.
-    pub entries: &'a [(usize, usize, f64)],
+    pub entries: &'a [(u32, u32, f64)],
 }
 
 impl Matrix<'_> {
@@ -45,6 +46,7 @@ impl Matrix<'_> {
         }
         let mut cells: Vec<Cell> = Vec::with_capacity(self.entries.len());
         for &(a, b, value) in self.entries {
+            let [a, b] = [a, b].map(|node| node as usize);
             if a >= self.nodes || b >= self.nodes {
                 let accepted = format!("expected two nodes below {}", self.nodes);
                 return Err(Error::parameter("matrix entry", format!("({a}, {b})"), accepted));
@@ -81,7 +83,7 @@ impl Matrix<'_> {
 /// When an entry names a node that does not exist, and when a value is negative or not finite.
 pub fn heat_map(matrix: &Matrix<'_>) -> Result<Figure> {
     let (cells, nodes) = (matrix.cells()?, matrix.nodes);
-    Ok(Figure::new("likelihood", INCHES, move |sheet| draw(sheet, &cells, nodes)))
+    Ok(Figure::new(LIKELIHOOD_PICTURE, INCHES, move |sheet| draw(sheet, &cells, nodes)))
 }
 
 fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
