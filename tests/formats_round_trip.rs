@@ -112,7 +112,7 @@ fn graphml_written_and_read_again_is_the_same_to_the_last_bit() {
     let network = network();
     let mut bytes = Vec::new();
     write_graphml(&mut bytes, &network, &node_columns(&network), &vessel_columns(&network)).unwrap();
-    let (again, notes) = read_graphml(&bytes, &mm()).unwrap();
+    let (again, notes) = read_graphml(&bytes[..], &mm()).unwrap();
     assert_same(&network, &again, true);
     assert!(notes.is_empty());
     let short = [Column { name: "prior", values: Values::Real(vec![1.0]) }];

@@ -116,9 +116,9 @@ fn one_vessel_among_forty_thousand_nodes_is_seen_and_the_largest_wins_a_pixel() 
 
 #[test]
 fn every_cell_of_a_full_matrix_is_painted_whatever_the_number_of_nodes() {
-    for nodes in [1, 2, 3, 7, 60, 165, 166, 300, 663, 700] {
+    for nodes in [1_u32, 2, 3, 7, 60, 165, 166, 300, 663, 700] {
         let entries: Vec<_> = (0..nodes).flat_map(|a| (a..nodes).map(move |b| (a, b, 5.0))).collect();
-        let picture = map(nodes, &entries);
+        let picture = map(nodes as usize, &entries);
         let hot = picture.places(colour(1.0));
         let [[left, right], [top, bottom]] = bounds(&hot);
         assert_eq!(hot.len(), (right + 1 - left) * (bottom + 1 - top), "{nodes} nodes: no hole");
@@ -203,7 +203,7 @@ fn zeros_huge_ranges_and_single_checkpoints_are_drawn() {
                 .and_then(|figure| figure.png(72))
                 .expect("a plot"),
         );
-        let entries: Vec<_> = series.iter().enumerate().map(|(k, v)| (k, 0, *v)).collect();
+        let entries: Vec<_> = (0..).zip(&series).map(|(k, v)| (k, 0, *v)).collect();
         map(3, &entries);
     }
     map(2, &[(0, 1, huge), (1, 0, huge)]);

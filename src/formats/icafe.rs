@@ -1,6 +1,5 @@
 //! iCafe: which artery each stretch of a traced SWC file is, from the Feature_Vessel.csv beside it.
 
-use std::io::BufRead;
 use std::path::Path;
 
 use super::beside::{TABLE_OF_VESSELS, image_beside};
@@ -50,14 +49,12 @@ pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
 /// # Errors
 ///
 /// A missing column, a position that is no number, a type that is no whole number.
-pub fn read_traced_vessels(mut input: impl BufRead, scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
+pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
     const ENDS: [[&str; 3]; 2] = [
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::ragged(&bytes)?;
+    let mut rows = Rows::ragged(bytes)?;
     let line = rows.header_line();
     let column = |name: &str| {
         rows.find(&[name])

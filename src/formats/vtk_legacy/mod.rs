@@ -5,4 +5,4 @@ mod read;
 mod write;
 
 pub use read::read_vtk;
-pub use write::{Digits, write_vtk};
+pub use write::write_vtk;

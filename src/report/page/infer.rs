@@ -4,20 +4,20 @@ use serde_json::Value;
 
 use super::list::conditions;
 use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
-use crate::formats::{Column, Values};
+use crate::formats::{Column, END_PLACES, Values};
 use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, Weight, has_evidence};
 use crate::report::outcome::Outcome;
 use crate::report::summary::Summary;
 
-/// Columns of edges.csv that the page leaves out: it draws them.
-const DRAWN: [&str; 6] = ["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm"];
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
     let mut record = record(summary);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
-    let mut columns: Vec<Column> = vessels.iter().filter(|c| !DRAWN.contains(&c.name)).cloned().collect();
+    // The page draws them.
+    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&c.name);
+    let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
     let on_trial = outcome.result.uncertain.iter().map(|u| i64::from(*u)).collect();
     columns.push(Column { name: "on_trial", values: Values::Integer(on_trial) });
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
