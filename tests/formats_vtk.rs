@@ -213,11 +213,11 @@ fn network() -> Network {
 fn columns(network: &Network) -> Vec<Column> {
     let of = |f: fn(&Vessel) -> f64| Values::Real(network.vessels().map(|(_, v)| f(v)).collect());
     vec![
-        Column { name: "label", values: Values::Text(network.vessels().map(|(_, v)| v.label.clone()).collect()) },
-        Column { name: "length_mm", values: of(|v| v.length * 1e3) },
-        Column { name: "likelihood", values: Values::Real(vec![0.0, f64::NAN, 1e-300, f64::INFINITY]) },
-        Column { name: "edge", values: Values::Integer((0..4).collect()) },
-        Column { name: "large", values: Values::Integer(vec![1 << 40, 0, -5, 2]) },
+        Column { name: "label".into(), values: Values::Text(network.vessels().map(|(_, v)| v.label.clone()).collect()) },
+        Column { name: "length_mm".into(), values: of(|v| v.length * 1e3) },
+        Column { name: "likelihood".into(), values: Values::Real(vec![0.0, f64::NAN, 1e-300, f64::INFINITY]) },
+        Column { name: "edge".into(), values: Values::Integer((0..4).collect()) },
+        Column { name: "large".into(), values: Values::Integer(vec![1 << 40, 0, -5, 2]) },
     ]
 }
 

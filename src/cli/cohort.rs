@@ -9,7 +9,7 @@ use std::thread;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::report::StagedFolder;
-use willis::report::cohort::{About, Cell, Row, write_cohort};
+use willis::report::cohort::{About, Figures, Row, write_cohort};
 use willis::report::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
 use willis::report::read_json;
 use willis::report::staged::{Making, sweep_own};
@@ -32,7 +32,7 @@ pub trait Work: Sync {
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
 
     /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
-    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)>;
+    fn figures(&self, record: &Value) -> Figures;
 }
 
 /// A cohort to be made, or to go on with.

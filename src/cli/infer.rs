@@ -11,7 +11,7 @@ use willis::error::{Error, Result};
 use willis::inference::{Keep, Params, ROOT_FACTOR, Solver, Uncertain, Weight, knows_fragments};
 use willis::network::RadiusRule;
 use willis::report::StagedFolder;
-use willis::report::cohort::{Cell, infer_figures};
+use willis::report::cohort::{Figures, infer_figures};
 use willis::report::plots::{DEFAULT_DPI, check_dpi};
 
 use super::boundary::{BoundaryArgs, say_boundary};
@@ -382,7 +382,7 @@ impl Work for Inference<'_> {
         self.job(&subject.input, command, terminal)?.write(&self.runs, folder, self.args.checkpoint, start, terminal).map(drop)
     }
 
-    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
+    fn figures(&self, record: &Value) -> Figures {
         infer_figures(record)
     }
 }

@@ -26,10 +26,7 @@ pub use json::{read_json, write_json, write_record};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use outcome::{Outcome, write_outcome};
 pub use part_file::{read_part, write_part};
-pub use phenotype::{
-    Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,
-    write_phenotype,
-};
+pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary, candidate_parameters, outlets_found, word_of_keep};

@@ -160,25 +160,25 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
-    let trial: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
+    let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
     let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
-    let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
-    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
-    let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
+    let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
+    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &uncertain, s)).collect();
+    let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
     let traces = convergence(&samples, &series, &threshold, &kept)?;
     traces.write(folder, dpi)?;
     let says = if threshold.iter().any(|cut| !cut.is_nan()) {
-        "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
+        "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \
          lines that are still moving at the right end call for more samples."
     } else {
-        "The mean contribution per sample of every vessel on trial against the number of samples; \
+        "The mean contribution per sample of every uncertain vessel against the number of samples; \
          lines that are still moving at the right end call for more samples."
     };
     Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
-fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot) -> f64 {
+fn running_threshold(outcome: &Outcome<'_>, uncertain: &[usize], snapshot: &Snapshot) -> f64 {
     match outcome.rule {
         Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) => return f64::NAN,
         Keep::Value(x) => return x / outcome.result.samples as f64,
@@ -186,9 +186,9 @@ fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot
     }
     let so_far = Likelihood {
         likelihood: snapshot.likelihood.clone(),
-        std_error: vec![0.0; trial.len()],
-        frequency: vec![0.0; trial.len()],
-        uncertain: vec![true; trial.len()],
+        std_error: vec![0.0; uncertain.len()],
+        frequency: vec![0.0; uncertain.len()],
+        uncertain: vec![true; uncertain.len()],
         network_resilience: 0.0,
         residual: 0.0,
         samples: 1,

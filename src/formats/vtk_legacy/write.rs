@@ -32,7 +32,7 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     }
     writeln!(out, "CELL_DATA {}\nFIELD FieldData {}", lines.len(), vessel_columns.len())?;
     for column in vessel_columns {
-        let (name, rows) = (escape(column.name), lines.len());
+        let (name, rows) = (escape(&column.name), lines.len());
         match &column.values {
             Values::Real(values) => {
                 writeln!(out, "{name} 1 {rows} double")?;

@@ -28,7 +28,7 @@ const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 ///
 /// What the writer says.
 pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column>, about: &About<'_>) -> io::Result<()> {
-    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&column.name)).collect();
+    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
     let table = Table { title: "Subjects".to_owned(), columns, exact: &EXACT, of_vessels: false };
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({

@@ -4,11 +4,13 @@ use serde_json::Value;
 
 use super::list::conditions;
 use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
-use crate::formats::{Column, END_PLACES, Values};
+use crate::formats::{Column, END_PLACES};
 use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, Weight, has_evidence};
 use crate::report::outcome::Outcome;
 use crate::report::summary::Summary;
 
+/// The column of the page that is 1 where a vessel is uncertain.
+const UNCERTAIN: &str = "uncertain";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
@@ -16,10 +18,9 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let mut record = record(summary);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
     // The page draws them.
-    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&c.name);
+    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&&*c.name);
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
-    let on_trial = outcome.result.uncertain.iter().map(|u| i64::from(*u)).collect();
-    columns.push(Column { name: "on_trial", values: Values::Integer(on_trial) });
+    columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit(outcome.weight);
     let evidence = has_evidence(outcome.network);
@@ -56,7 +57,7 @@ fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
         fact("nodes", "/counts/nodes", ""),
         fact("observed vessels", "/counts/observed", ""),
         fact("candidates", "/counts/candidates", ""),
-        fact("on trial", "/counts/uncertain", ""),
+        fact("uncertain vessels", "/counts/uncertain", ""),
         fact("kept of these", "/counts/topology/kept", ""),
         fact("undecided", "/convergence/undecided", ""),
         fact("rule", "/threshold/rule", ""),
@@ -74,11 +75,11 @@ fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
 }
 
 fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
-    let colouring = |name, unit, scale, trial_only, column| Colouring {
+    let colouring = |name, unit, scale, uncertain_only, column| Colouring {
         name,
         unit,
         scale,
-        trial_only,
+        uncertain_only,
         variants: vec![(String::new(), 0, column)],
     };
     let mut all = vec![
@@ -115,7 +116,7 @@ fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
         kept: no_threshold.then_some("kept"),
         middle: no_threshold.then_some(0.5),
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
-        on_trial: "on_trial",
+        uncertain: UNCERTAIN,
         nodes: outcome.network.node_count(),
     }
 }

@@ -94,8 +94,8 @@ pub struct Colouring {
     pub unit: &'static str,
     /// How it becomes a colour; the magnitude counts on any scale but [`Scale::Diverging`].
     pub scale: Scale,
-    /// Whether vessels that are not on trial stay grey.
-    pub trial_only: bool,
+    /// Whether vessels that are certain stay grey.
+    pub uncertain_only: bool,
     /// Where it stands: the name of the variant, the row of the table, the column. All variants share one scale.
     pub variants: Vec<(String, usize, &'static str)>,
 }
@@ -121,7 +121,7 @@ pub struct Trial {
     pub within: f64,
     /// The threshold of the run.
     pub threshold: Option<f64>,
-    /// The median of the positive figures on trial, where it is one of this figure.
+    /// The median of the positive figures of uncertain vessels, where it is one of this figure.
     pub median: Option<f64>,
     /// The column that is 1 where the run kept a vessel, where its rule is no threshold on the figure ...
     pub kept: Option<&'static str>,
@@ -129,8 +129,8 @@ pub struct Trial {
     pub middle: Option<f64>,
     /// How near to the cut a figure without standard error is undecided; without it that error is one of a share.
     pub band: Option<f64>,
-    /// The column that is 1 where a vessel is on trial.
-    pub on_trial: &'static str,
+    /// The column that is 1 where a vessel is uncertain.
+    pub uncertain: &'static str,
     /// How many nodes there are.
     pub nodes: usize,
 }

@@ -101,7 +101,7 @@ fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> V
         Some(Values::Real(values)) => &values[..],
         _ => &[],
     };
-    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&column.name);
+    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
     let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
     let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
     let mut columns = crate::report::tables::select(&of_rows, &rows);
@@ -111,7 +111,7 @@ fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> V
         let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
         let variation = variation.collect();
         for (name, values) in names.iter().zip([mean, std, variation, of("unperturbed")]) {
-            columns.push(Column { name, values: Values::Real(values) });
+            columns.push(Column::real(*name, values.into_iter()));
         }
     }
     columns
@@ -122,7 +122,7 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
         |column: &'static str| classes.iter().enumerate().map(move |(at, class)| (format!("u in {class}"), at, column));
     let each = QUANTITIES.iter().zip(VARIATION).map(|((name, unit, [mean, _, variation, rest]), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, *rest));
-        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, trial_only: false, variants };
+        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants };
         let mean = colouring(name, unit, Scale::Log, by_class(mean).chain(at_rest).collect());
         [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation).collect())]
     });

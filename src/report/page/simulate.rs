@@ -87,13 +87,13 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
         if perturbed {
             variants.insert(0, ("perturbed".to_owned(), 0, after));
         }
-        Colouring { name, unit, scale, trial_only: false, variants }
+        Colouring { name, unit, scale, uncertain_only: false, variants }
     });
     let change = Colouring {
         name: "change of flow",
         unit: "mL/min",
         scale: Scale::Diverging,
-        trial_only: false,
+        uncertain_only: false,
         variants: vec![(String::new(), 0, "flow_change")],
     };
     each.into_iter().chain(perturbed.then_some(change)).collect()
