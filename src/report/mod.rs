@@ -6,6 +6,7 @@ mod disk;
 mod flow_record;
 mod flow_tables;
 mod json;
+mod lock;
 mod making;
 mod modulation;
 pub mod names;

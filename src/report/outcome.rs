@@ -153,7 +153,7 @@ fn topology(
 }
 
 fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
-    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix })?;
+    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix }, outcome.weight)?;
     matrix.write(folder, dpi)?;
     let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
     let matrix = Figure::new("Likelihood matrix", says, &matrix)?;
@@ -165,7 +165,7 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
     let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
     let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &uncertain, s)).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let traces = convergence(&samples, &series, &threshold, &kept)?;
+    let traces = convergence(&samples, &series, &threshold, &kept, outcome.weight)?;
     traces.write(folder, dpi)?;
     let says = if threshold.iter().any(|cut| !cut.is_nan()) {
         "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \

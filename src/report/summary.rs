@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use crate::candidates::{self, Attach, CandidateRadius};
 use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
-use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z};
+use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z, Weight};
 use crate::network::{Condition, Network, Origin, RadiusRule, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
@@ -72,6 +72,14 @@ pub fn word_of_keep(keep: Keep) -> String {
         Keep::Frequency(f) => format!("frequency={f}"),
         Keep::Probability(p) => format!("probability={p}"),
         Keep::Probable(f) => format!("probable={f}"),
+    }
+}
+
+/// The unit of L.
+pub(super) fn unit_of(weight: Weight) -> &'static str {
+    match weight {
+        Weight::Resilience | Weight::Global => "W/m\u{b3}",
+        Weight::Count => "samples",
     }
 }
 

@@ -5,9 +5,9 @@ use serde_json::Value;
 use super::list::conditions;
 use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
 use crate::formats::{Column, END_PLACES};
-use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, Weight, has_evidence};
+use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::report::outcome::Outcome;
-use crate::report::summary::Summary;
+use crate::report::summary::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
@@ -22,7 +22,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
     columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let unit = unit(outcome.weight);
+    let unit = unit_of(outcome.weight);
     let evidence = has_evidence(outcome.network);
     Page {
         title: title("infer", &record),
@@ -40,14 +40,6 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
             .into_iter()
             .flatten()
             .collect(),
-    }
-}
-
-/// The unit of L.
-fn unit(weight: Weight) -> &'static str {
-    match weight {
-        Weight::Resilience | Weight::Global => "W/m\u{b3}",
-        Weight::Count => "samples",
     }
 }
 
