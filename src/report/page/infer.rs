@@ -72,7 +72,7 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
         unit,
         scale,
         uncertain_only,
-        variants: vec![(String::new(), 0, column)],
+        variants: vec![(String::new(), 0, String::from(column))],
     };
     let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),

@@ -97,7 +97,7 @@ pub struct Colouring {
     /// Whether vessels that are certain stay grey.
     pub uncertain_only: bool,
     /// Where it stands: the name of the variant, the row of the table, the column. All variants share one scale.
-    pub variants: Vec<(String, usize, &'static str)>,
+    pub variants: Vec<(String, usize, String)>,
 }
 
 /// A threshold on a column of the first table.
