@@ -57,8 +57,18 @@ impl Dimension {
     /// No finite number, or a unit of another dimension.
     pub fn parse(self, text: &str) -> Result<f64, String> {
         let (number, unit) = parts(text).ok_or_else(|| self.accepted())?;
+        self.convert(number, unit)
+    }
+
+    /// The SI value of a number in a unit; without a unit it is the customary one.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, or a unit of another dimension: says what is accepted.
+    pub fn convert(self, number: f64, unit: &str) -> Result<f64, String> {
+        let names = || self.units().iter().map(|(name, _)| *name);
         let name = if unit.is_empty() { self.units()[0].0 } else { unit };
-        let unknown = || format!("{}{}", self.near(text), self.accepted());
+        let unknown = || did_you_mean(unit, names()) + &self.accepted();
         let (_, to_si) = self.units().iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
         Some(to_si(number)).filter(|si| si.is_finite()).ok_or_else(|| self.accepted())
     }

@@ -274,6 +274,39 @@ fn a_pattern_is_expanded_and_names_are_unique() {
     assert!(here.path().join("out/run.json").is_file() && !here.path().join("out/cohort.json").exists());
 }
 
+/// A table of nodes is read with the table of edges beside it, in whatever capitals: a change there is a change of the input.
+#[test]
+fn a_file_that_is_read_beside_an_input_counts_as_input() {
+    let here = folder();
+    let nodes = "node,x_mm,y_mm,z_mm\na,0,0,0\nb,10,0,0\nc,20,0,0\n";
+    let write = |name: &str, text: &str| fs::write(here.path().join(name), text).expect("written");
+    for (edges, of_nodes) in [("s1_edges.csv", "s1_nodes.csv"), ("S2-Edges.csv", "S2-Nodes.csv")] {
+        write(of_nodes, nodes);
+        write(edges, "node_a,node_b,radius_mm\na,b,1\nb,c,1\n");
+    }
+    // Voreen's input may be its table of nodes.
+    write("v_nodes.csv", "id;pos_x;pos_y;pos_z\n0;0;0;0\n1;10;0;0\n");
+    let edges = |radius: &str| format!("id;node1id;node2id;length;avgRadiusAvg\n0;0;1;10;{radius}\n");
+    write("v_edges.csv", &edges("1"));
+    write("other_nodes.csv", "x");
+    let inputs = ["s1_edges.csv", "S2-Edges.csv", "v_nodes.csv"];
+    let said = |done: &str| {
+        let output = cohort(here.path(), &inputs, &[]);
+        let said = stderr(&output);
+        assert!(output.status.success() && said.contains(done), "{done}: {said}");
+    };
+    done(&cohort(here.path(), &inputs, &["-q"]));
+    said("3 of 3 subjects done already");
+    write("v_edges.csv", &edges("2"));
+    said("2 of 3 subjects done already");
+    write("S2-Nodes.csv", &nodes.replace("20", "25"));
+    said("2 of 3 subjects done already");
+    // What no reader takes is no input.
+    write("other_nodes.csv", "y");
+    write("v_vertices.csv", "z");
+    said("3 of 3 subjects done already");
+}
+
 #[test]
 fn files_that_go_with_a_subject_are_named_by_it() {
     let here = folder();

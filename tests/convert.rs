@@ -6,8 +6,8 @@ mod peers;
 use std::fs;
 
 use command::{contents, folder, refused, stderr, willis};
-use peers::network_of;
-use willis::formats::convert::{Target, losses, write};
+use peers::{converted, network_of};
+use willis::formats::convert::{Target, losses};
 use willis::formats::{ReadOptions, read};
 use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis::units::{metres, millimetres};
@@ -70,7 +70,7 @@ fn network() -> Network {
 fn through(network: &Network, (word, name): (&str, &str)) -> Network {
     let here = folder();
     let target = Target::new(&here.path().join(name), Some(word)).unwrap();
-    let (files, _) = write(network, &target).unwrap_or_else(|e| panic!("{word}: {e}"));
+    let files = converted(network, &target);
     let mut options = ReadOptions::default();
     for (path, bytes) in &files {
         fs::write(path, bytes).unwrap();
@@ -222,6 +222,7 @@ fn the_command_says_what_it_wrote_and_refuses_what_it_cannot() {
     let record: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
     assert_eq!(record["output"], serde_json::json!(["b.swc", "b.loops.csv"]));
     assert_eq!(record["counts"], serde_json::json!({ "nodes": 20, "vessels": 20 }));
+    assert_eq!((&record["input"]["path"], &record["input"]["format"]), (&"a.vtp".into(), &"VTP".into()));
     let back = willis(here.path(), &["convert", "b.swc", "c.vtp", "--loops", "b.loops.csv", "-q"]);
     assert!(back.status.success() && stderr(&back).is_empty(), "{}", stderr(&back));
     let before = contents(here.path());

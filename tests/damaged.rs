@@ -4,11 +4,11 @@ mod peers;
 
 use std::path::Path;
 
-use peers::read_first;
+use peers::{converted, read_first};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use willis::formats::ReadOptions;
-use willis::formats::convert::{Target, write};
+use willis::formats::convert::Target;
 use willis::phantom::{cerebral, circle_of_willis};
 
 const FILES: [(&str, &str); 11] = [
@@ -70,7 +70,7 @@ fn damaged_files_are_read_or_refused_in_one_line() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let (mut read, mut refused) = (0, 0);
     for (word, name) in FILES {
-        let (files, _) = write(&network, &Target::new(Path::new(name), Some(word)).unwrap()).unwrap();
+        let files = converted(&network, &Target::new(Path::new(name), Some(word)).unwrap());
         let files: Vec<(String, Vec<u8>)> = files
             .into_iter()
             .map(|(path, bytes)| (path.display().to_string(), bytes))

@@ -95,7 +95,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     let (path, loops) = (folder.path().join("a.swc"), folder.path().join("l.csv"));
     std::fs::write(&path, "1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 1 1 0 1 2\n").unwrap();
     let mut options = ReadOptions { loops: Some(loops.clone()), ..ReadOptions::default() };
-    for text in ["id_a,id_b\n1,3\n", "1, 3"] {
+    for text in ["id_a,id_b\n1,3\n", "1, 3", "id_a;id_b\r\n\"1\";3\r\n", "# one\n\nnote\tB\tA\nx\t3\t1\n", "1\t3\n"] {
         std::fs::write(&loops, text).unwrap();
         let Content::Centerlines(lines) = read(&path, &options).unwrap().content else { panic!() };
         assert_eq!(lines.links, [[0, 1], [1, 2], [0, 2]]);
@@ -103,8 +103,8 @@ fn loops_link_points_and_their_faults_name_the_line() {
     for (text, message) in [
         ("id_a,id_b\n1,9\n", "l.csv:2: point 9 does not exist; expected two point ids (id_a,id_b)"),
         ("1,x\n", "l.csv:1: \"x\"; expected two point ids (id_a,id_b)"),
-        ("1\n", "l.csv:1: 1 columns; expected two point ids (id_a,id_b)"),
-        ("2,2\n", "l.csv:1: point 2 twice; expected two different points"),
+        ("1\n", "l.csv:1: columns 1; expected two point ids (id_a,id_b)"),
+        ("a,b\n# same\n\n2,2\n", "l.csv:4: point 2 twice; expected two different points"),
     ] {
         std::fs::write(&loops, text).unwrap();
         assert!(read(&path, &options).unwrap_err().to_string().ends_with(message));

@@ -98,7 +98,7 @@ fn voreen_edges_without_a_radius_need_the_default() {
     assert_eq!(run(&[]).status.code(), Some(2));
     let output = run(&["--default-radius", "0.25mm"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let graph = read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap(), &Scale::default()).unwrap().0;
+    let graph = read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap()[..], &Scale::default()).unwrap().0;
     let radius = |row| millimetres(graph.vessel(row).radius);
     assert!(radius(2) == 0.25 && radius(1) == 1.5, "{} {}", radius(1), radius(2));
 }
@@ -290,7 +290,7 @@ fn the_tables_of_a_graph_keep_all_that_graphml_keeps() {
     write_graphml(&mut graphml, &network, &node_columns, &vessel_columns).unwrap();
     let table = read_csv_nodes(&nodes[..], &Scale::default()).unwrap();
     let by_tables = read_csv_edges(&edges[..], Some(table), &Scale::default()).unwrap().0;
-    let by_graphml = read_graphml(&graphml, &Scale::default()).unwrap().0;
+    let by_graphml = read_graphml(&graphml[..], &Scale::default()).unwrap().0;
     for found in [by_tables, by_graphml] {
         for (found, expected) in found.nodes().zip(network.nodes()) {
             let inner = Node { role: found.role.filter(|r| *r != Role::Inner), ..found.clone() };

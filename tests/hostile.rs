@@ -295,7 +295,7 @@ fn files_beside_the_input_are_bounded_and_text() {
     std::fs::write(here.path().join("bc.csv"), b"node,kind\n\xff\xfe,inlet\n").unwrap();
     let output = willis(here.path(), &["infer", "a.swc", "--bc", "bc.csv", "-o", "out", "-q"]);
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(stderr(&output), "willis: bc.csv: the text is not UTF-8; expected a CSV or TOML file of conditions\n");
+    assert_eq!(stderr(&output), "willis: bc.csv:2: column 1 is not UTF-8; expected UTF-8 text\n");
     // A file of three gibibytes that takes no place on the disk.
     std::fs::File::create(here.path().join("bc.csv")).unwrap().set_len(3 << 30).unwrap();
     let output = willis(here.path(), &["infer", "a.swc", "--bc", "bc.csv", "-o", "out", "-q"]);

@@ -134,7 +134,7 @@ fn the_data_are_those_of_the_folder() {
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() <= 1e-7 * b), "{name}");
     }
     let candidate: Vec<f64> = edges("origin").iter().map(|o| f64::from(u8::from(o == "candidate"))).collect();
-    assert_eq!(numbers(column(table, "on_trial"), 300), candidate);
+    assert_eq!(numbers(column(table, "uncertain"), 300), candidate);
 
     let mut record: Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
     assert_eq!(content["trial"]["threshold"], record["threshold"]["value"]);

@@ -1,5 +1,6 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
+use willis::inference::Weight;
 use willis::report::plots::{
     Boxes, DEFAULT_DPI, Histogram, Histograms, Matrix, Panel, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map,
     hypertension, modulation,
@@ -40,8 +41,10 @@ impl Picture {
 
 const KEPT: [u8; 3] = [0x00, 0x72, 0xb2];
 
-fn map(nodes: usize, entries: &[(usize, usize, f64)]) -> Picture {
-    Picture::read(&heat_map(&Matrix { nodes, entries }).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a heat map"))
+fn map(nodes: usize, entries: &[(u32, u32, f64)]) -> Picture {
+    Picture::read(
+        &heat_map(&Matrix { nodes, entries }, Weight::Resilience).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a heat map"),
+    )
 }
 
 /// The smallest box around places: first and last x, first and last y.
@@ -56,10 +59,13 @@ fn bounds(places: &[[usize; 2]]) -> [[usize; 2]; 2] {
 fn the_size_and_the_resolution_follow_the_dpi() {
     for dpi in [36, 72, 150, 301, 600] {
         let heat = Picture::read(
-            &heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)] }).and_then(|figure| figure.png(dpi)).expect("a heat map"),
+            &heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)] }, Weight::Resilience)
+                .and_then(|figure| figure.png(dpi))
+                .expect("a heat map"),
         );
-        let curves =
-            convergence(&[1, 2], &[vec![1.0, 2.0]], &[1.5, 1.5], &[true]).and_then(|figure| figure.png(dpi)).expect("a plot");
+        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], &[1.5, 1.5], &[true], Weight::Resilience)
+            .and_then(|figure| figure.png(dpi))
+            .expect("a plot");
         let curves = Picture::read(&curves);
         let inches = |length: f64| (length * f64::from(dpi)).round() as usize;
         assert_eq!(heat.size, [inches(6.4), inches(5.6)]);
@@ -67,12 +73,12 @@ fn the_size_and_the_resolution_follow_the_dpi() {
         assert_eq!(heat.per_metre, (f64::from(dpi) / 0.0254).round() as u32);
     }
     for dpi in [0, 35, 1201, u32::MAX] {
-        let error = heat_map(&Matrix { nodes: 2, entries: &[] })
+        let error = heat_map(&Matrix { nodes: 2, entries: &[] }, Weight::Resilience)
             .and_then(|figure| figure.png(dpi))
             .expect_err("out of range")
             .to_string();
         assert!(error.contains(&dpi.to_string()) && error.contains("from 36 to 1200"), "{error}");
-        assert!(convergence(&[], &[], &[], &[]).and_then(|figure| figure.png(dpi)).is_err());
+        assert!(convergence(&[], &[], &[], &[], Weight::Resilience).and_then(|figure| figure.png(dpi)).is_err());
     }
 }
 
@@ -96,11 +102,16 @@ fn the_hottest_cell_has_the_top_colour_and_a_zero_the_background() {
 
 #[test]
 fn parallel_vessels_add_up_and_either_order_of_nodes_is_the_same() {
-    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)] })
+    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)] }, Weight::Resilience)
         .and_then(|figure| figure.png(100))
         .expect("a heat map");
     let parts = [(2, 3, 350.0), (1, 0, 3.0), (3, 2, 350.0)];
-    assert_eq!(once, heat_map(&Matrix { nodes: 4, entries: &parts }).and_then(|figure| figure.png(100)).expect("a heat map"));
+    assert_eq!(
+        once,
+        heat_map(&Matrix { nodes: 4, entries: &parts }, Weight::Resilience)
+            .and_then(|figure| figure.png(100))
+            .expect("a heat map")
+    );
 }
 
 #[test]
@@ -116,9 +127,9 @@ fn one_vessel_among_forty_thousand_nodes_is_seen_and_the_largest_wins_a_pixel() 
 
 #[test]
 fn every_cell_of_a_full_matrix_is_painted_whatever_the_number_of_nodes() {
-    for nodes in [1, 2, 3, 7, 60, 165, 166, 300, 663, 700] {
+    for nodes in [1_u32, 2, 3, 7, 60, 165, 166, 300, 663, 700] {
         let entries: Vec<_> = (0..nodes).flat_map(|a| (a..nodes).map(move |b| (a, b, 5.0))).collect();
-        let picture = map(nodes, &entries);
+        let picture = map(nodes as usize, &entries);
         let hot = picture.places(colour(1.0));
         let [[left, right], [top, bottom]] = bounds(&hot);
         assert_eq!(hot.len(), (right + 1 - left) * (bottom + 1 - top), "{nodes} nodes: no hole");
@@ -142,8 +153,15 @@ fn the_same_numbers_give_the_same_bytes_on_any_thread() {
     let kept: Vec<bool> = (0..series.len()).map(|k| k > 20).collect();
     let samples: Vec<u64> = (1..9).collect();
     let both = || {
-        let heat = heat_map(&Matrix { nodes: 300, entries: &entries }).and_then(|figure| figure.png(110)).expect("a heat map");
-        (heat, convergence(&samples, &series, &[3.0; 8], &kept).and_then(|figure| figure.png(110)).expect("a plot"))
+        let heat = heat_map(&Matrix { nodes: 300, entries: &entries }, Weight::Resilience)
+            .and_then(|figure| figure.png(110))
+            .expect("a heat map");
+        (
+            heat,
+            convergence(&samples, &series, &[3.0; 8], &kept, Weight::Resilience)
+                .and_then(|figure| figure.png(110))
+                .expect("a plot"),
+        )
     };
     let first = both();
     std::thread::scope(|scope| {
@@ -161,7 +179,9 @@ fn nothing_to_draw_is_a_picture_that_says_so() {
         assert!(picture.count(ZERO) > picture.size[0] * picture.size[1] / 3);
     }
     let blank = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
-        convergence(samples, series, threshold, kept).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a plot")
+        convergence(samples, series, threshold, kept, Weight::Resilience)
+            .and_then(|figure| figure.png(DEFAULT_DPI))
+            .expect("a plot")
     };
     let no_edge = blank(&[10, 20], &[], &[f64::NAN, f64::NAN], &[]);
     let no_checkpoint = blank(&[], &[vec![]], &[], &[true]);
@@ -179,7 +199,7 @@ fn kept_edges_are_blue_and_pruned_ones_vermilion() {
         let samples: Vec<u64> = (1..=checkpoints as u64).collect();
         let series = [vec![50.0; checkpoints], vec![0.5; checkpoints]];
         for kept in [[true, false], [false, true], [true, true]] {
-            let file = convergence(&samples, &series, &vec![5.0; checkpoints], &kept)
+            let file = convergence(&samples, &series, &vec![5.0; checkpoints], &kept, Weight::Resilience)
                 .and_then(|figure| figure.png(DEFAULT_DPI))
                 .expect("a plot");
             let picture = Picture::read(&file);
@@ -199,11 +219,11 @@ fn zeros_huge_ranges_and_single_checkpoints_are_drawn() {
     let (tiny, huge) = (f64::MIN_POSITIVE, f64::MAX);
     for series in [vec![0.0, tiny, huge], vec![0.0; 3], vec![huge; 3], vec![tiny / 1e3; 3]] {
         Picture::read(
-            &convergence(&[1, 2, u64::MAX], std::slice::from_ref(&series), &[0.0, f64::NAN, 1.0], &[true])
+            &convergence(&[1, 2, u64::MAX], std::slice::from_ref(&series), &[0.0, f64::NAN, 1.0], &[true], Weight::Resilience)
                 .and_then(|figure| figure.png(72))
                 .expect("a plot"),
         );
-        let entries: Vec<_> = series.iter().enumerate().map(|(k, v)| (k, 0, *v)).collect();
+        let entries: Vec<_> = (0..).zip(&series).map(|(k, v)| (k, 0, *v)).collect();
         map(3, &entries);
     }
     map(2, &[(0, 1, huge), (1, 0, huge)]);
@@ -216,22 +236,27 @@ fn thousands_of_edges_are_drawn() {
     let series: Vec<Vec<f64>> = (0..4000).map(row).collect();
     let kept: Vec<bool> = (0..4000).map(|k| k > 2000).collect();
     Picture::read(
-        &convergence(&samples, &series, &[2000.0; 50], &kept).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a plot"),
+        &convergence(&samples, &series, &[2000.0; 50], &kept, Weight::Resilience)
+            .and_then(|figure| figure.png(DEFAULT_DPI))
+            .expect("a plot"),
     );
 }
 
 #[test]
 fn wrong_numbers_are_errors_that_name_them() {
-    let heat = |entry| heat_map(&Matrix { nodes: 3, entries: &[entry] }).map(|_| ()).expect_err("wrong").to_string();
+    let heat =
+        |entry| heat_map(&Matrix { nodes: 3, entries: &[entry] }, Weight::Resilience).map(|_| ()).expect_err("wrong").to_string();
     assert_eq!(heat((0, 3, 1.0)), "matrix entry (0, 3): expected two nodes below 3");
     for value in [-1.0, f64::NAN, f64::INFINITY] {
-        let accepted = "expected a finite number from 0 up, in W/m³";
+        let accepted = "expected a finite number from 0 up";
         assert_eq!(heat((0, 2, value)), format!("likelihood of (0, 2) {value}: {accepted}"));
     }
-    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, usize::MAX - 1, 1.0)] }).map(|_| ()).expect_err("too many");
+    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, u32::MAX - 1, 1.0)] }, Weight::Resilience)
+        .map(|_| ())
+        .expect_err("too many");
     assert!(error.to_string().starts_with("nodes 18446744073709551615: "), "{error}");
     let plot = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
-        convergence(samples, series, threshold, kept).map(|_| ()).expect_err("wrong").to_string()
+        convergence(samples, series, threshold, kept, Weight::Resilience).map(|_| ()).expect_err("wrong").to_string()
     };
     let good = [vec![1.0, 2.0]];
     for (error, part) in [

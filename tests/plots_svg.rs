@@ -4,6 +4,7 @@ mod command;
 
 use base64::Engine;
 use roxmltree::{Document, Node};
+use willis::inference::Weight;
 use willis::report::plots::{
     Boxes, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map, hypertension,
     modulation,
@@ -16,8 +17,8 @@ const INK: &str = "#1a1a1a";
 /// Points from the page's corner to that of the axes of the convergence, and to their other corner.
 const AXES: [[f64; 2]; 2] = [[62.0, 50.0], [440.0, 284.0]];
 
-fn heat(nodes: usize, entries: &[(usize, usize, f64)]) -> Figure {
-    heat_map(&Matrix { nodes, entries }).expect("a heat map")
+fn heat(nodes: usize, entries: &[(u32, u32, f64)]) -> Figure {
+    heat_map(&Matrix { nodes, entries }, Weight::Resilience).expect("a heat map")
 }
 
 fn bars(flows: &[(&str, f64, Option<f64>)]) -> Figure {
@@ -37,7 +38,8 @@ fn figures() -> Vec<Figure> {
     vec![
         heat(3, &[(0, 1, 3.0), (1, 2, 700.0)]),
         heat(3, &[]),
-        convergence(&[10, 20], &[vec![1.0, 2.0], vec![0.0, 3.0]], &[2.0, 2.0], &[true, false]).expect("curves"),
+        convergence(&[10, 20], &[vec![1.0, 2.0], vec![0.0, 3.0]], &[2.0, 2.0], &[true, false], Weight::Resilience)
+            .expect("curves"),
         bars(&[("L-M1", -20.0, Some(10.0)), ("R-M1", 10.0, None)]),
         modulation(vec!["0\u{2013}0.2".to_owned()], ["p", "q", "r"].map(panel)),
         hypertension(Histograms { edges: vec![0.0, 1.0, 2.0], threshold: 1.5, classes: vec![one] }),
@@ -156,7 +158,7 @@ fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
 #[test]
 fn there_is_a_curve_a_series_through_the_places_worked_out_by_hand() {
     let series = [vec![100.0, 100.0], vec![1.0, 1.0], vec![10.0, 1.0]];
-    let figure = convergence(&[10, 20], &series, &[10.0, 10.0], &[true, false, false]).expect("curves");
+    let figure = convergence(&[10, 20], &series, &[10.0, 10.0], &[true, false, false], Weight::Resilience).expect("curves");
     let text = figure.svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
     // Those of the legend are above the axes.
@@ -291,4 +293,17 @@ fn the_threshold_of_a_run_ends_on_the_vessel_in_the_middle() {
     let middle = vessels[positive / 2];
     assert!((middle - threshold).abs() < 0.011, "{threshold} for {middle} of {vessels:?}");
     assert!(vessels[0] < threshold - 1.0 && vessels[positive - 1] > threshold + 1.0, "the curves spread");
+}
+
+/// L counts samples under `--weight count`; then no picture may call it a power per volume.
+#[test]
+fn the_unit_is_that_of_what_the_likelihood_adds_up() {
+    let said = |weight| {
+        let heat = heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 3.0)] }, weight).and_then(|figure| figure.svg());
+        let curves = convergence(&[10], &[vec![1.0]], &[2.0], &[true], weight).and_then(|figure| figure.svg());
+        heat.expect("an SVG") + &curves.expect("an SVG")
+    };
+    let (resilience, count) = (said(Weight::Resilience), said(Weight::Count));
+    assert!(resilience.contains("\"L (W/m³)\"") && resilience.contains("L/n (W/m³)\""));
+    assert!(count.contains("\"L (samples)\"") && count.contains("\"share of samples L/n\"") && !count.contains("W/m"));
 }

@@ -70,8 +70,8 @@ fuzz_target!(|bytes: &[u8]| {
             }
         }
         "landmarks" => drop(formats::read_landmarks(bytes, &mm).and_then(identify)),
-        "conditions-csv" => drop(conditions::read_csv(&text)),
-        "conditions-toml" => drop(conditions::read_toml(&text)),
+        "conditions-csv" => drop(conditions::read_csv(bytes)),
+        "conditions-toml" => drop(conditions::read_toml(bytes)),
         "weights" => drop(Weights::read(&text)),
         "prior-csv" => drop(formats::read_prior_csv(bytes, &mut CIRCLE.clone())),
         "prior-npy" => drop(formats::read_prior_npy(bytes, &mut CIRCLE.clone())),

@@ -5,9 +5,9 @@ use std::path::{Component, Path, PathBuf, absolute};
 
 use serde_json::{Value, json};
 use willis::error::{Fault, Result};
-use willis::formats::bytes_of;
-use willis::report::StagedFolder;
 use willis::report::cohort::{About, Row, infer_figures, write_cohort};
+use willis::report::names::PAGE;
+use willis::report::{StagedFolder, read_json};
 
 use super::failure::Failure;
 use super::infer::InferArgs;
@@ -106,9 +106,7 @@ impl<'a> Apart<'a> {
             let Failure { willis, command, input, error, .. } = Failure::read(folder)?;
             (willis, command, json!({ "path": input.path, "sha256": input.sha256 }), Err(error))
         } else {
-            let path = Run::record(folder);
-            let record: Value =
-                serde_json::from_slice(&bytes_of(&path)?).map_err(|e| Fault::file(e.to_string(), run).in_file(&path))?;
+            let record: Value = read_json(&Run::record(folder), run)?;
             let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
             (text(&record["willis"]), text(&record["command"]), record["input"].clone(), Ok(record))
         };
@@ -152,7 +150,7 @@ impl<'a> Apart<'a> {
     /// Its page, or its record where the graph is too large for one, seen from the folder of the cohort; `None` where no path leads
     /// there.
     fn page(&self, cohort: &Path) -> Option<String> {
-        let page = Some(self.folder.join(willis::report::PAGE_FILE)).filter(|page| page.is_file());
+        let page = Some(self.folder.join(PAGE)).filter(|page| page.is_file());
         relative(&page.unwrap_or_else(|| Run::record(self.folder)), cohort)
     }
 }

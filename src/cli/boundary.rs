@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use willis::error::{Error, Fault, Result};
+use willis::error::{Error, Result};
 use willis::formats::bytes_of;
 use willis::formats::conditions::{read_csv, read_toml};
 use willis::hemodynamics::boundary::{Total, stated};
@@ -92,13 +92,11 @@ impl BoundaryArgs {
     fn file_conditions(&self, input: &Path, network: &Network, terminal: Terminal) -> Result<BTreeMap<usize, Given>> {
         let Some(path) = &self.file(input) else { return Ok(BTreeMap::new()) };
         let bytes = bytes_of(path)?;
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV or TOML file of conditions").in_file(path))?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-        let statements = if is_toml { read_toml(text) } else { read_csv(text) }.map_err(|f| f.in_file(path))?;
+        let statements = if is_toml { read_toml(&bytes) } else { read_csv(&bytes) }.map_err(|f| f.in_file(path))?;
         let mut given = BTreeMap::new();
         for s in statements {
-            let fault = |why: String| Fault::item(s.place.clone(), format!("\"{}\"", s.spec), why).in_file(path);
+            let fault = |why: String| s.fault(why).in_file(path);
             let found = locate(network, &s.spec).map_err(fault)?;
             terminal.detail("condition", format!("{} is node {}{}", s.spec, network.node(found.node).id, found.note()));
             if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {

@@ -69,7 +69,7 @@ impl CandidatesArgs {
             print_json(&json!({
                 "willis": env!("CARGO_PKG_VERSION"),
                 "command": source.command,
-                "input": { "path": source.input, "format": source.format, "sha256": source.sha256, "units": source.units },
+                "input": source.of_input(),
                 "notes": source.notes,
                 "prior": prior.record(),
                 "output": self.output.display().to_string(),

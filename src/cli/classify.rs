@@ -7,10 +7,10 @@ use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::phenotype::{Collateral, Posterior, Variant, counted};
-use willis::report::cohort::{Cell, phenotype_figures};
-use willis::report::staged::write_record;
+use willis::report::cohort::{Figures, phenotype_figures};
 use willis::report::{
     Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype,
+    write_record,
 };
 
 use super::circle::CircleArgs;
@@ -159,7 +159,7 @@ impl Work for ClassifyArgs {
         self.answer(&subject.input, command_line_of(&subject.input, &self.inputs), terminal)?.write(&folder.path(), &subject.name)
     }
 
-    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
+    fn figures(&self, record: &Value) -> Figures {
         phenotype_figures(record)
     }
 }

@@ -9,7 +9,9 @@ use std::thread;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::report::StagedFolder;
-use willis::report::cohort::{About, Cell, FILES, Row, write_cohort};
+use willis::report::cohort::{About, Figures, Row, write_cohort};
+use willis::report::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
+use willis::report::read_json;
 use willis::report::staged::{Making, sweep_own};
 
 use super::ledger::{Entry, Ledger};
@@ -30,7 +32,7 @@ pub trait Work: Sync {
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
 
     /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
-    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)>;
+    fn figures(&self, record: &Value) -> Figures;
 }
 
 /// A cohort to be made, or to go on with.
@@ -132,7 +134,7 @@ impl Cohort<'_> {
         stale.iter().try_for_each(|folder| StagedFolder::check(folder, true))?;
         stale.iter().try_for_each(|folder| StagedFolder::remove(folder))?;
         if done.iter().any(|done| !done) {
-            for path in FILES.iter().map(|name| self.output.join(name)).filter(|path| path.exists()) {
+            for path in [COHORT_TABLE, COHORT_PAGE].iter().map(|name| self.output.join(name)).filter(|path| path.exists()) {
                 fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
             }
         }
@@ -182,6 +184,6 @@ impl Cohort<'_> {
 
     /// The record of a subject that stands.
     fn record(&self, name: &str) -> Option<Value> {
-        serde_json::from_slice(&fs::read(self.output.join(name).join("run.json")).ok()?).ok()
+        read_json(&self.output.join(name).join(RECORD), "").ok()
     }
 }

@@ -50,7 +50,9 @@ impl ConvertArgs {
         }
         print_json(&json!({
             "willis": env!("CARGO_PKG_VERSION"),
-            "input": loaded.provenance,
+            "command": loaded.provenance.command,
+            "input": loaded.provenance.of_input(),
+            "notes": loaded.provenance.notes,
             "output": names,
             "format": target.format.name(),
             "counts": { "nodes": nodes, "vessels": vessels },

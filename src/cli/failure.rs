@@ -1,13 +1,12 @@
 //! failed.json: why an input gave no run, in the place of its run, for `willis merge` to make a row of it.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use willis::error::{Error, Fault, Result};
-use willis::formats::{bytes_of, checksum_of_file};
-use willis::report::StagedFolder;
-use willis::report::staged::{FAILURE_MARK, write_file};
+use willis::error::{Error, Result};
+use willis::formats::checksum_of_file;
+use willis::report::names::FAILURE;
+use willis::report::{StagedFolder, read_json, write_json};
 
 /// Why an input gave no run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,7 +44,7 @@ impl Failure {
 
     /// Whether a folder holds one.
     pub fn stands_in(folder: &Path) -> bool {
-        folder.join(FAILURE_MARK).is_file()
+        folder.join(FAILURE).is_file()
     }
 
     /// The failure in a folder.
@@ -54,18 +53,13 @@ impl Failure {
     ///
     /// A file that is none.
     pub fn read(folder: &Path) -> Result<Self> {
-        let path = folder.join(FAILURE_MARK);
-        let expected = "expected it as willis infer --record-failure wrote it";
-        serde_json::from_slice(&bytes_of(&path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(&path))
+        read_json(&folder.join(FAILURE), "expected it as willis infer --record-failure wrote it")
     }
 
     /// Writes its folder.
     pub fn write(&self, output: &Path, force: bool) -> Result<()> {
         let folder = StagedFolder::new(output, force)?;
-        write_file(&folder.path().join(FAILURE_MARK), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })?;
+        write_json(&folder.path().join(FAILURE), self)?;
         folder.commit()
     }
 }

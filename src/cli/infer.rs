@@ -11,7 +11,8 @@ use willis::error::{Error, Result};
 use willis::inference::{Keep, Params, ROOT_FACTOR, Solver, Uncertain, Weight, knows_fragments};
 use willis::network::RadiusRule;
 use willis::report::StagedFolder;
-use willis::report::cohort::{Cell, infer_figures};
+use willis::report::cohort::{Figures, infer_figures};
+use willis::report::plots::{DEFAULT_DPI, check_dpi};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::checkpoint::{Interval, parse_interval};
@@ -153,7 +154,7 @@ pub struct InferArgs {
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     keep: Option<String>,
     /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too, in a line for each occlusion probability; of a cohort, its row of each subject
     #[serde(skip)]
@@ -381,12 +382,7 @@ impl Work for Inference<'_> {
         self.job(&subject.input, command, terminal)?.write(&self.runs, folder, self.args.checkpoint, start, terminal).map(drop)
     }
 
-    fn figures(&self, record: &Value) -> Vec<(&'static str, Cell)> {
+    fn figures(&self, record: &Value) -> Figures {
         infer_figures(record)
     }
-}
-
-/// Refuses a resolution that no picture can have.
-pub fn check_dpi(dpi: u32) -> Result<()> {
-    if (36..=1200).contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, "expected a number from 36 to 1200")) }
 }

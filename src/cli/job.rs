@@ -14,13 +14,13 @@ use willis::inference::{
     Answer, FIRST_STABLE, Keep, Likelihood, Method, Params, Part, Sampling, Topology, decide, expected_errors, has_evidence,
 };
 use willis::network::Network;
-use willis::report::staged::{StagedFolder, told, write_file, write_record};
+use willis::report::names::AGREEMENT;
+use willis::report::staged::{StagedFolder, told, write_file};
 use willis::report::summary::Built;
-use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
+use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype, write_record};
 
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::circle::Found;
-use super::mirror::{BoundaryMirror, FoundOutletsMirror};
 use super::run::{Run, posterior};
 use super::tell::{say_outcome, say_variant};
 use super::terminal::{Terminal, count, plural};
@@ -29,9 +29,7 @@ use super::terminal::{Terminal, count, plural};
 #[derive(Serialize, Deserialize)]
 pub struct Job {
     pub graph: Network,
-    #[serde(with = "BoundaryMirror")]
     pub boundary: Boundary,
-    #[serde(with = "FoundOutletsMirror")]
     pub outlets: FoundOutlets,
     pub provenance: Provenance,
     /// The record of the prior.
@@ -95,7 +93,7 @@ impl Job {
             records.push(record);
         }
         let uncertain = runs[0].uncertain.vessels(&self.graph);
-        write_file(&path.join("agreement.csv"), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
+        write_file(&path.join(AGREEMENT), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
         Ok(records)
     }
 

@@ -1,21 +1,17 @@
 //! cohort.json: with what a cohort was made, so that the same command can go on with it.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::{bytes_of, checksum_of_file};
-use willis::report::StagedFile;
-use willis::report::staged::{COHORT_MARK, write_file};
+use willis::formats::{checksum_of_file, files_beside};
+use willis::report::names::COHORT;
+use willis::report::{StagedFile, read_json, write_json};
 
 use super::run::Run;
 use super::subjects::Subject;
-
-/// Files that readers look for beside an input; an edges table may have `nodes` or `vertices` for `edges` in its name too.
-const BESIDE: [&str; 6] = ["nodes.csv", "vertices.csv", "edges.csv", "Feature_Vessel.csv", "Image_info.txt", "links.csv"];
 
 /// With what a cohort was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,14 +38,11 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The entry of a subject as the files are now: its input, those beside it, and `others`.
+    /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = &Run::source(&subject.input);
-        let name = input.file_name().unwrap_or_default().to_string_lossy();
-        let tables = ["nodes", "vertices"].map(|word| name.replace("edges", word));
-        let beside = BESIDE.into_iter().map(str::to_owned).chain(tables).map(|name| input.with_file_name(name));
         let mut files = BTreeMap::new();
-        for path in std::iter::once(input.clone()).chain(beside.filter(|path| path.is_file())).chain(others) {
+        for path in std::iter::once(input.clone()).chain(files_beside(input)).chain(others) {
             let sum = || checksum_of_file(&path).ok();
             files.entry(path.display().to_string()).or_insert_with(sum);
         }
@@ -73,16 +66,13 @@ pub fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
 impl Ledger {
     /// The ledger of a cohort's folder; `None` where there is none.
     pub fn read(folder: &Path) -> Option<Self> {
-        serde_json::from_slice(&bytes_of(&folder.join(COHORT_MARK)).ok()?).ok()
+        read_json(&folder.join(COHORT), "").ok()
     }
 
     /// Writes it into the folder of a cohort, in place of an earlier one.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        let file = StagedFile::new(&folder.join(COHORT_MARK), true)?;
-        write_file(&file.path(), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            out.write_all(b"\n")
-        })?;
+        let file = StagedFile::new(&folder.join(COHORT), true)?;
+        write_json(&file.path(), self)?;
         file.commit()
     }
 

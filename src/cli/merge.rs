@@ -9,7 +9,7 @@ use willis::error::{Error, Fault, Result};
 use willis::inference::{Likelihood, Part};
 use willis::network::Network;
 use willis::report::StagedFolder;
-use willis::report::staged::SHARD_MARK;
+use willis::report::names::SHARD;
 
 use super::apart::gather;
 use super::failure::Failure;
@@ -46,15 +46,15 @@ impl MergeArgs {
         let is_known = |path: &Path| Kind::in_folder(path).is_ok_and(|kind| kind.is_some());
         let folders = paths(&self.folders, "folder of a shard or a run", is_known)?;
         let kinds = folders.iter().map(|folder| Kind::of(folder)).collect::<Result<Vec<_>>>()?;
-        if let Some(run) = kinds.iter().position(|kind| *kind == Kind::Run) {
-            if let Some(shard) = kinds.iter().position(|kind| *kind != Kind::Run) {
+        if let Some(run) = kinds.iter().position(|kind| matches!(kind, Kind::Run)) {
+            if let Some(shard) = kinds.iter().position(|kind| !matches!(kind, Kind::Run)) {
                 let found = format!("a shard, where {} is a run", folders[run].display());
                 return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[shard]));
             }
             return gather(&folders, &self.output, force, self.json, terminal);
         }
-        if kinds.contains(&Kind::FailedShard) {
-            return self.fail(&folders, force, terminal);
+        if kinds.iter().any(|kind| matches!(kind, Kind::FailedShard(_))) {
+            return self.fail(&folders, kinds, force, terminal);
         }
         let (mut shards, mut graph): (Vec<(&Path, Record)>, _) = (Vec::new(), Network::new());
         for path in &folders {
@@ -99,41 +99,42 @@ impl MergeArgs {
     }
 
     /// Of shards of which some failed: the run failed.
-    fn fail(&self, folders: &[PathBuf], force: bool, terminal: Terminal) -> Result<()> {
-        let failed: Vec<&PathBuf> = folders.iter().filter(|folder| Failure::stands_in(folder)).collect();
-        let Some(first) = failed.first() else { return Ok(()) };
-        let failure = Failure { range: None, ..Failure::read(first)? };
-        for path in folders {
-            let (willis, command) = if Failure::stands_in(path) {
-                let other = Failure::read(path)?;
-                (other.willis, other.command)
+    fn fail(&self, folders: &[PathBuf], kinds: Vec<Kind>, force: bool, terminal: Terminal) -> Result<()> {
+        let mut failed: Option<(&Path, Failure)> = None;
+        let mut made = Vec::new();
+        for (path, kind) in folders.iter().zip(kinds) {
+            if let Kind::FailedShard(failure) = kind {
+                made.push((path, failure.willis.clone(), failure.command.clone()));
+                failed.get_or_insert((path, failure));
             } else {
-                let other = Record::read(path)?;
-                (other.willis, other.command)
-            };
-            if (&willis, &command) != (&failure.willis, &failure.command) {
-                let found = format!(
-                    "was made by {command} of version {willis}, where {} was by {} of version {}",
-                    first.display(),
-                    failure.command,
-                    failure.willis
-                );
-                return Err(Fault::file(found, "expected the shards of one run").in_file(path));
+                let shard = Record::read(path)?;
+                made.push((path, shard.willis, shard.command));
             }
         }
+        let Some((first, failure)) = failed else { return Ok(()) };
+        if let Some((path, willis, command)) =
+            made.iter().find(|(_, willis, command)| (willis, command) != (&failure.willis, &failure.command))
+        {
+            let found = format!(
+                "was made by {command} of version {willis}, where {} was by {} of version {}",
+                first.display(),
+                failure.command,
+                failure.willis
+            );
+            return Err(Fault::file(found, "expected the shards of one run").in_file(path));
+        }
         terminal.say("failed", &failure.error);
-        failure.write(&self.output, force)
+        Failure { range: None, ..failure }.write(&self.output, force)
     }
 }
 
 /// What a folder holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// A run, or why there is none.
     Run,
     Shard,
     /// Why there is no shard.
-    FailedShard,
+    FailedShard(Failure),
 }
 
 impl Kind {
@@ -150,10 +151,11 @@ impl Kind {
     fn in_folder(folder: &Path) -> Result<Option<Self>> {
         Ok(if Run::stands_in(folder) {
             Some(Self::Run)
-        } else if folder.join(SHARD_MARK).is_file() {
+        } else if folder.join(SHARD).is_file() {
             Some(Self::Shard)
         } else if Failure::stands_in(folder) {
-            Some(if Failure::read(folder)?.range.is_some() { Self::FailedShard } else { Self::Run })
+            let failure = Failure::read(folder)?;
+            Some(if failure.range.is_some() { Self::FailedShard(failure) } else { Self::Run })
         } else {
             None
         })

@@ -15,7 +15,6 @@ mod job;
 mod keep;
 mod ledger;
 mod merge;
-mod mirror;
 mod modulate;
 mod perturbation;
 mod phantom;

@@ -7,11 +7,11 @@ use clap::{Args, ValueEnum};
 use willis::error::{Error, Result};
 use willis::modulation::{Class, HypertensionByClass, Params, Reading, modulate};
 use willis::network::{Network, vessels_called};
+use willis::report::plots::{DEFAULT_DPI, check_dpi};
 use willis::report::{ModulationOutcome, StagedFolder, write_modulation};
 use willis::units::pascals_per_square_metre;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::infer::check_dpi;
 use super::input::{InputArgs, viscosity};
 use super::shell::print_json;
 use super::terminal::{Terminal, brief, is_stopped, plural};
@@ -68,7 +68,7 @@ pub struct ModulateArgs {
     #[arg(long, help_heading = "Answer")]
     save_samples: bool,
     /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]

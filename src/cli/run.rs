@@ -4,20 +4,18 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use willis::error::{Fault, Result};
-use willis::formats::bytes_of;
 use willis::hemodynamics::boundary::stated;
 use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
 use willis::hemodynamics::{Boundary, FoundOutlets};
 use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide, has_evidence, infer};
 use willis::network::{Condition, Network, Role};
 use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
-use willis::report::GRAPH_FILE;
+use willis::report::names::{GRAPH, RECORD};
+use willis::report::read_json;
 use willis::units::pascal_seconds;
 
 use super::circle::{CircleArgs, Found};
 use super::terminal::is_stopped;
-
-const RECORD: &str = "run.json";
 
 /// A run of infer that stands in a folder.
 pub struct Run {
@@ -47,7 +45,7 @@ impl Run {
 
     /// The file that is read for an input: of a folder the graph.
     pub fn source(input: &Path) -> PathBuf {
-        if input.is_dir() { input.join(GRAPH_FILE) } else { input.to_owned() }
+        if input.is_dir() { input.join(GRAPH) } else { input.to_owned() }
     }
 
     /// What to call the subject of an input, file or folder.
@@ -71,9 +69,7 @@ impl Run {
         if !Self::stands_in(input) {
             return Err(wrong("a folder without run.json"));
         }
-        let path = Self::record(input);
-        let record: Value = serde_json::from_slice(&bytes_of(&path)?)
-            .map_err(|e| Fault::file(e.to_string(), "expected the record of willis infer").in_file(&path))?;
+        let record: Value = read_json(&Self::record(input), "expected the record of willis infer")?;
         let Some(sha256) = record["graph"]["sha256"].as_str() else { return Err(wrong("a run without a graph of candidates")) };
         let params = parameters(&record).ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
         let conditions = record["boundary_conditions"].as_array().into_iter().flatten();

@@ -12,19 +12,17 @@ use willis::error::{Error, Fault, Result};
 use willis::formats::{bytes_of, checksum_of_file};
 use willis::inference::{Method, Params, Part, Sampling};
 use willis::network::Network;
-use willis::report::staged::{SHARD_MARK, StagedFolder, write_file};
+use willis::report::names::{SHARD, SHARD_SUMS};
+use willis::report::plots::check_dpi;
+use willis::report::staged::{StagedFolder, write_file};
 use willis::report::summary::Built;
-use willis::report::{candidate_parameters, outlets_found, read_part, word_of_keep, write_part};
+use willis::report::{candidate_parameters, outlets_found, read_json, read_part, word_of_keep, write_part};
 use willis::rng::BLOCK;
 use willis::units::centipoise;
 
 use super::checkpoint::{Interval, Keeper, Watch};
-use super::infer::check_dpi;
 use super::job::Job;
 use super::terminal::{Terminal, count};
-
-/// The sums over the samples of a shard.
-const SUMS: &str = "shard.npz";
 
 /// shard.json: of which run a shard is, and all that merge needs of it.
 #[derive(Serialize, Deserialize)]
@@ -157,7 +155,7 @@ pub fn write_shard(
     let written = sampled.and_then(|()| {
         keeper.sampled(&part);
         let path = folder.path();
-        write_file(&path.join(SUMS), |out| write_part(out, &part))?;
+        write_file(&path.join(SHARD_SUMS), |out| write_part(out, &part))?;
         let record = Record {
             willis: env!("CARGO_PKG_VERSION").to_owned(),
             command: job.provenance.command.clone(),
@@ -168,12 +166,12 @@ pub fn write_shard(
             parameters: parameters(&job, &params),
             graph,
             solver: Solver::of(sampling.method()),
-            sums: checksum_of_file(&path.join(SUMS))?,
+            sums: checksum_of_file(&path.join(SHARD_SUMS))?,
             sampling_s: seconds,
             params,
             job,
         };
-        write_file(&path.join(SHARD_MARK), |out| {
+        write_file(&path.join(SHARD), |out| {
             serde_json::to_writer(&mut *out, &record)?;
             out.write_all(b"\n")
         })
@@ -193,13 +191,12 @@ impl Record {
     /// A folder that is no shard.
     pub fn read(folder: &Path) -> Result<Self> {
         let expected = "expected the folder of a shard or of a run, from willis infer";
-        let path = if folder.exists() { folder.join(SHARD_MARK) } else { folder.to_owned() };
+        let path = if folder.exists() { folder.join(SHARD) } else { folder.to_owned() };
         if folder.exists() && !path.exists() {
             let found = if folder.is_dir() { "a folder without shard.json or run.json" } else { "no folder" };
             return Err(Fault::file(found, expected).in_file(folder));
         }
-        let record: Self =
-            serde_json::from_slice(&bytes_of(&path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(&path))?;
+        let record: Self = read_json(&path, expected)?;
         let range = record.range[0] < record.range[1] && record.range[1] <= record.samples;
         let whole = range && record.job.is_whole() && record.job.graph_checksum() == record.graph;
         let valid = record.params.validate().and_then(|()| record.job.rule.validate()).and_then(|()| check_dpi(record.job.dpi));
@@ -216,7 +213,7 @@ impl Record {
     ///
     /// They are damaged, or those of another shard.
     pub fn part(&self, folder: &Path, graph: &Network) -> Result<Part> {
-        let path = folder.join(SUMS);
+        let path = folder.join(SHARD_SUMS);
         let damaged = |found: &str| Fault::file(found, "expected it as willis infer --range wrote it").in_file(&path);
         if checksum_of_file(&path)? != self.sums {
             return Err(damaged("damaged: its SHA-256 is not that of shard.json"));

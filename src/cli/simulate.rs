@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use clap::Args;
 use willis::error::Result;
+use willis::report::plots::{DEFAULT_DPI, check_dpi};
 use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
 use willis::simulation::simulate;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::infer::check_dpi;
 use super::input::{InputArgs, viscosity};
 use super::perturbation::PerturbationArgs;
 use super::shell::print_json;
@@ -28,7 +28,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP")]
     viscosity: String,
     /// Resolution of the picture
-    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]

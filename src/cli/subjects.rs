@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Result};
+use willis::report::names::{COHORT, COHORT_PAGE, COHORT_TABLE};
 use willis::report::staged::is_of_cohort;
 
 use super::run::Run;
@@ -100,7 +101,7 @@ pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
         }
     };
     let words: Vec<String> = inputs.iter().map(|path| safe(&word(path))).collect();
-    let mut taken: HashSet<String> = ["cohort.json", "cohort.csv", "cohort.html"].map(str::to_owned).into();
+    let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE].map(str::to_owned).into();
     let mut unique = |word: &String| {
         let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
         numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()

@@ -1,5 +1,6 @@
 //! Named columns over the nodes or vessels of a network: what every writer of tables and attributes is given.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::io;
 
@@ -7,7 +8,7 @@ use std::io;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// The header, with its unit (`length_mm`).
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The values by row.
     pub values: Values,
 }
@@ -25,18 +26,18 @@ pub enum Values {
 
 impl Column {
     /// A column of numbers; NaN is missing.
-    pub fn real(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
-        Self { name, values: Values::Real(values.collect()) }
+    pub fn real(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = f64>) -> Self {
+        Self { name: name.into(), values: Values::Real(values.collect()) }
     }
 
     /// A column of whole numbers.
-    pub fn whole(name: &'static str, values: impl Iterator<Item = usize>) -> Self {
-        Self { name, values: Values::Integer(values.map(|v| v as i64).collect()) }
+    pub fn whole(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = usize>) -> Self {
+        Self { name: name.into(), values: Values::Integer(values.map(|v| v as i64).collect()) }
     }
 
     /// A column of text.
-    pub fn text(name: &'static str, values: impl Iterator<Item = String>) -> Self {
-        Self { name, values: Values::Text(values.collect()) }
+    pub fn text(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = String>) -> Self {
+        Self { name: name.into(), values: Values::Text(values.collect()) }
     }
 }
 

@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 
-use crate::error::Fault;
+use super::document::without_mark;
+use super::rows::{Rows, columns, uncommented};
+use crate::error::{Fault, Place};
 use crate::network::{Condition, Role};
 use crate::quantity::Dimension;
 use crate::suggestion::did_you_mean;
@@ -10,18 +12,30 @@ use crate::units::pascals;
 
 /// The column of the pressure behind a terminal resistance.
 const VENOUS: &str = "venous_pressure_mmHg";
+const KINDS: [&str; 5] = ["inlet", "ground", "pressure", "resistance", "flow"];
 
 /// A condition as stated, before its node is looked up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statement {
-    /// Where in the file: `line 3`, `condition 2`.
-    pub place: String,
+    /// Where it stands in the file.
+    pub place: Place,
     /// Node id, label, or `x,y,z` in mm.
     pub spec: String,
     /// Inlet or outlet.
     pub role: Role,
     /// What holds there.
     pub condition: Condition,
+}
+
+impl Statement {
+    /// Why it cannot hold, at its place in the file.
+    pub fn fault(&self, why: impl Into<String>) -> Fault {
+        fault(&self.place, format!("\"{}\"", self.spec), why)
+    }
+}
+
+fn fault(place: &Place, found: impl Into<String>, accepted: impl Into<String>) -> Fault {
+    Fault { place: place.clone(), ..Fault::file(found, accepted) }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -57,7 +71,8 @@ struct File {
 /// # Errors
 ///
 /// The line or the number of the condition, and what is accepted.
-pub fn read_toml(text: &str) -> Result<Vec<Statement>, Fault> {
+pub fn read_toml(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
+    let text = std::str::from_utf8(without_mark(bytes)).map_err(|_| Fault::file("the text is not UTF-8", "expected UTF-8"))?;
     let file: File = toml::from_str(text).map_err(|e| {
         let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].lines().count().max(1));
         Fault::line(
@@ -66,91 +81,96 @@ pub fn read_toml(text: &str) -> Result<Vec<Statement>, Fault> {
             "expected [[condition]] tables with node, label or at, kind, value, unit, venous_pressure_mmHg",
         )
     })?;
-    file.condition.into_iter().enumerate().map(|(i, e)| statement(e, &format!("condition {}", i + 1))).collect()
+    let place = |n: usize| Place::Item(format!("condition {}", n + 1));
+    file.condition.into_iter().enumerate().map(|(n, entry)| statement(entry, place(n))).collect()
 }
 
-/// Reads CSV with the columns `node`, or `label`, or `x_mm,y_mm,z_mm`, then optionally `kind,value,unit`,
-/// and `venous_pressure_mmHg` behind a resistance.
+/// Reads a table with the columns `node`, or `label`, or `x_mm,y_mm,z_mm`, then `kind`, and where they are needed `value`, `unit`
+/// and, behind a resistance, `venous_pressure_mmHg`. Lines of comments begin with `#`.
 ///
 /// # Errors
 ///
 /// The line, its value and what is accepted.
-pub fn read_csv(text: &str) -> Result<Vec<Statement>, Fault> {
+pub fn read_csv(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
+    read_table(bytes, None)
+}
+
+/// Reads a table of inlets, with the columns of [`read_csv`]; `kind` may be left out.
+///
+/// # Errors
+///
+/// As [`read_csv`].
+pub fn read_inlets(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
+    let all = read_table(bytes, Some("inlet"))?;
+    Ok(all.into_iter().filter(|statement| statement.role == Role::Inlet).collect())
+}
+
+/// Reads a table in which a row without a kind has the `usual` one.
+fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault> {
     const COLUMNS: [&str; 9] = ["node", "label", "x_mm", "y_mm", "z_mm", "kind", "value", "unit", VENOUS];
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
-    let bad = |line: usize, found: String| Fault::line(line, found, format!("expected the columns {}", COLUMNS.join(",")));
-    let header = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
-    if let Some(other) = header.iter().find(|name| !COLUMNS.contains(name)) {
-        return Err(bad(1, format!("column \"{other}\"")));
+    let text = uncommented(bytes);
+    let mut rows = Rows::open(&text)?;
+    let wrong = |found: String| Fault::line(rows.header_line(), found, format!("expected the columns {}", COLUMNS.join(",")));
+    if let Some(other) = rows.header().iter().find(|name| !COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name))) {
+        return Err(wrong(format!("column \"{other}\"")));
+    }
+    let [node, label, x, y, z, kind, value, unit, venous] = COLUMNS.map(|name| rows.find(&[name]));
+    if kind.is_none() && usual.is_none() {
+        return Err(wrong(format!("no column kind in {}", columns(rows.header()))));
     }
     let mut out = Vec::new();
-    for record in reader.records() {
-        let record = record
-            .map_err(|e| bad(e.position().map_or(1, |p| p.line() as usize), "a row of another length than the header".into()))?;
-        let line = record.position().map_or(0, |p| p.line() as usize);
-        let field = |name: &str| header.iter().position(|h| h == name).and_then(|i| record.get(i)).filter(|v| !v.is_empty());
-        let number = |name: &str| match field(name) {
-            None => Ok(None),
-            Some(v) => v.parse::<f64>().map(Some).map_err(|_| Fault::line(line, format!("{name} \"{v}\""), "expected a number")),
-        };
-        let at = [number("x_mm")?, number("y_mm")?, number("z_mm")?];
+    while let Some(row) = rows.next()? {
+        let stated = |column: Option<usize>| column.filter(|column| !row.text(*column).is_empty());
+        let text = |column: Option<usize>| stated(column).map(|column| row.text(column).to_owned());
+        let number = |column: Option<usize>| stated(column).map(|column| row.finite(column)).transpose();
+        let at = if let (Some(x), Some(y), Some(z)) = (stated(x), stated(y), stated(z)) { Some([x, y, z]) } else { None };
         let entry = Entry {
-            node: field("node").map(|v| Text::Word(v.to_owned())),
-            label: field("label").map(str::to_owned),
-            at: if let [Some(x), Some(y), Some(z)] = at { Some([x, y, z]) } else { None },
-            kind: field("kind").map(str::to_owned),
-            value: number("value")?,
-            unit: field("unit").map(str::to_owned),
-            venous_pressure_mmhg: number(VENOUS)?,
+            node: text(node).map(Text::Word),
+            label: text(label),
+            at: at.map(|at| row.position(at)).transpose()?,
+            kind: text(kind).or(usual.map(str::to_owned)),
+            value: number(value)?,
+            unit: text(unit),
+            venous_pressure_mmhg: number(venous)?,
         };
-        out.push(statement(entry, &format!("line {line}"))?);
+        out.push(statement(entry, Place::Line(row.line))?);
     }
     Ok(out)
 }
 
-fn statement(entry: Entry, place: &str) -> Result<Statement, Fault> {
+fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
     let spec = match (entry.node, entry.label, entry.at) {
         (Some(Text::Word(node)), None, None) => node,
         (Some(Text::Number(node)), None, None) => node.to_string(),
         (None, Some(label), None) => label,
         (None, None, Some([x, y, z])) => format!("{x},{y},{z}"),
-        _ => return Err(Fault::item(place, "no single node", "expected one of node, label, or a position in mm")),
+        _ => return Err(fault(&place, "no single node", "expected one of node, label, or a position in mm")),
     };
-    let kind = entry.kind.as_deref().unwrap_or("inlet");
+    const ACCEPTED: &str = "expected inlet, ground, pressure, resistance or flow";
+    let kind = entry.kind.ok_or_else(|| fault(&place, "no kind", ACCEPTED))?;
     let figure = |dimension: Dimension| {
-        let text = format!("{}{}", entry.value.unwrap_or_default(), entry.unit.as_deref().unwrap_or(""));
-        let missing = || Fault::item(place, format!("{kind} without a value"), dimension.accepted());
-        entry.value.ok_or_else(missing)?;
-        dimension.parse(&text).map_err(|accepted| Fault::item(place, format!("{kind} value {text}"), accepted))
+        let value = entry.value.ok_or_else(|| fault(&place, format!("{kind} without a value"), dimension.accepted()))?;
+        let unit = entry.unit.as_deref().unwrap_or_default();
+        dimension.convert(value, unit).map_err(|accepted| fault(&place, format!("{kind} value {value}{unit}"), accepted))
     };
-    let (role, condition) = match kind {
+    let (role, condition) = match kind.as_str() {
         "inlet" if entry.value.is_none() => (Role::Inlet, Condition::INLET),
         "inlet" => (Role::Inlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "ground" => (Role::Outlet, Condition::GROUND),
         "pressure" => (Role::Outlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "resistance" => {
-            let venous = pascals(entry.venous_pressure_mmhg.unwrap_or(0.0));
-            (Role::Outlet, resistance(figure(Dimension::Resistance)?, venous, place)?)
+            let (resistance, venous) = (figure(Dimension::Resistance)?, pascals(entry.venous_pressure_mmhg.unwrap_or(0.0)));
+            if !(resistance > 0.0 && venous.is_finite()) {
+                let accepted = "expected a positive resistance, and a finite venous pressure";
+                return Err(fault(&place, format!("resistance {resistance}"), accepted));
+            }
+            (Role::Outlet, Condition::Resistance { resistance, venous })
         }
         "flow" => {
             let flow = figure(Dimension::Flow)?;
             (Role::of_flow(flow), Condition::Flow(flow))
         }
-        other => {
-            let meant = did_you_mean(other, ["inlet", "ground", "pressure", "resistance", "flow"]);
-            return Err(Fault::item(
-                place,
-                format!("kind \"{other}\""),
-                format!("{meant}expected inlet, ground, pressure, resistance or flow"),
-            ));
-        }
+        other => return Err(fault(&place, format!("kind \"{other}\""), did_you_mean(other, KINDS) + ACCEPTED)),
     };
-    Ok(Statement { place: place.to_owned(), spec, role, condition })
-}
-
-fn resistance(resistance: f64, venous: f64, place: &str) -> Result<Condition, Fault> {
-    if resistance > 0.0 && venous.is_finite() {
-        return Ok(Condition::Resistance { resistance, venous });
-    }
-    Err(Fault::item(place, format!("resistance {resistance}"), "expected a positive resistance, and a finite venous pressure"))
+    Ok(Statement { place, spec, role, condition })
 }

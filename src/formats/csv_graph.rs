@@ -1,10 +1,10 @@
 //! A graph as CSV: a table of edges, and beside it, where there is one, a table of nodes.
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use super::attributes::{Records, is_wanted, nodes, vessels};
-use super::graph_columns::{graph_columns, points_column};
+use super::graph_columns::{END_PLACES, PLACE, graph_columns, points_column};
 use super::rows::{Rows, columns, delimiter};
 use super::table::write_csv;
 use crate::error::Fault;
@@ -33,12 +33,7 @@ pub(super) fn is_header(line: &str) -> bool {
 /// # Errors
 ///
 /// A table without `node` and `id`, a name or id that comes twice, an attribute that is wrong.
-pub fn read_csv_nodes(input: impl BufRead, scale: &Scale) -> Result<NodeTable, Fault> {
-    nodes_of(&all(input)?, scale)
-}
-
-/// The same of bytes that are there.
-pub(super) fn nodes_of(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
+pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
     let (header, records) = table(bytes)?;
     let Some(key) = NAMES.into_iter().find(|key| header.iter().any(|h| h == key)) else {
         return Err(Fault::line(1, columns(&header), "expected a column node or id"));
@@ -64,16 +59,7 @@ pub(super) fn nodes_of(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> 
 /// # Errors
 ///
 /// A table without the two columns or without rows, a node that the table of nodes lacks, an attribute that is wrong.
-pub fn read_csv_edges(
-    input: impl BufRead,
-    table_of_nodes: Option<NodeTable>,
-    scale: &Scale,
-) -> Result<(Network, Vec<String>), Fault> {
-    edges_of(&all(input)?, table_of_nodes, scale)
-}
-
-/// The same of bytes that are there.
-pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_csv_edges(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let accepted = if header.iter().any(|column| column == "node") {
@@ -109,7 +95,7 @@ pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &
                 }
             };
             if let Some(place @ None) = placed.get_mut(*end) {
-                *place = PLACES[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
+                *place = END_PLACES[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
             }
         }
         rows.push(both);
@@ -125,14 +111,11 @@ pub(super) fn edges_of(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &
     Ok((network, notes))
 }
 
-/// The columns of the positions of the two ends of an edge.
-const PLACES: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
-
 /// The nodes' positions, from the columns of one side of an edge for each.
 fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
-    let mut nodes = Records::named(&["x_mm", "y_mm", "z_mm"]);
+    let mut nodes = Records::named(&PLACE);
     for place in placed {
-        let edge = place.map(|(row, side)| (edges.get(row), PLACES[side]));
+        let edge = place.map(|(row, side)| (edges.get(row), END_PLACES[side]));
         nodes.begin(edge.map_or(0, |(record, _)| record.line));
         for (axis, column) in edge.iter().flat_map(|(_, columns)| columns.iter().enumerate()) {
             if let Some(text) = edge.and_then(|(record, _)| record.text(column)) {
@@ -156,17 +139,11 @@ pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) 
     write_csv(edges, &vessel_columns)
 }
 
-fn all(mut input: impl BufRead) -> Result<Vec<u8>, Fault> {
-    let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    Ok(bytes)
-}
-
 /// The header and the rows of a file, these without the columns that nothing asks for.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let mut rows = Rows::open(bytes)?;
     let header = rows.header().to_vec();
-    let own = [&NAMES[..], ENDS.as_flattened(), PLACES.as_flattened()];
+    let own = [&NAMES[..], ENDS.as_flattened(), END_PLACES.as_flattened()];
     let wanted: Vec<bool> =
         header.iter().map(|name| is_wanted(name) || own.iter().any(|names| names.contains(&&**name))).collect();
     let mut records = Records::named(&header);

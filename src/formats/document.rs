@@ -3,8 +3,7 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use super::csv_graph::{edges_of, nodes_of};
-use super::graphml::stream_graphml;
+use super::beside::nodes_beside;
 use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
 use super::npz::unpack_skeleton_npz;
 use super::sniff::{Format, format_of};
@@ -12,7 +11,10 @@ use super::tracing::{read_table_of_vessels, read_tracing};
 use super::unit_check::{check_extent, unit_check};
 use super::vtp::unpack_vtp;
 use super::vtrails::unpack_vtrails;
-use super::{RadiusArray, add_loops, pair, read_markups, read_points, read_tre, read_vtk, xml};
+use super::{
+    RadiusArray, add_loops, pair, read_csv_edges, read_csv_nodes, read_graphml, read_markups, read_points, read_tre, read_vtk,
+    xml,
+};
 use crate::centerline::Centerlines;
 use crate::error::{Error, Fault, Result};
 use crate::network::Network;
@@ -78,7 +80,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             return Err(Error::parameter("--loops", loops.display(), accepted));
         };
         let bytes = bytes_within(loops, options.max_input)?;
-        let added = add_loops(without_mark(&bytes), lines).map_err(|fault| fault.in_file(loops))?;
+        let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{added} links are those of {}", loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
@@ -97,7 +99,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
-        let (graph, notes) = stream_graphml(stream, &options.scale).map_err(|fault| fault.in_file(path))?;
+        let (graph, notes) = read_graphml(stream, &options.scale).map_err(|fault| fault.in_file(path))?;
         return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
     }
     file.read_to_end(&mut all).map_err(unread)?;
@@ -127,7 +129,7 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
         Format::Csv => read_tables(path, bytes, options),
         Format::Voreen => pair::read_voreen(path, bytes, options),
         Format::VesselVio => pair::read_vesselvio(path, bytes, options),
-        Format::GraphMl => stream_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
+        Format::GraphMl => read_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
         Format::Npz => unpack_skeleton_npz(bytes, scale, optional, &room).map_err(here),
         Format::Vtp => lines(unpack_vtp(bytes, scale, radius, &room)),
         Format::Vtk => lines(read_vtk(bytes, scale, radius)),
@@ -141,13 +143,13 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 
 /// A table of edges, with the table of nodes beside it.
 fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let (beside, scale) = (pair::nodes_beside(path), &options.scale);
+    let (beside, scale) = (nodes_beside(path), &options.scale);
     let read = |nodes: &PathBuf| {
         let bytes = bytes_within(nodes, options.max_input)?;
-        nodes_of(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
+        read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
     };
     let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) = edges_of(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
+    let (network, mut notes) = read_csv_edges(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
     notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
     Ok((Content::Graph(network), notes))
 }

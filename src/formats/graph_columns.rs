@@ -5,6 +5,11 @@ use crate::geometry::Point;
 use crate::network::{Condition, Evidence, Network, PathPoint, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
+/// The columns of the position of a node.
+pub(super) const PLACE: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+/// The columns of the positions of the two ends of a vessel.
+pub const END_PLACES: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
+
 /// One coordinate of a position, mm; NaN without one.
 pub fn axis(position: Option<Point>, axis: usize) -> f64 {
     position.map_or(f64::NAN, |p| millimetres(p[axis]))
@@ -13,12 +18,13 @@ pub fn axis(position: Option<Point>, axis: usize) -> f64 {
 /// The columns of nodes.csv. `role` by node, `pressure` in Pa.
 pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
     let nodes = || network.nodes();
+    let place = |of_axis: usize| Column::real(PLACE[of_axis], nodes().map(|n| axis(n.position, of_axis)));
     vec![
         Column::whole("node", 0..network.node_count()),
         Column::text("id", nodes().map(|n| n.id.clone())),
-        Column::real("x_mm", nodes().map(|n| axis(n.position, 0))),
-        Column::real("y_mm", nodes().map(|n| axis(n.position, 1))),
-        Column::real("z_mm", nodes().map(|n| axis(n.position, 2))),
+        place(0),
+        place(1),
+        place(2),
         Column::real("radius_mm", nodes().map(|n| n.radius.map_or(f64::NAN, millimetres))),
         Column::text("label", nodes().map(|n| n.label.clone())),
         Column::text("role", role.iter().map(|r| r.map_or("", Role::name).to_owned())),
@@ -45,18 +51,20 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
 
 /// The first columns of edges.csv: where every vessel runs, its name, origin, length and radius.
 pub fn vessel_columns(network: &Network) -> Vec<Column> {
-    let end =
-        |which: usize, of_axis: usize| network.vessels().map(move |(ends, _)| axis(network.node(ends[which]).position, of_axis));
+    let end = |which: usize, of_axis: usize| {
+        let place = network.vessels().map(|(ends, _)| axis(network.node(ends[which]).position, of_axis));
+        Column::real(END_PLACES[which][of_axis], place)
+    };
     vec![
         Column::whole("edge", 0..network.vessel_count()),
         Column::whole("node_a", network.vessels().map(|(ends, _)| ends[0])),
         Column::whole("node_b", network.vessels().map(|(ends, _)| ends[1])),
-        Column::real("ax_mm", end(0, 0)),
-        Column::real("ay_mm", end(0, 1)),
-        Column::real("az_mm", end(0, 2)),
-        Column::real("bx_mm", end(1, 0)),
-        Column::real("by_mm", end(1, 1)),
-        Column::real("bz_mm", end(1, 2)),
+        end(0, 0),
+        end(0, 1),
+        end(0, 2),
+        end(1, 0),
+        end(1, 1),
+        end(1, 2),
         Column::text("label", network.vessels().map(|(_, v)| v.label.clone())),
         Column::text("origin", network.vessels().map(|(_, v)| v.origin.name().to_owned())),
         Column::real("length_mm", network.vessels().map(|(_, v)| millimetres(v.length))),

@@ -1,8 +1,8 @@
 //! iCafe: which artery each stretch of a traced SWC file is, from the Feature_Vessel.csv beside it.
 
-use std::io::BufRead;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::beside::{TABLE_OF_VESSELS, image_beside};
 use super::limit::bytes_within;
 use super::rows::Rows;
 use crate::centerline::{Centerlines, Labels};
@@ -10,11 +10,7 @@ use crate::error::Fault;
 use crate::geometry::Point;
 use crate::units::Scale;
 
-/// The table of vessels.
-const TABLE: &str = "Feature_Vessel.csv";
-/// What iCafe says of the image.
-const IMAGE: &str = "Image_info.txt";
-/// Bytes of it at the most.
+/// Bytes of Image_info.txt at the most.
 const MOST_IMAGE: u64 = 1 << 20;
 /// The arteries by `VesselType`; the first is none.
 const ARTERIES: [&str; 23] = [
@@ -40,37 +36,9 @@ pub(super) fn is_header(columns: &[&str]) -> bool {
     ["VesselType", "StartPointPositionX", "EndPointPositionX"].iter().all(|name| columns.contains(name))
 }
 
-/// The table of vessels beside a tracing.
-pub(super) fn table_beside(tracing: &Path) -> Option<PathBuf> {
-    Some(tracing.with_file_name(TABLE)).filter(|path| path.is_file())
-}
-
-/// The one tracing beside a table of vessels.
-pub(super) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
-    let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> =
-        files.filter(|path| path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
-    found.sort();
-    match found.len() {
-        0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
-        1 => Ok(found.remove(0)),
-        many => {
-            let names: Vec<_> =
-                found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
-            let found = format!(
-                "{many} SWC files beside the table of vessels ({}{})",
-                names.join(", "),
-                if many > 3 { ", ..." } else { "" }
-            );
-            Err(Fault::file(found, "give the one that it belongs to as INPUT"))
-        }
-    }
-}
-
 /// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
 pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
-    let text = bytes_within(&tracing.with_file_name(IMAGE), MOST_IMAGE).ok()?;
+    let text = bytes_within(&image_beside(tracing)?, MOST_IMAGE).ok()?;
     let text = String::from_utf8_lossy(&text);
     let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
     numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
@@ -81,17 +49,16 @@ pub(super) fn spacing_beside(tracing: &Path) -> Option<f64> {
 /// # Errors
 ///
 /// A missing column, a position that is no number, a type that is no whole number.
-pub fn read_traced_vessels(mut input: impl BufRead, scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
+pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
     const ENDS: [[&str; 3]; 2] = [
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::ragged(&bytes)?;
+    let mut rows = Rows::ragged(bytes)?;
     let line = rows.header_line();
     let column = |name: &str| {
-        rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE}")))
+        rows.find(&[name])
+            .ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE_OF_VESSELS}")))
     };
     let kind = column("VesselType")?;
     let mut ends = [[0; 3]; 2];

@@ -1,11 +1,10 @@
 //! Right bridges as a table: the ends of each, as a person lists them or leaves them in a corrected edges.csv.
 
+use super::graph_columns::END_PLACES;
 use super::rows::Rows;
 use crate::error::Fault;
 use crate::geometry::Point;
 use crate::units::metres;
-
-const ENDS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
 
 /// A bridge of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +24,7 @@ pub struct ListedBridge {
 pub fn read_links(bytes: &[u8]) -> Result<Vec<ListedBridge>, Fault> {
     let mut rows = Rows::open(bytes)?;
     let mut columns = [[0; 3]; 2];
-    for (columns, names) in columns.iter_mut().zip(ENDS) {
+    for (columns, names) in columns.iter_mut().zip(END_PLACES) {
         for (column, name) in columns.iter_mut().zip(names) {
             *column = rows.column(&[name], "the ends of every right bridge")?;
         }

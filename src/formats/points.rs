@@ -1,7 +1,7 @@
 //! CSV of points: `fragment,x,y,z,radius`, one point a row.
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use super::column::real;
 use super::polyline::polylines;
@@ -32,10 +32,8 @@ const ID: &[&str] = &["id"];
 ///
 /// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
-pub fn read_points(mut input: impl BufRead, scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes).map_err(|e| Fault::file(format!("cannot be read: {e}"), "expected a table"))?;
-    let mut rows = Rows::open(&bytes)?;
+pub fn read_points(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut rows = Rows::open(bytes)?;
     let header = rows.header_line();
     let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {

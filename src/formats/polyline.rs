@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::geometry::{Point, distance};
-use crate::network::{Network, PathPoint, Vessel};
+use crate::network::{Network, Node, PathPoint, Vessel};
 
 /// Each node as a point; one without radius has that of its widest vessel, or NaN where it has no vessel.
 pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
@@ -13,12 +13,22 @@ pub(super) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
             widest[end] = widest[end].max(vessel.radius);
         }
     }
-    let point = |(node, widest): (&crate::network::Node, f64)| {
-        let missing = || io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
-        let position = node.position.ok_or_else(missing)?;
-        Ok(PathPoint { position, radius: node.radius.unwrap_or(widest), id: None })
+    let point = |((position, node), widest): ((Point, &Node), f64)| PathPoint {
+        position,
+        radius: node.radius.unwrap_or(widest),
+        id: None,
     };
-    network.nodes().zip(widest).map(point).collect()
+    Ok(positions(network)?.into_iter().zip(network.nodes()).zip(widest).map(point).collect())
+}
+
+/// Where each node is, m.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`).
+pub(super) fn positions(network: &Network) -> io::Result<Vec<Point>> {
+    let missing = |node: &Node| io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
+    network.nodes().map(|node| node.position.ok_or_else(|| missing(node))).collect()
 }
 
 /// Every vessel from node to node: along its path, or straight where it has none.

@@ -42,6 +42,12 @@ pub(super) fn columns(header: &[String]) -> String {
     if more == 0 { format!("columns {shown}") } else { format!("columns {shown} and {more} more") }
 }
 
+/// A table whose lines of comments (`#`) are empty, so that every line keeps its number.
+pub(super) fn uncommented(bytes: &[u8]) -> Vec<u8> {
+    let is_comment = |line: &[u8]| line.trim_ascii_start().starts_with(b"#");
+    bytes.split_inclusive(|b| *b == b'\n').flat_map(|line| if is_comment(line) { b"\n" } else { line }).copied().collect()
+}
+
 impl<'a> Rows<'a> {
     /// Reads the header: the first line that is neither empty nor a comment (`#`).
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
@@ -140,13 +146,16 @@ impl Row<'_> {
     pub(super) fn position(&self, columns: [usize; 3]) -> Result<[f64; 3], Fault> {
         let mut position = [0.0; 3];
         for (x, column) in position.iter_mut().zip(columns) {
-            *x = self.real(column)?;
-            if !x.is_finite() {
-                let found = format!("{} \"{}\"", self.header[column], self.text(column));
-                return Err(Fault::line(self.line, found, "expected a finite number"));
-            }
+            *x = self.finite(column)?;
         }
         Ok(position)
+    }
+
+    /// The finite number in a column.
+    pub(super) fn finite(&self, column: usize) -> Result<f64, Fault> {
+        let found = || format!("{} \"{}\"", self.header[column], self.text(column));
+        let number = Some(self.real(column)?).filter(|x| x.is_finite());
+        number.ok_or_else(|| Fault::line(self.line, found(), "expected a finite number"))
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::beside::{edges_beside, refers_to_rows};
 use super::rows::delimiter;
-use super::{csv_graph, icafe, pair, xml};
+use super::{csv_graph, icafe, xml};
 use crate::error::Fault;
 
 /// The formats that are known.
@@ -139,7 +140,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let named = has(&["node"]) || has(&["id"]);
     if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
         Some(Format::Voreen)
-    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && pair::refers_to_rows(path)) {
+    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && refers_to_rows(path)) {
         Some(Format::VesselVio)
     } else if csv_graph::is_header(header) {
         Some(Format::Csv)
@@ -147,7 +148,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
         Some(Format::Points)
     } else if icafe::is_header(&columns) {
         Some(Format::ICafe)
-    } else if has(&["x", "y", "z"]) && !named && pair::edges_beside(path).is_some() {
+    } else if has(&["x", "y", "z"]) && !named && edges_beside(path).is_some() {
         Some(Format::VesselVio)
     } else {
         None

@@ -149,45 +149,6 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
     }
 }
 
-/// Links the pairs of point ids of a CSV file (headed `id_a,id_b` or `a,b`, or not at all); returns how many.
-///
-/// # Errors
-///
-/// A line that is no pair of ids of different points.
-pub fn add_loops(input: impl BufRead, lines: &mut Centerlines) -> Result<usize, Fault> {
-    const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
-    let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
-    let mut added = 0;
-    let mut begun = false;
-    for (at, line) in input.lines().enumerate() {
-        let at = at + 1;
-        let line = line.map_err(|e| Fault::line(at, format!("cannot be read: {e}"), ACCEPTED))?;
-        let line = line.split('#').next().unwrap_or_default().trim();
-        let words: Vec<&str> = line.split(',').map(str::trim).collect();
-        if line.is_empty() {
-            continue;
-        }
-        let first = !std::mem::replace(&mut begun, true);
-        if first && [["id_a", "id_b"], ["a", "b"]].iter().any(|header| words == header) {
-            continue;
-        }
-        let [a, b] = words[..] else {
-            return Err(Fault::line(at, format!("{} columns", words.len()), ACCEPTED));
-        };
-        let row = |word: &str| {
-            let id = word.parse::<u64>().map_err(|_| Fault::line(at, format!("\"{word}\""), ACCEPTED))?;
-            row_of.get(&id).copied().ok_or_else(|| Fault::line(at, format!("point {id} does not exist"), ACCEPTED))
-        };
-        let (a, b) = (row(a)?, row(b)?);
-        if a == b {
-            return Err(Fault::line(at, format!("point {} twice", words[0]), "expected two different points"));
-        }
-        lines.links.push([a, b]);
-        added += 1;
-    }
-    Ok(added)
-}
-
 /// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
 pub fn is_forest(network: &Network) -> bool {
     cycles(network) == 0

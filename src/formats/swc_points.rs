@@ -43,16 +43,3 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     out.flush()?;
     Ok(loops)
 }
-
-/// Writes id pairs as the CSV file that `--loops` takes.
-///
-/// # Errors
-///
-/// The writer's own.
-pub fn write_loops(mut out: impl Write, loops: &[[u64; 2]]) -> io::Result<()> {
-    writeln!(out, "id_a,id_b")?;
-    for [a, b] in loops {
-        writeln!(out, "{a},{b}")?;
-    }
-    out.flush()
-}

@@ -20,7 +20,7 @@ pub(super) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     check_rows(columns, rows)?;
     let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
     if !columns.is_empty() {
-        csv.write_record(columns.iter().map(|c| c.name))?;
+        csv.write_record(columns.iter().map(|c| &*c.name))?;
     }
     for row in 0..rows {
         for column in columns {

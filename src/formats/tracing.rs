@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::beside::{table_of_vessels_beside, tracing_beside};
 use super::document::{Content, ReadOptions, without_mark};
 use super::limit::bytes_within;
 use super::sniff::Format;
@@ -14,7 +15,7 @@ use crate::units::{LengthUnit, Scale};
 pub(super) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
-    if let Some(table) = icafe::table_beside(path)
+    if let Some(table) = table_of_vessels_beside(path)
         && let Some(note) = name_vessels(&mut lines, &bytes_within(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
@@ -27,7 +28,7 @@ pub(super) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 /// Reads the one tracing beside a table of vessels.
 pub(super) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
-    let tracing = icafe::tracing_beside(path).map_err(here)?;
+    let tracing = tracing_beside(path).map_err(here)?;
     let traced = bytes_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));

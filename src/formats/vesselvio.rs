@@ -6,6 +6,7 @@ use super::column::Column;
 use super::document::Content;
 use super::graph_columns::axis;
 use super::pair::add_straight;
+use super::polyline::positions;
 use super::rows::{Row, Rows};
 use super::skeleton::{centerlines, is_straight, skeleton};
 use super::table::write_csv;
@@ -151,14 +152,11 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
         table.extend(labelled.then(|| Column::text("label", found.vessel.iter().map(label))));
         return write_csv(edges, &table);
     }
-    if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id)));
-    }
-    let position = |node: usize| network.node(node).position.unwrap_or_default();
-    write_csv(vertices, &places(&(0..network.node_count()).map(position)))?;
+    let at = positions(network)?;
+    write_csv(vertices, &places(&at.iter().copied()))?;
     let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
     let vessels = || network.vessels().map(|(_, v)| (millimetres(v.length), millimetres(v.radius)));
-    let gap = |[a, b]: [usize; 2]| millimetres(distance(position(a), position(b)));
+    let gap = |[a, b]: [usize; 2]| millimetres(distance(at[a], at[b]));
     let tortuosity = |(ends, length): (&[usize; 2], f64)| Some(length / gap(*ends)).filter(|t| t.is_finite()).unwrap_or(f64::NAN);
     let mut table = ends(&links);
     table.extend([

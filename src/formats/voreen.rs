@@ -7,6 +7,7 @@ use super::column::Column;
 use super::csv_graph::NodeTable;
 use super::graph_columns::axis;
 use super::pair::add_straight;
+use super::polyline::positions;
 use super::rows::Rows;
 use super::table::write_table;
 use crate::centerline::is_radius;
@@ -114,6 +115,11 @@ pub fn read_voreen_edges(
     Ok((network, notes))
 }
 
+/// Whether all ids of nodes are whole numbers, as Voreen's are.
+pub(super) fn has_whole_ids(network: &Network) -> bool {
+    network.nodes().all(|n| n.id.parse::<u64>().is_ok_and(|id| id.to_string() == n.id))
+}
+
 /// Writes both tables in Voreen's order of columns, mm, mm², mm³; what is not known is -1, as Voreen marks it.
 ///
 /// Nodes keep their ids where all of these are whole numbers, as Voreen's are; otherwise the id is the row. Labels, where
@@ -123,13 +129,11 @@ pub fn read_voreen_edges(
 ///
 /// A node without a position (`InvalidInput`), or the writers' own.
 pub fn write_voreen(nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
-    if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id)));
-    }
-    let whole = network.nodes().all(|n| n.id.parse::<u64>().is_ok_and(|id| id.to_string() == n.id));
+    let at = positions(network)?;
+    let whole = has_whole_ids(network);
     let id = |row: usize| if whole { network.node(row).id.clone() } else { row.to_string() };
     let degree = network.degrees(|_| true);
-    let place = |of_axis: usize| network.nodes().map(move |n| axis(n.position, of_axis));
+    let place = |of_axis: usize| at.iter().map(move |p| axis(Some(*p), of_axis));
     let unknown = |name: &'static str, rows: usize| Column::real(name, std::iter::repeat_n(-1.0, rows));
     let table = [
         Column::text("id", (0..network.node_count()).map(id)),
@@ -141,10 +145,7 @@ pub fn write_voreen(nodes: impl Write, edges: impl Write, network: &Network) -> 
     ];
     write_table(nodes, b';', &table)?;
     let vessels = || network.vessels().map(|(_, v)| v);
-    let gap = |ends: [usize; 2]| {
-        let [a, b] = ends.map(|end| network.node(end).position.unwrap_or_default());
-        millimetres(distance(a, b))
-    };
+    let gap = |[a, b]: [usize; 2]| millimetres(distance(at[a], at[b]));
     let curveness = |length: f64, gap: f64| if gap > 0.0 { millimetres(length) / gap } else { -1.0 };
     let area = || vessels().map(|v| area_of(millimetres(v.radius)));
     let missing = |name| unknown(name, network.vessel_count());

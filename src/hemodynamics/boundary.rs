@@ -1,5 +1,7 @@
 //! Boundary conditions: which nodes blood enters and leaves by, as given or as found.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
 use crate::units::cubic_metres_per_second;
@@ -19,7 +21,7 @@ pub struct Given {
 }
 
 /// What outlets that willis finds by itself are.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum FoundOutlets {
     /// Zero pressure, as in the paper.
     Ground,
@@ -33,7 +35,7 @@ impl FoundOutlets {
 }
 
 /// What the terminal resistances of all outlets found come to, side by side.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Total {
     /// They let this flow pass at the highest pressure of any condition, m³/s.
     Flow(f64),
@@ -42,7 +44,7 @@ pub enum Total {
 }
 
 /// The boundary conditions of a network.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Boundary {
     /// Node and condition, each node at most once, in node order.
     pub conditions: Vec<(usize, Condition)>,

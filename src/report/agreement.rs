@@ -1,9 +1,9 @@
 //! How far runs with different occlusion probabilities agree.
 
-use crate::formats::{Column, Values};
+use crate::formats::Column;
 use crate::inference::Answer;
 
-/// The columns of agreement.csv: per pair of occlusion probabilities how many vessels on trial are decided alike, and of
+/// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
 /// how many.
 pub fn agreement(decisions: &[(f64, Answer)], uncertain: &[bool]) -> Vec<Column> {
     let pairs: Vec<(usize, usize)> = (0..decisions.len()).flat_map(|i| (i + 1..decisions.len()).map(move |j| (i, j))).collect();
@@ -11,14 +11,11 @@ pub fn agreement(decisions: &[(f64, Answer)], uncertain: &[bool]) -> Vec<Column>
         let (a, b) = (&decisions[*i].1.kept, &decisions[*j].1.kept);
         a.iter().zip(b).zip(uncertain).filter(|((a, b), uncertain)| **uncertain && a == b).count()
     };
-    let real = |name, values: Vec<f64>| Column { name, values: Values::Real(values) };
+    let uncertain_count = uncertain.iter().filter(|u| **u).count();
     vec![
-        real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0).collect()),
-        real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0).collect()),
-        Column { name: "decided_alike", values: Values::Integer(pairs.iter().map(|p| same(p) as i64).collect()) },
-        Column {
-            name: "on_trial",
-            values: Values::Integer(pairs.iter().map(|_| uncertain.iter().filter(|u| **u).count() as i64).collect()),
-        },
+        Column::real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0)),
+        Column::real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0)),
+        Column::whole("decided_alike", pairs.iter().map(same)),
+        Column::whole("on_trial", pairs.iter().map(|_| uncertain_count)),
     ]
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::simulated::Simulated;
-use super::summary::{Provenance, conditions, input, outlets_found};
+use super::summary::{Provenance, conditions, outlets_found};
 use crate::hemodynamics::FoundOutlets;
 use crate::network::{Network, RadiusRule, Role};
 use crate::simulation::{Change, FlowChange, Perturbation, gains, reversals};
@@ -66,7 +66,7 @@ impl FlowRecord {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
-            input: input(provenance),
+            input: provenance.of_input(),
             parameters: json!({
                 "viscosity_cP": centipoise(simulated.viscosity),
                 "radius": radius_rule.name(),

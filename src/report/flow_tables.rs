@@ -7,17 +7,8 @@ use crate::network::Network;
 use crate::state::{State, VesselState};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
-/// The headers of what flow does in a vessel, in the network as it is and in the perturbed one.
-const FLOW: [[&str; 2]; 8] = [
-    ["resistance_mmHg_s_per_mL", "resistance_mmHg_s_per_mL_perturbed"],
-    ["drop_mmHg", "drop_mmHg_perturbed"],
-    ["flow_mL_per_min", "flow_mL_per_min_perturbed"],
-    ["velocity_mm_per_s", "velocity_mm_per_s_perturbed"],
-    ["wall_shear_Pa", "wall_shear_Pa_perturbed"],
-    ["reynolds", "reynolds_perturbed"],
-    ["resilience_W_per_m3", "resilience_W_per_m3_perturbed"],
-    ["diffused", "diffused_perturbed"],
-];
+/// What ends the header of a figure of the perturbed network.
+pub const PERTURBED: &str = "_perturbed";
 
 /// The columns of nodes.csv.
 pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
@@ -43,9 +34,9 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
 pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let (network, result) = (simulated.network, simulated.result);
     let mut columns = places(network);
-    columns.extend(flow_columns(&result.unperturbed, 0));
+    columns.extend(flow_columns(&result.unperturbed, ""));
     if let Some(perturbed) = &result.perturbed {
-        columns.extend(flow_columns(perturbed, 1));
+        columns.extend(flow_columns(perturbed, PERTURBED));
         let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
         columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
     }
@@ -64,17 +55,17 @@ fn places(network: &Network) -> Vec<Column> {
     ]
 }
 
-fn flow_columns(state: &State, which: usize) -> Vec<Column> {
-    let [resistance, drop, flow, velocity, wall_shear, reynolds, resilience, diffused] = FLOW.map(|names| names[which]);
-    let figure = |name, of: fn(&VesselState) -> f64| Column::real(name, state.vessels.iter().map(of));
+/// What flow does in each vessel; `suffix` ends the headers.
+fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
+    let figure = |name: &str, of: fn(&VesselState) -> f64| Column::real(format!("{name}{suffix}"), state.vessels.iter().map(of));
     vec![
-        figure(resistance, |v| mmhg_s_per_ml(v.resistance)),
-        figure(drop, |v| mmhg(v.drop)),
-        figure(flow, |v| ml_per_min(v.flow)),
-        figure(velocity, |v| millimetres(v.velocity)),
-        figure(wall_shear, |v| v.wall_shear),
-        figure(reynolds, |v| v.reynolds),
-        figure(resilience, |v| v.resilience),
-        Column::whole(diffused, state.vessels.iter().map(|v| usize::from(v.diffused))),
+        figure("resistance_mmHg_s_per_mL", |v| mmhg_s_per_ml(v.resistance)),
+        figure("drop_mmHg", |v| mmhg(v.drop)),
+        figure("flow_mL_per_min", |v| ml_per_min(v.flow)),
+        figure("velocity_mm_per_s", |v| millimetres(v.velocity)),
+        figure("wall_shear_Pa", |v| v.wall_shear),
+        figure("reynolds", |v| v.reynolds),
+        figure("resilience_W_per_m3", |v| v.resilience),
+        Column::whole(format!("diffused{suffix}"), state.vessels.iter().map(|v| usize::from(v.diffused))),
     ]
 }

@@ -2,19 +2,17 @@
 //! cleared after a kill.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::Duration;
 
+use super::lock::{LOCK, TRIES, lock};
 use super::ours::entries;
 use crate::error::{Error, Result};
 use crate::formats::checksum;
 
 /// How the name of everything in the making begins.
 pub const IN_THE_MAKING: &str = ".willis-";
-const LOCK: &str = "lock";
 const NEW: &str = "new";
 const OLD: &str = "old";
 /// How the name of everything begins that stays when a run does not come to its end.
@@ -23,10 +21,6 @@ const KEPT: &str = "checkpoint-";
 pub const UNFINISHED: &str = "unfinished";
 /// The longest name of an output that goes into that of the folder, in bytes.
 const LONGEST: usize = 200;
-/// How often, and how long apart, a lock is tried that another process may hold for a moment only, to clear up.
-const TRIES: usize = 25;
-const BETWEEN: Duration = Duration::from_millis(20);
-
 /// What the system says of a path that cannot be written.
 pub fn write_error(path: &Path) -> impl Fn(io::Error) -> Error + '_ {
     move |source| Error::Write { path: told(path), source }
@@ -139,65 +133,6 @@ fn folder_of(target: &Path) -> PathBuf {
         hidden.push(name);
     }
     target.with_file_name(hidden)
-}
-
-/// Why there is no lock.
-enum Refused {
-    /// Another process has it, by its number where that is known.
-    Busy(String),
-    System(io::Error),
-}
-
-impl Refused {
-    /// The error for an output.
-    fn of(self, target: &Path) -> Error {
-        match self {
-            Self::Busy(process) => {
-                let accepted = format!("another willis{process} is writing there; wait for it, or choose another --output");
-                Error::parameter("--output", target.display(), accepted)
-            }
-            Self::System(source) => Error::Write { path: target.to_owned(), source },
-        }
-    }
-}
-
-/// Makes a folder and takes its lock, which ends with the process, however that ends.
-fn lock(folder: &Path, tries: usize) -> Result<File, Refused> {
-    let path = folder.join(LOCK);
-    for at in 0..tries {
-        fs::create_dir_all(folder).map_err(Refused::System)?;
-        let file = match File::options().write(true).create(true).truncate(false).open(&path) {
-            // The folder was cleared away in this moment.
-            Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
-            opened => opened.map_err(Refused::System)?,
-        };
-        match file.try_lock() {
-            Ok(()) if is_at(&file, &path) => {
-                // For people; without it the lock is as good.
-                let _ = fs::write(&path, std::process::id().to_string());
-                return Ok(file);
-            }
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => sleep(BETWEEN),
-            // A file system without locks is no reason to stop.
-            Err(TryLockError::Error(_)) => return Ok(file),
-        }
-    }
-    let process = fs::read_to_string(&path).ok().filter(|id| !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()));
-    Err(Refused::Busy(process.map(|id| format!(" (process {id})")).unwrap_or_default()))
-}
-
-/// Whether a file that is open is still the one at a path: its last holder may have taken it away.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let same = |a: &fs::Metadata, b: &fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-    file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(a, b)| same(&a, &b))
-}
-
-#[cfg(not(unix))]
-fn is_at(_: &File, path: &Path) -> bool {
-    path.exists()
 }
 
 /// Clears a folder in the making, whose lock is held, of what was being made. An earlier output that was put aside is put back where

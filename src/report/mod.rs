@@ -5,8 +5,11 @@ pub mod cohort;
 mod disk;
 mod flow_record;
 mod flow_tables;
+mod json;
+mod lock;
 mod making;
 mod modulation;
+pub mod names;
 mod ours;
 pub mod outcome;
 pub mod page;
@@ -20,14 +23,11 @@ mod tables;
 
 pub use agreement::agreement;
 pub use flow_record::{FlowRecord, MOST_COLLATERALS};
+pub use json::{read_json, write_json, write_record};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use outcome::{GRAPH_FILE, Outcome, write_outcome};
-pub use page::FILE as PAGE_FILE;
+pub use outcome::{Outcome, write_outcome};
 pub use part_file::{read_part, write_part};
-pub use phenotype::{
-    Classified, classification_record, collateral_json, phenotype_columns, phenotype_json, phenotype_row, write_collaterals,
-    write_phenotype,
-};
+pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
 pub use simulated::{Simulated, write_simulated};
 pub use staged::{StagedFile, StagedFolder};
 pub use summary::{Provenance, Summary, candidate_parameters, outlets_found, word_of_keep};

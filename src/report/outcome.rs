@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use super::page::{self, Figure, infer_page, write_page};
+use super::json::write_record;
+use super::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
+use super::page::{Figure, infer_page, write_page};
 use super::plots::{Matrix, convergence, heat_map};
-use super::staged::{write_file, write_record};
+use super::staged::write_file;
 use super::summary::Summary;
 use super::tables::{condition_columns, node_columns, select, vessel_columns};
 use crate::error::{Error, Result};
@@ -15,8 +17,6 @@ use crate::hemodynamics::{Boundary, Circuit, steady};
 use crate::inference::{Answer, ExpectedErrors, Keep, Likelihood, Method, Snapshot, Topology, Weight, threshold};
 use crate::network::{Network, fragments};
 
-/// The over-connected graph that was sampled.
-pub const GRAPH_FILE: &str = "candidates.graphml";
 /// The largest matrix written densely, in nodes.
 pub const DENSE_LIMIT: usize = 8192;
 /// The largest network that gets a page: a browser takes seconds for so many vessels.
@@ -62,29 +62,29 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     let mut notes = Vec::new();
     let network = outcome.network;
     let vessels = vessel_columns(outcome);
-    write_file(&folder.join("edges.csv"), |out| write_csv(out, &vessels))?;
-    let kept_nodes = topology(folder, "topology", outcome, &outcome.answer.kept, &vessels, &mut notes)?;
-    write_file(&folder.join("nodes.csv"), |out| write_csv(out, &kept_nodes))?;
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
+    let kept_nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &vessels, &mut notes)?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &kept_nodes))?;
     if outcome.answer.kept == outcome.answer.above_median {
         copy(folder, ["graphml", "vtp"])?;
     } else {
-        topology(folder, "topology-median", outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+        topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
     }
     let matrix = outcome.result.matrix(network);
-    write_file(&folder.join("likelihood.npz"), |out| write_npz(out, network.node_count(), &matrix))?;
+    write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
     if network.node_count() <= DENSE_LIMIT {
-        write_file(&folder.join("likelihood.npy"), |out| write_npy(out, network.node_count(), &matrix))?;
+        write_file(&folder.join(DENSE_LIKELIHOOD), |out| write_npy(out, network.node_count(), &matrix))?;
     } else {
-        notes.push(format!("likelihood.npy is left out above {DENSE_LIMIT} nodes; likelihood.npz holds the matrix"));
+        notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
     }
-    summary.state_graph(GRAPH_FILE, &graph(&folder.join(GRAPH_FILE), outcome)?);
+    summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
     let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
     if network.vessel_count() <= PAGE_LIMIT {
         let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
-        write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
+        write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     } else {
-        notes.push(format!("{} is left out above {PAGE_LIMIT} vessels; topology.vtp opens in ParaView", page::FILE));
+        notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));
     }
     Ok(notes)
 }
@@ -92,7 +92,7 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
 /// Gives the topology above the median the files of the kept one, which it is.
 fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
     for ending in endings {
-        let (from, to) = (folder.join(format!("topology.{ending}")), folder.join(format!("topology-median.{ending}")));
+        let [from, to] = [TOPOLOGY, MEDIAN_TOPOLOGY].map(|name| folder.join(format!("{name}.{ending}")));
         if from.exists() {
             std::fs::copy(&from, &to).map_err(|source| Error::Write { path: to, source })?;
         }
@@ -139,47 +139,46 @@ fn topology(
     write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
     if graph.has_positions() {
         write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
-        if name == "topology" {
+        if name == TOPOLOGY {
             if is_forest(&graph) {
                 write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
             } else {
                 notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
             }
         }
-    } else if name == "topology" {
+    } else if name == TOPOLOGY {
         notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
     }
     Ok(nodes)
 }
 
 fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
-    let entries: Vec<(usize, usize, f64)> = matrix.iter().map(|(a, b, l)| (*a as usize, *b as usize, *l)).collect();
-    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: &entries })?;
+    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix }, outcome.weight)?;
     matrix.write(folder, dpi)?;
     let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
     let matrix = Figure::new("Likelihood matrix", says, &matrix)?;
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
-    let trial: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
+    let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
     let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
-    let series: Vec<Vec<f64>> = (0..trial.len()).map(mean).collect();
-    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &trial, s)).collect();
-    let kept: Vec<bool> = trial.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let traces = convergence(&samples, &series, &threshold, &kept)?;
+    let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
+    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &uncertain, s)).collect();
+    let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
+    let traces = convergence(&samples, &series, &threshold, &kept, outcome.weight)?;
     traces.write(folder, dpi)?;
     let says = if threshold.iter().any(|cut| !cut.is_nan()) {
-        "The mean contribution per sample of every vessel on trial against the number of samples, and the threshold; \
+        "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \
          lines that are still moving at the right end call for more samples."
     } else {
-        "The mean contribution per sample of every vessel on trial against the number of samples; \
+        "The mean contribution per sample of every uncertain vessel against the number of samples; \
          lines that are still moving at the right end call for more samples."
     };
     Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
-fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot) -> f64 {
+fn running_threshold(outcome: &Outcome<'_>, uncertain: &[usize], snapshot: &Snapshot) -> f64 {
     match outcome.rule {
         Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) => return f64::NAN,
         Keep::Value(x) => return x / outcome.result.samples as f64,
@@ -187,9 +186,9 @@ fn running_threshold(outcome: &Outcome<'_>, trial: &[usize], snapshot: &Snapshot
     }
     let so_far = Likelihood {
         likelihood: snapshot.likelihood.clone(),
-        std_error: vec![0.0; trial.len()],
-        frequency: vec![0.0; trial.len()],
-        uncertain: vec![true; trial.len()],
+        std_error: vec![0.0; uncertain.len()],
+        frequency: vec![0.0; uncertain.len()],
+        uncertain: vec![true; uncertain.len()],
         network_resilience: 0.0,
         residual: 0.0,
         samples: 1,

@@ -20,7 +20,7 @@ fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
     }
 }
 
-/// Writes a part of a run, all float64, with m nodes of the dyadic tree of blocks, V vessels, T of them on trial:
+/// Writes a part of a run, all float64, with m nodes of the dyadic tree of blocks, V vessels, T of them uncertain:
 ///
 /// - `run` (2): samples of the whole run, blocks between two points of the convergence record
 /// - `blocks` (m, 2): first block and number of blocks of each node; `samples` (m), `rho_G` (m): Σ ρ_G in it, W/m³; `residual` (m)
@@ -33,7 +33,7 @@ fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
 pub fn write_part(out: impl Write + Seek, part: &Part) -> io::Result<()> {
     let (m, k) = (part.nodes().len(), part.steps().len());
     let vessels = part.uncertain().len();
-    let on_trial = part.uncertain().iter().filter(|u| **u).count();
+    let uncertain_count = part.uncertain().iter().filter(|u| **u).count();
     let array =
         |name: &str, shape: &[usize], values: Vec<f64>| NamedArray { name: name.to_owned(), shape: shape.to_vec(), values };
     let small = [
@@ -48,12 +48,12 @@ pub fn write_part(out: impl Write + Seek, part: &Part) -> io::Result<()> {
     });
     let steps = array("step", &[k], part.steps().map(|(at, _)| at as f64).collect());
     let trace = std::iter::once_with(|| {
-        array("trace", &[k, on_trial], part.steps().flat_map(|(_, likelihood)| likelihood.iter().copied()).collect())
+        array("trace", &[k, uncertain_count], part.steps().flat_map(|(_, likelihood)| likelihood.iter().copied()).collect())
     });
     write_arrays(out, small.into_iter().chain(large).chain([steps]).chain(trace))
 }
 
-/// Reads what [`write_part`] wrote of a run with these vessels on trial.
+/// Reads what [`write_part`] wrote of a run with these vessels uncertain.
 ///
 /// # Errors
 ///
@@ -71,7 +71,7 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<Part, Fault> {
         Ok(array.values)
     };
     let vessels = uncertain.len();
-    let on_trial = uncertain.iter().filter(|u| **u).count();
+    let uncertain_count = uncertain.iter().filter(|u| **u).count();
     let wrong = |item: &str| Fault::item(format!("array {item}"), "no values of a part of a run", WRITTEN_BY);
     let whole = |x: f64| ((0.0..=MOST_SAMPLES).contains(&x) && x.fract() == 0.0).then_some(x as u64);
     let run = take("run", 1)?;
@@ -95,13 +95,13 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<Part, Fault> {
         let sums = Sums { likelihood, square, count, network_resilience: rho[at], residual: residual[at], samples };
         part.insert(first, blocks, sums, &mut Vec::new());
     }
-    let (steps, trace) = (take("step", 1)?, take("trace", on_trial)?);
-    if trace.len() != steps.len() * on_trial {
+    let (steps, trace) = (take("step", 1)?, take("trace", uncertain_count)?);
+    if trace.len() != steps.len() * uncertain_count {
         return Err(wrong("trace"));
     }
     for (at, step) in steps.iter().enumerate() {
         let number = whole(*step).filter(|n| part.holds_step(*n)).ok_or_else(|| wrong("step"))?;
-        part.insert_step(number, trace[at * on_trial..(at + 1) * on_trial].to_vec());
+        part.insert_step(number, trace[at * uncertain_count..(at + 1) * uncertain_count].to_vec());
     }
     if !part.is_traced() {
         return Err(wrong("step"));

@@ -4,10 +4,12 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::json::write_json;
+use super::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
 use super::staged::write_file;
-use super::summary::{Provenance, input};
+use super::summary::Provenance;
 use crate::error::Result;
-use crate::formats::{Column, plain, write_csv};
+use crate::formats::{Column, write_csv};
 use crate::network::Network;
 use crate::phenotype::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::units::ml_per_min;
@@ -102,21 +104,24 @@ fn rows(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
     RING.into_iter().zip(variant.present).chain(feeders)
 }
 
-/// The names of the columns of phenotype.csv.
-pub fn phenotype_columns() -> Vec<String> {
-    let mut columns = ["subject", "variant", "completeness"].map(str::to_owned).to_vec();
-    columns.extend(rows(&Variant::COMPLETE).map(|(artery, _)| artery.to_string()));
-    columns.extend(["fetal_L-PCA", "fetal_R-PCA", "third_A2"].map(str::to_owned));
-    columns.extend(FENESTRATED.map(|artery| format!("fenestrated_{artery}")));
+/// The columns of phenotype.csv, of one row.
+fn phenotype_columns(subject: &str, variant: &Variant, posterior: Option<&Posterior>) -> Vec<Column> {
+    let text = |name: &'static str, text: &str| Column::text(name, [text.to_owned()].into_iter());
+    let flag = |name: String, flag: bool| Column::whole(name, [usize::from(flag)].into_iter());
+    let share = |name: String, share: f64| Column::real(name, [share].into_iter());
+    let mut columns =
+        vec![text("subject", subject), text("variant", &variant.name()), text("completeness", variant.completeness().name())];
+    columns.extend(rows(variant).map(|(artery, present)| flag(artery.to_string(), present)));
+    let [left, right] = variant.fetal;
+    let others = [("fetal_L-PCA", left), ("fetal_R-PCA", right), ("third_A2", variant.third_a2)];
+    columns.extend(others.map(|(name, is)| flag(name.to_owned(), is)));
+    let fenestrated = FENESTRATED.iter().zip(variant.fenestration);
+    columns.extend(fenestrated.map(|(artery, is)| flag(format!("fenestrated_{artery}"), is)));
+    if let Some(posterior) = posterior {
+        columns.push(share("p_variant".to_owned(), posterior.probability()));
+        columns.extend(RING.iter().zip(posterior.segments).map(|(artery, p)| share(format!("p_{artery}"), p)));
+    }
     columns
-}
-
-/// The row of a subject in phenotype.csv, in the order of [`phenotype_columns`].
-pub fn phenotype_row(subject: &str, variant: &Variant) -> Vec<String> {
-    let mut row = vec![subject.to_owned(), variant.name(), variant.completeness().name().to_owned()];
-    let flags = rows(variant).map(|(_, present)| present).chain(variant.fetal).chain([variant.third_a2]);
-    row.extend(flags.chain(variant.fenestration).map(|flag| u8::from(flag).to_string()));
-    row
 }
 
 /// The record of a classification.
@@ -124,7 +129,7 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
     json!({
         "willis": env!("CARGO_PKG_VERSION"),
         "command": provenance.command,
-        "input": input(provenance),
+        "input": provenance.of_input(),
         "parameters": { "arteries": classified.known_by },
         "landmarks": classified.landmarks,
         "counts": {
@@ -150,24 +155,9 @@ pub fn write_phenotype(
     posterior: Option<&Posterior>,
     phenotype: &Value,
 ) -> Result<()> {
-    write_file(&folder.join("phenotype.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, phenotype)?;
-        std::io::Write::write_all(out, b"\n")
-    })?;
-    let (mut columns, mut row) = (phenotype_columns(), phenotype_row(subject, variant));
-    if let Some(posterior) = posterior {
-        columns.push("p_variant".to_owned());
-        row.push(posterior.probability().to_string());
-        columns.extend(RING.iter().map(|artery| format!("p_{artery}")));
-        row.extend(posterior.segments.iter().map(f64::to_string));
-    }
-    row[0] = plain(subject).into_owned();
-    write_file(&folder.join("phenotype.csv"), |out| {
-        let mut csv = csv::Writer::from_writer(out);
-        csv.write_record(columns)?;
-        csv.write_record(row)?;
-        csv.flush()
-    })
+    write_json(&folder.join(PHENOTYPE), phenotype)?;
+    let columns = phenotype_columns(subject, variant, posterior);
+    write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &columns))
 }
 
 /// What the circle makes of the loss of each feeder: per feeder the artery that takes over, per territory the share of its flow that is
@@ -208,5 +198,5 @@ pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()
         real("residual_share", |before, after| if before > 0.0 { after / before } else { f64::NAN }),
         Column::whole("takes_over", rows.iter().map(|row| usize::from(row.5))),
     ];
-    write_file(&folder.join("collateral.csv"), |out| write_csv(out, &columns))
+    write_file(&folder.join(COLLATERAL), |out| write_csv(out, &columns))
 }

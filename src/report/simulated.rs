@@ -5,9 +5,11 @@ use std::path::Path;
 
 use super::flow_record::FlowRecord;
 use super::flow_tables::{node_columns, vessel_columns};
-use super::page::{self, Figure, simulation_page, write_page};
+use super::json::write_record;
+use super::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use super::page::{Figure, simulation_page, write_page};
 use super::plots::{VesselFlow, flow_bars};
-use super::staged::{write_file, write_record};
+use super::staged::write_file;
 use crate::error::Result;
 use crate::formats::{write_csv, write_vtp};
 use crate::hemodynamics::Boundary;
@@ -38,11 +40,11 @@ pub struct Simulated<'a> {
 pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRecord, dpi: u32) -> Result<Vec<String>> {
     let mut notes = Vec::new();
     let vessels = vessel_columns(simulated);
-    write_file(&folder.join("edges.csv"), |out| write_csv(out, &vessels))?;
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
     let nodes = node_columns(simulated);
-    write_file(&folder.join("nodes.csv"), |out| write_csv(out, &nodes))?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
     if simulated.network.has_positions() {
-        write_file(&folder.join("topology.vtp"), |out| write_vtp(out, simulated.network, &vessels))?;
+        write_file(&folder.join(format!("{TOPOLOGY}.vtp")), |out| write_vtp(out, simulated.network, &vessels))?;
     } else {
         notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
     }
@@ -52,7 +54,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     let figures = vec![Figure::new("Flow", says, &bars)?];
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
-    write_file(&folder.join(page::FILE), |out| write_page(out, &page))?;
+    write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 

@@ -1,15 +1,15 @@
 //! Output that appears whole or not at all: written beside its place, brought onto the disk, then renamed.
 
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::disk::DiskFile;
 use super::making::{IN_THE_MAKING, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error};
 pub use super::making::{Making, told};
-pub use super::ours::{COHORT_MARK, FAILURE_MARK, SHARD_MARK, is_of_cohort};
-use super::ours::{MARK, entries, stranger};
+pub use super::ours::is_of_cohort;
+use super::ours::{entries, stranger};
 use crate::error::{Error, Result};
 
 /// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
@@ -196,18 +196,6 @@ impl StagedFile {
     pub fn commit(self) -> Result<()> {
         self.making.put()
     }
-}
-
-/// Writes the record of a run into its folder.
-///
-/// # Errors
-///
-/// As [`write_file`].
-pub fn write_record(folder: &Path, record: &impl serde::Serialize) -> Result<()> {
-    write_file(&folder.join(MARK), |out| {
-        serde_json::to_writer_pretty(&mut *out, record)?;
-        out.write_all(b"\n")
-    })
 }
 
 /// Writes a file that takes the place of an earlier one whole or not at all.

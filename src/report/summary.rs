@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use crate::candidates::{self, Attach, CandidateRadius};
 use crate::hemodynamics::boundary::Total;
 use crate::hemodynamics::{Boundary, FoundOutlets};
-use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z};
+use crate::inference::{Keep, Params, Topology, UNDECIDED_BAND, UNDECIDED_Z, Weight};
 use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 
@@ -75,9 +75,19 @@ pub fn word_of_keep(keep: Keep) -> String {
     }
 }
 
-/// The input by path, format, checksum and unit.
-pub(super) fn input(provenance: &Provenance) -> Value {
-    json!({ "path": provenance.input, "format": provenance.format, "sha256": provenance.sha256, "units": provenance.units })
+/// The unit of L.
+pub(super) fn unit_of(weight: Weight) -> &'static str {
+    match weight {
+        Weight::Resilience | Weight::Global => "W/m\u{b3}",
+        Weight::Count => "samples",
+    }
+}
+
+impl Provenance {
+    /// The input by path, format, checksum and unit, as every record has it.
+    pub fn of_input(&self) -> Value {
+        json!({ "path": self.input, "format": self.format, "sha256": self.sha256, "units": self.units })
+    }
 }
 
 /// What outlets that were found are.
@@ -161,7 +171,7 @@ impl Summary {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
-            input: input(provenance),
+            input: provenance.of_input(),
             seed: params.seed,
             parameters: json!({
                 "epsilon": params.epsilon,

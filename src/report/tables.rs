@@ -41,5 +41,5 @@ pub fn select(columns: &[Column], rows: &[usize]) -> Vec<Column> {
         Values::Integer(v) => Values::Integer(rows.iter().map(|r| v[*r]).collect()),
         Values::Text(v) => Values::Text(rows.iter().map(|r| v[*r].clone()).collect()),
     };
-    columns.iter().map(|c| Column { name: c.name, values: pick(&c.values) }).collect()
+    columns.iter().map(|c| Column { name: c.name.clone(), values: pick(&c.values) }).collect()
 }

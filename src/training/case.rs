@@ -8,10 +8,10 @@ use crate::candidates::evidence::Extraction;
 use crate::candidates::prior::{Answer, Case};
 use crate::centerline::WELD_TOLERANCE;
 use crate::error::{Fault, Result};
-use crate::formats::conditions::read_csv;
+use crate::formats::conditions::read_inlets;
 use crate::formats::{Content, ReadOptions, bytes_of, read as read_file, read_links};
 use crate::geometry::distance;
-use crate::network::{Network, RadiusRule, Role, contract, locate};
+use crate::network::{Network, RadiusRule, contract, locate};
 use crate::units::millimetres;
 
 /// An end of a listed bridge is a point no more than so many spacings away.
@@ -68,11 +68,10 @@ fn network(folder: &CaseFolder) -> Result<(Network, Vec<String>)> {
 fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
     let bytes = bytes_of(path)?;
     let wrong = |fault: Fault| fault.in_file(path);
-    let text = std::str::from_utf8(&bytes).map_err(|_| wrong(Fault::file("not UTF-8", "expected x_mm,y_mm,z_mm")))?;
     let mut out = Vec::new();
-    for statement in read_csv(text).map_err(wrong)?.into_iter().filter(|s| s.role == Role::Inlet) {
+    for statement in read_inlets(&bytes).map_err(wrong)? {
         let found = locate(network, &statement.spec);
-        out.push(found.map_err(|why| wrong(Fault::item(&statement.place, &statement.spec, why)))?.node);
+        out.push(found.map_err(|why| wrong(statement.fault(why)))?.node);
     }
     Ok(out)
 }

@@ -2,10 +2,12 @@
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::formats::{Content, Document, ReadOptions, read};
+use willis::formats::convert::{Target, write_into};
+use willis::formats::{Content, Document, ReadOptions, read, write_loops};
 use willis::network::{Network, RadiusRule, contract};
 use willis::units::millimetres;
 
@@ -91,4 +93,16 @@ pub fn truncated(files: &[(&str, &[u8])], step: usize, options: &ReadOptions) ->
         }
     }
     whole
+}
+
+/// The files of a conversion with their bytes, the one that was named first.
+pub fn converted(network: &Network, target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
+    let (mut vessels, mut nodes, mut loops) = (Vec::new(), Vec::new(), Vec::new());
+    let written =
+        write_into(network, target, Cursor::new(&mut vessels), &mut nodes).unwrap_or_else(|e| panic!("{target:?}: {e}"));
+    write_loops(&mut loops, &written.loops).expect("a table");
+    let mut files = vec![(target.path.clone(), vessels)];
+    files.extend(target.nodes.clone().map(|path| (path, nodes)));
+    files.extend((!written.loops.is_empty()).then(|| (target.loops(), loops)));
+    files
 }

@@ -2,12 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::{Item, Name, Records};
+use super::{AREA, Item, Name, RESISTANCE, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::distance;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::units::{Scale, metres, pascal_seconds_per_cubic_metre};
+
+/// What an edge is asked for beside its sizes.
+pub(super) const ASKED: [&str; 11] =
+    ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should know.
 pub(in super::super) fn vessels(
@@ -80,7 +84,7 @@ pub(in super::super) fn vessels(
     }
     for (name, edges) in names {
         let means = match name {
-            "avgCrossSection" => "sqrt(avgCrossSection/π)".to_owned(),
+            AREA => "sqrt(avgCrossSection/π)".to_owned(),
             "diameter" | "d" => format!("half of {name}"),
             name => name.to_owned(),
         };
@@ -114,9 +118,8 @@ fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
 
 /// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
 fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
-    const KEY: &str = "resistance_mmHg_s_per_mL";
-    match item.real(KEY)?.filter(|r| !r.is_nan()) {
-        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{KEY} {r}"), "expected a positive number")),
+    match item.real(RESISTANCE)?.filter(|r| !r.is_nan()) {
+        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
         stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
     }
 }

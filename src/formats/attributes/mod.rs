@@ -16,36 +16,18 @@ use crate::error::Fault;
 use crate::geometry::radius_of;
 use crate::units::{Scale, metres};
 
+/// What may hold a size where nothing has the name of a radius.
+const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
+/// A cross-section area.
+const AREA: &str = "avgCrossSection";
+/// Of an edge in the place of Poiseuille's law, of a node behind it.
+const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
+
 /// Whether anything here asks for an attribute of this name, or names it in a message.
 pub(super) fn is_wanted(name: &str) -> bool {
-    const OF_NODES: [&str; 19] = [
-        "x_mm",
-        "y_mm",
-        "z_mm",
-        "x",
-        "y",
-        "z",
-        "X",
-        "Y",
-        "Z",
-        "pos_x",
-        "pos_y",
-        "pos_z",
-        "pos",
-        "label",
-        "role",
-        "alone",
-        "pressure_mmHg",
-        "venous_pressure_mmHg",
-        "flow_mL_per_min",
-    ];
-    const OF_EDGES: [&str; 10] =
-        ["origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
-    const SIZES: [&str; 5] = ["avgCrossSection", "diameter", "r", "d", "resistance_mmHg_s_per_mL"];
     let lower = name.to_ascii_lowercase();
-    lower.contains("radius")
-        || lower.contains("length")
-        || [&OF_NODES[..], &OF_EDGES, &SIZES].iter().any(|names| names.contains(&name))
+    let asked = [node::POSITIONS.as_flattened(), &node::ASKED, &edge::ASKED, &SIZES];
+    lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
 /// A node or edge, which knows what to call itself in a message.
@@ -135,8 +117,8 @@ impl<'a> Item<'a> {
         if let Some(radius) = self.real("radius")? {
             return Ok(Some(("radius", scale.length(radius))));
         }
-        if let Some(area) = self.real("avgCrossSection")?.filter(|area| is_radius(*area)) {
-            return Ok(Some(("avgCrossSection", scale.length(radius_of(area)))));
+        if let Some(area) = self.real(AREA)?.filter(|area| is_radius(*area)) {
+            return Ok(Some((AREA, scale.length(radius_of(area)))));
         }
         for (key, share) in [("radius_avg", 1.0), ("avgRadiusAvg", 1.0), ("diameter", 0.5)] {
             if let Some(size) = self.real(key)? {

@@ -1,12 +1,19 @@
 //! Nodes of a ready graph: position, radius, label, role and boundary condition.
 
+use super::super::graph_columns::PLACE;
 use super::super::number::number;
-use super::{Item, Name, Records};
+use super::{Item, Name, RESISTANCE, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
 use crate::geometry::Point;
 use crate::network::{Condition, Node, Role};
 use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
+
+/// Where a node may say that it is; the first is in mm, the others are in the unit of the file.
+pub(super) const POSITIONS: [[&str; 3]; 4] = [PLACE, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
+/// What else a node is asked for.
+pub(super) const ASKED: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", "venous_pressure_mmHg", FLOW];
+const FLOW: &str = "flow_mL_per_min";
 
 /// The nodes of records, each with its id, which must be unique.
 pub(in super::super) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -> Result<Vec<Node>, Fault> {
@@ -39,13 +46,12 @@ pub(in super::super) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale:
     Ok(nodes)
 }
 
-/// The first of x_mm y_mm z_mm (always mm), x y z, X Y Z, pos_x pos_y pos_z and pos (in the unit of the file) that is there
-/// at all.
+/// The first of [`POSITIONS`] and pos (in the unit of the file) that is there at all.
 fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
-    for keys in [["x_mm", "y_mm", "z_mm"], ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]] {
+    for keys in POSITIONS {
         match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
             [None, None, None] => {}
-            [Some(x), Some(y), Some(z)] if keys[0] == "x_mm" => return Ok(Some([x, y, z].map(metres))),
+            [Some(x), Some(y), Some(z)] if keys == PLACE => return Ok(Some([x, y, z].map(metres))),
             [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
             some => {
                 let missing = keys.iter().zip(some).find(|(_, value)| value.is_none()).map_or("", |(key, _)| *key);
@@ -67,8 +73,6 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
 /// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
 /// stands over a pressure, which is then the result of an earlier run.
 fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
-    const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
-    const FLOW: &str = "flow_mL_per_min";
     let pressure = item.finite("pressure_mmHg")?;
     let resistance = item.finite(RESISTANCE)?;
     let venous = item.finite("venous_pressure_mmHg")?;

@@ -2,6 +2,7 @@
 
 use super::super::skeleton::is_straight;
 use super::super::sniff::Format;
+use super::super::voreen::has_whole_ids;
 use super::consists_of_lines;
 use super::lines::has_no_course;
 use crate::geometry::distance;
@@ -36,18 +37,13 @@ fn lacks(format: Format, network: &Network) -> Vec<Thing> {
         Format::GraphMl | Format::Csv => vec![],
         Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
         Format::Npz | Format::VesselVio if is_straight(network) => vec![Ids, Statements, Conditions, Radii],
-        Format::Swc | Format::ICafe | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
-        Format::Voreen if whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
+        Format::Swc | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
+        Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
         Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
-        Format::Points | Format::Markups | Format::Tre | Format::VTrails => {
+        Format::Points | Format::Markups | Format::Tre | Format::ICafe | Format::VTrails => {
             vec![Figures, Ids, LoneNodes, Statements, Conditions]
         }
     }
-}
-
-/// Whether all ids are whole numbers.
-fn whole_ids(network: &Network) -> bool {
-    network.nodes().all(|n| n.id.parse::<u64>().is_ok_and(|id| id.to_string() == n.id))
 }
 
 /// What gets lost when the network is written in a format, in words, one thing each.

@@ -9,11 +9,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use self::lines::with_lines;
+use super::beside::nodes_path;
 use super::skeleton::is_straight;
 use super::sniff::Format;
 use super::{
-    Digits, graph_columns, pair, write_csv_graph, write_graphml, write_loops, write_markups, write_points, write_skeleton_npz,
-    write_swc, write_tre, write_vesselvio, write_voreen, write_vtk, write_vtp,
+    graph_columns, write_csv_graph, write_graphml, write_markups, write_points, write_skeleton_npz, write_swc, write_tre,
+    write_vesselvio, write_voreen, write_vtk, write_vtp,
 };
 use crate::error::{Error, Result};
 use crate::network::Network;
@@ -70,7 +71,7 @@ impl Target {
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
-            Format::Csv | Format::Voreen | Format::VesselVio => Some(pair::nodes_path(path).ok_or_else(|| {
+            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_path(path).ok_or_else(|| {
                 Error::parameter("output", path.display(), "is the name of the table of nodes; expected that of the vessels")
             })?),
             _ => None,
@@ -82,28 +83,6 @@ impl Target {
     pub fn loops(&self) -> PathBuf {
         self.path.with_extension("loops.csv")
     }
-}
-
-/// The files of a conversion with their bytes, and what a person should know about them.
-pub type Files = (Vec<(PathBuf, Vec<u8>)>, Vec<String>);
-
-/// Writes a network into memory as the files of a target, the one that was named first.
-///
-/// # Errors
-///
-/// A network that the format cannot hold at all: without positions where the format consists of them.
-pub fn write(network: &Network, target: &Target) -> Result<Files> {
-    let (mut vessels, mut nodes) = (Vec::new(), Vec::new());
-    let refuse = |error: io::Error| refusal(target, &error);
-    let written = write_into(network, target, io::Cursor::new(&mut vessels), &mut nodes).map_err(refuse)?;
-    let mut files = vec![(target.path.clone(), vessels)];
-    files.extend(target.nodes.clone().map(|path| (path, nodes)));
-    if !written.loops.is_empty() {
-        let mut table = Vec::new();
-        write_loops(&mut table, &written.loops).map_err(refuse)?;
-        files.push((target.loops(), table));
-    }
-    Ok((files, written.notes))
 }
 
 /// That a target cannot hold a network, for an error of the kind `InvalidInput` that [`write_into`] gives.
@@ -143,9 +122,9 @@ pub fn write_into(
         network
     };
     match target.format {
-        Format::Swc | Format::ICafe => written.loops = write_swc(&mut vessels, network)?,
+        Format::Swc => written.loops = write_swc(&mut vessels, network)?,
         Format::Vtp => write_vtp(&mut vessels, network, &graph_columns(network).1)?,
-        Format::Vtk => write_vtk(&mut vessels, network, &graph_columns(network).1, Digits::Ascii)?,
+        Format::Vtk => write_vtk(&mut vessels, network, &graph_columns(network).1)?,
         Format::GraphMl => {
             let (of_nodes, of_vessels) = graph_columns(network);
             write_graphml(&mut vessels, network, &of_nodes, &of_vessels)?;
@@ -157,7 +136,7 @@ pub fn write_into(
         Format::Markups => write_markups(&mut vessels, network)?,
         Format::Tre => write_tre(&mut vessels, network)?,
         Format::Npz => write_skeleton_npz(&mut vessels, network)?,
-        Format::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
+        Format::ICafe | Format::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
     }
     if !written.loops.is_empty() {
         let path = target.loops();

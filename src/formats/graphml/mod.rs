@@ -5,5 +5,4 @@ mod read;
 mod write;
 
 pub use read::read_graphml;
-pub(super) use read::stream_graphml;
 pub use write::write_graphml;

@@ -30,18 +30,13 @@ enum End {
     Id(String),
 }
 
-/// Reads a graph with its nodes and edges in the order of the file; returns also what a person should know.
+/// Reads a graph with its nodes and edges in the order of the file, of which it keeps what it needs alone; returns also what a person should know.
 ///
 /// # Errors
 ///
 /// XML that is not well-formed or declares entities, more or fewer than one graph, a nested graph, hyperedge or port, a key
 /// that is not declared, a node id that comes twice, an edge to a node that does not exist, an attribute that is wrong.
-pub fn read_graphml(bytes: &[u8], scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
-    stream_graphml(bytes, scale)
-}
-
-/// The same from a stream, of which it keeps what it needs alone.
-pub(in super::super) fn stream_graphml(input: impl BufRead, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_graphml(input: impl BufRead, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
     let mut events = Events::new(input);
     let mut graph = Graph::default();
     let mut graphs = 0;

@@ -58,7 +58,7 @@ fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
             Values::Integer(_) => "long",
             Values::Text(_) => "string",
         };
-        writeln!(out, r#"  <key id="{on}{n}" for="{on}" attr.name="{}" attr.type="{kind}"/>"#, escape(column.name))?;
+        writeln!(out, r#"  <key id="{on}{n}" for="{on}" attr.name="{}" attr.type="{kind}"/>"#, escape(&column.name))?;
     }
     Ok(())
 }

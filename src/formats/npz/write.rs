@@ -6,6 +6,7 @@ use ndarray::{Array1, Array2};
 use ndarray_npy::{WritableElement, WriteNpyExt};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
+use super::super::polyline::positions;
 use super::super::skeleton::{is_straight, skeleton};
 use crate::geometry::Point;
 use crate::network::Network;
@@ -23,10 +24,7 @@ use crate::units::millimetres;
 pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
     let mut zip = ZipWriter::new(out);
     let names: Vec<&str> = if is_straight(network) {
-        if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id)));
-        }
-        let points: Vec<Point> = network.nodes().filter_map(|n| n.position).collect();
+        let points = positions(network)?;
         let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
         write(&mut zip, "coords", &coords(points.iter()))?;
         write(&mut zip, "edges", &edges(&links))?;

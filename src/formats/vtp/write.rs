@@ -52,7 +52,7 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     writeln!(out, "      </PointData>")?;
     writeln!(out, "      <CellData>")?;
     for column in vessel_columns {
-        let name = escape(column.name);
+        let name = escape(&column.name);
         match &column.values {
             Values::Real(values) => {
                 array(&mut out, &format!(r#"type="Float64" Name="{name}""#), &reals(&mut values.iter().copied()))?;

@@ -1,13 +1,14 @@
 //! An XML file as a stream of elements and texts: no document in memory, no entities of its own, bounded depth.
 
 use std::borrow::Cow;
-use std::io::{self, BufRead, Read};
+use std::io::BufRead;
 
 use quick_xml::escape::resolve_xml_entity;
 use quick_xml::events::Event;
 use quick_xml::events::attributes::{Attribute, Attributes};
 use quick_xml::{Error, Reader, XmlVersion};
 
+use super::lines::Lines;
 use crate::error::Fault;
 
 /// Elements within elements at the most.
@@ -50,43 +51,10 @@ pub(in super::super) struct Events<R> {
     rooted: bool,
 }
 
-/// Counts the line ends that pass.
-struct Lines<R> {
-    inner: R,
-    passed: usize,
-    /// Line ends since the last byte that is no blank.
-    trailing: usize,
-}
-
-impl<R: BufRead> Read for Lines<R> {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        self.inner.read(out)
-    }
-}
-
-impl<R: BufRead> BufRead for Lines<R> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, amount: usize) {
-        let passed = self.inner.fill_buf().unwrap_or_default();
-        let passed = &passed[..amount.min(passed.len())];
-        let ends = |part: &[u8]| part.iter().fold(0, |sum, b| sum + usize::from(*b == b'\n'));
-        let all = ends(passed);
-        self.passed += all;
-        match passed.iter().rposition(|b| !b.is_ascii_whitespace()) {
-            Some(last) => self.trailing = ends(&passed[last..]),
-            None => self.trailing += all,
-        }
-        self.inner.consume(amount);
-    }
-}
-
 impl<R: BufRead> Events<R> {
     /// At the start of a file in UTF-8.
     pub(in super::super) fn new(input: R) -> Self {
-        let mut reader = Reader::from_reader(Lines { inner: input, passed: 0, trailing: 0 });
+        let mut reader = Reader::from_reader(Lines::new(input));
         reader.config_mut().expand_empty_elements = true;
         Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
     }

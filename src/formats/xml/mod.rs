@@ -1,6 +1,7 @@
 //! What the XML formats share: the name of the root element, a stream of elements and texts, escaping.
 
 mod events;
+mod lines;
 mod tree;
 
 pub(super) use events::{Events, Step, Tag};

@@ -6,8 +6,10 @@ mod tables;
 
 use std::path::Path;
 
-use super::page::{self, Figure, ModulationTables, modulation_page, write_page};
-use super::staged::{write_file, write_record};
+use super::json::write_record;
+use super::names;
+use super::page::{Figure, ModulationTables, modulation_page, write_page};
+use super::staged::write_file;
 use super::summary::Provenance;
 use crate::error::Result;
 use crate::formats::{NamedArray, write_arrays, write_csv};
@@ -68,15 +70,15 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
         hypertension: tables::hypertension_columns(outcome),
     };
     for (name, columns) in [
-        ("classes.csv", &tables.classes),
-        ("nodes.csv", &tables.nodes),
-        ("edges.csv", &tables.vessels),
-        ("hypertension.csv", &tables.hypertension),
+        (names::CLASSES, &tables.classes),
+        (names::NODES, &tables.nodes),
+        (names::EDGES, &tables.vessels),
+        (names::HYPERTENSION, &tables.hypertension),
     ] {
         write_file(&folder.join(name), |out| write_csv(out, columns))?;
     }
     if samples {
-        write_file(&folder.join("samples.npz"), |out| write_arrays(out, arrays(outcome)))?;
+        write_file(&folder.join(names::INSTANCES), |out| write_arrays(out, arrays(outcome)))?;
     }
     let mut figures = Vec::new();
     for (title, says, picture) in
@@ -88,7 +90,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     let record = record::Record::of(outcome);
     write_record(folder, &record)?;
     let page = modulation_page(outcome, &record, tables, figures);
-    write_file(&folder.join(page::FILE), |out| write_page(out, &page))
+    write_file(&folder.join(names::PAGE), |out| write_page(out, &page))
 }
 
 const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::ModulationOutcome;
 use crate::modulation::{Hypertension, Instances};
 use crate::network::Role;
-use crate::report::summary::{conditions, input, outlets_found};
+use crate::report::summary::{conditions, outlets_found};
 use crate::stats::Distribution;
 use crate::units::{centipoise, ml_per_min, mmhg_per_mm2};
 
@@ -54,7 +54,7 @@ impl<'a> Record<'a> {
         Self {
             willis: env!("CARGO_PKG_VERSION"),
             command: &provenance.command,
-            input: input(provenance),
+            input: provenance.of_input(),
             seed: params.seed,
             parameters: json!({
                 "classes": params.classes.iter().map(ToString::to_string).collect::<Vec<_>>(),

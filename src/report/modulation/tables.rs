@@ -1,22 +1,10 @@
 //! The tables of a resistance modulation, one row a distribution.
 
 use super::ModulationOutcome;
-use crate::formats::{Column, Values};
+use crate::formats::Column;
 use crate::modulation::{Class, Hypertension, Instances};
 use crate::stats::Distribution;
 use crate::units::{ml_per_min, mmhg, mmhg_per_mm2};
-
-fn real(name: &'static str, values: Vec<f64>) -> Column {
-    Column { name, values: Values::Real(values) }
-}
-
-fn text(name: &'static str, values: Vec<String>) -> Column {
-    Column { name, values: Values::Text(values) }
-}
-
-fn whole(name: &'static str, values: impl Iterator<Item = usize>) -> Column {
-    Column { name, values: Values::Integer(values.map(|v| v as i64).collect()) }
-}
 
 /// A figure by class: its distribution, and its value in the unperturbed network.
 struct Row {
@@ -30,21 +18,21 @@ struct Row {
 }
 
 fn distribution_columns(rows: &[Row]) -> Vec<Column> {
-    let quantile = |at: usize| rows.iter().map(|r| r.distribution.quantiles[at]).collect();
+    let quantile = |at: usize| rows.iter().map(move |r| r.distribution.quantiles[at]);
     vec![
-        real("mean", rows.iter().map(|r| r.distribution.mean).collect()),
-        real("std", rows.iter().map(|r| r.distribution.std).collect()),
-        real("q05", quantile(0)),
-        real("q25", quantile(1)),
-        real("median", quantile(2)),
-        real("q75", quantile(3)),
-        real("q95", quantile(4)),
-        real("unperturbed", rows.iter().map(|r| r.unperturbed).collect()),
+        Column::real("mean", rows.iter().map(|r| r.distribution.mean)),
+        Column::real("std", rows.iter().map(|r| r.distribution.std)),
+        Column::real("q05", quantile(0)),
+        Column::real("q25", quantile(1)),
+        Column::real("median", quantile(2)),
+        Column::real("q75", quantile(3)),
+        Column::real("q95", quantile(4)),
+        Column::real("unperturbed", rows.iter().map(|r| r.unperturbed)),
     ]
 }
 
-fn names(rows: &[Row], of: impl Fn(&Row) -> String) -> Vec<String> {
-    rows.iter().map(of).collect()
+fn names(rows: &[Row], of: impl Fn(&Row) -> String) -> impl Iterator<Item = String> {
+    rows.iter().map(of)
 }
 
 /// The figures of the whole network by instance.
@@ -73,15 +61,15 @@ pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
         }
     }
     let mut columns = vec![
-        text("class", names(&rows, |r| r.class.to_string())),
-        real("low", rows.iter().map(|r| r.class.low).collect()),
-        real("high", rows.iter().map(|r| r.class.high).collect()),
-        text("quantity", names(&rows, |r| r.quantity.to_owned())),
-        text("unit", names(&rows, |r| r.unit.to_owned())),
+        Column::text("class", names(&rows, |r| r.class.to_string())),
+        Column::real("low", rows.iter().map(|r| r.class.low)),
+        Column::real("high", rows.iter().map(|r| r.class.high)),
+        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
+        Column::text("unit", names(&rows, |r| r.unit.to_owned())),
     ];
     columns.extend(distribution_columns(&rows));
     let ratio = |r: &Row| if r.unperturbed == 0.0 { f64::NAN } else { r.distribution.mean / r.unperturbed };
-    columns.push(real("ratio", rows.iter().map(ratio).collect()));
+    columns.push(Column::real("ratio", rows.iter().map(ratio)));
     columns
 }
 
@@ -113,11 +101,11 @@ pub fn node_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     let network = outcome.network;
     let rows = by_item(outcome, network.node_count(), &[("pressure_mmHg", |i| &i.pressure, mmhg)]);
     let mut columns = vec![
-        text("class", names(&rows, |r| r.class.to_string())),
-        whole("node", rows.iter().map(|r| r.item)),
-        text("id", names(&rows, |r| network.node(r.item).id.clone())),
-        text("label", names(&rows, |r| network.node(r.item).label.clone())),
-        text("quantity", names(&rows, |r| r.quantity.to_owned())),
+        Column::text("class", names(&rows, |r| r.class.to_string())),
+        Column::whole("node", rows.iter().map(|r| r.item)),
+        Column::text("id", names(&rows, |r| network.node(r.item).id.clone())),
+        Column::text("label", names(&rows, |r| network.node(r.item).label.clone())),
+        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
     ];
     columns.extend(distribution_columns(&rows));
     columns
@@ -134,12 +122,12 @@ pub fn vessel_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     ];
     let rows = by_item(outcome, network.vessel_count(), &quantities);
     let mut columns = vec![
-        text("class", names(&rows, |r| r.class.to_string())),
-        whole("edge", rows.iter().map(|r| r.item)),
-        whole("node_a", rows.iter().map(|r| network.ends(r.item)[0])),
-        whole("node_b", rows.iter().map(|r| network.ends(r.item)[1])),
-        text("label", names(&rows, |r| network.vessel(r.item).label.clone())),
-        text("quantity", names(&rows, |r| r.quantity.to_owned())),
+        Column::text("class", names(&rows, |r| r.class.to_string())),
+        Column::whole("edge", rows.iter().map(|r| r.item)),
+        Column::whole("node_a", rows.iter().map(|r| network.ends(r.item)[0])),
+        Column::whole("node_b", rows.iter().map(|r| network.ends(r.item)[1])),
+        Column::text("label", names(&rows, |r| network.vessel(r.item).label.clone())),
+        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
     ];
     columns.extend(distribution_columns(&rows));
     columns
@@ -195,12 +183,12 @@ pub fn hypertension_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
         rows.class(&class.to_string(), of_class, &found.edges, found.threshold);
     }
     vec![
-        text("class", rows.class),
-        text("kind", rows.kind),
-        text("quantity", rows.quantity),
-        real("from_mmHg_per_mm2", rows.from),
-        real("to_mmHg_per_mm2", rows.to),
-        real("value", rows.value),
-        real("std_error", rows.std_error),
+        Column::text("class", rows.class.into_iter()),
+        Column::text("kind", rows.kind.into_iter()),
+        Column::text("quantity", rows.quantity.into_iter()),
+        Column::real("from_mmHg_per_mm2", rows.from.into_iter()),
+        Column::real("to_mmHg_per_mm2", rows.to.into_iter()),
+        Column::real("value", rows.value.into_iter()),
+        Column::real("std_error", rows.std_error.into_iter()),
     ]
 }

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::{Table, encode, fill};
 use crate::formats::Column;
 use crate::report::cohort::{About, Row, WALL_TIME};
+use crate::report::names::{PAGE, PHENOTYPE};
 
 const TEMPLATE: &str = include_str!("assets/cohort.html");
 /// One module script, as in the page of a run.
@@ -27,7 +28,7 @@ const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 ///
 /// What the writer says.
 pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column>, about: &About<'_>) -> io::Result<()> {
-    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&column.name)).collect();
+    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
     let table = Table { title: "Subjects".to_owned(), columns, exact: &EXACT, of_vessels: false };
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({
@@ -35,7 +36,7 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
-        "opens": if about.command == "infer" { super::FILE } else { "phenotype.json" },
+        "opens": if about.command == "infer" { PAGE } else { PHENOTYPE },
         "table": encode::table(&table)?,
     });
     if rows.iter().any(|row| row.page.is_some()) {

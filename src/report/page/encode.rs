@@ -33,7 +33,7 @@ pub fn page(page: &Page) -> io::Result<Value> {
 fn trial(t: &Trial) -> Value {
     json!({
         "figure": t.figure, "name": t.name, "unit": t.unit, "error": t.error, "samples": t.samples, "at_least": t.at_least,
-        "midway": t.midway, "within": t.within, "threshold": t.threshold, "median": t.median, "on_trial": t.on_trial,
+        "midway": t.midway, "within": t.within, "threshold": t.threshold, "median": t.median, "uncertain": t.uncertain,
         "nodes": t.nodes, "kept": t.kept, "middle": t.middle, "band": t.band,
     })
 }
@@ -44,7 +44,7 @@ fn colouring(c: &Colouring) -> Value {
         Scale::Linear => "linear",
         Scale::Diverging => "diverging",
     };
-    json!({ "name": c.name, "unit": c.unit, "scale": scale, "trial_only": c.trial_only, "variants": c.variants })
+    json!({ "name": c.name, "unit": c.unit, "scale": scale, "uncertain_only": c.uncertain_only, "variants": c.variants })
 }
 
 /// Points as four u16 each, x, y, z and radius, with the corner and the two steps that make them mm again.
@@ -83,7 +83,7 @@ pub fn table(table: &Table) -> io::Result<Value> {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{}: columns differ in length", table.title)));
     }
     let columns = table.columns.iter().filter(|column| says_something(column));
-    let columns = columns.map(|c| with_name(c.name, &c.values, table.exact.contains(&c.name)));
+    let columns = columns.map(|c| with_name(&c.name, &c.values, table.exact.contains(&&*c.name)));
     Ok(json!({ "title": table.title, "rows": rows, "of_vessels": table.of_vessels, "columns": columns.collect::<Vec<_>>() }))
 }
 

@@ -6,8 +6,6 @@ use base64::engine::general_purpose::STANDARD;
 use super::super::plots;
 use crate::error::Result;
 
-/// A resolution at which a picture in a page is sharp on a screen and small in the file, pixels per inch.
-const DPI: u32 = 150;
 /// The largest drawing in lines that goes into a page; beyond it pixels are smaller. In bytes.
 const DRAWING: usize = 200_000;
 
@@ -29,7 +27,8 @@ impl Figure {
     /// What drawing says.
     pub fn new(title: &'static str, says: &'static str, picture: &plots::Figure) -> Result<Self> {
         let drawing = picture.svg()?;
-        let (kind, bytes) = if drawing.len() <= DRAWING { ("svg+xml", drawing.into_bytes()) } else { ("png", picture.png(DPI)?) };
+        let (kind, bytes) =
+            if drawing.len() <= DRAWING { ("svg+xml", drawing.into_bytes()) } else { ("png", picture.png(plots::DEFAULT_DPI)?) };
         Ok(Self { title, says, source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)) })
     }
 

@@ -4,24 +4,25 @@ use serde_json::Value;
 
 use super::list::conditions;
 use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
-use crate::formats::{Column, Values};
-use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, Weight, has_evidence};
+use crate::formats::{Column, END_PLACES};
+use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::report::outcome::Outcome;
-use crate::report::summary::Summary;
+use crate::report::summary::{Summary, unit_of};
 
-/// Columns of edges.csv that the page leaves out: it draws them.
-const DRAWN: [&str; 6] = ["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm"];
+/// The column of the page that is 1 where a vessel is uncertain.
+const UNCERTAIN: &str = "uncertain";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
     let mut record = record(summary);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
-    let mut columns: Vec<Column> = vessels.iter().filter(|c| !DRAWN.contains(&c.name)).cloned().collect();
-    let on_trial = outcome.result.uncertain.iter().map(|u| i64::from(*u)).collect();
-    columns.push(Column { name: "on_trial", values: Values::Integer(on_trial) });
+    // The page draws them.
+    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&&*c.name);
+    let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
+    columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let unit = unit(outcome.weight);
+    let unit = unit_of(outcome.weight);
     let evidence = has_evidence(outcome.network);
     Page {
         title: title("infer", &record),
@@ -42,21 +43,13 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     }
 }
 
-/// The unit of L.
-fn unit(weight: Weight) -> &'static str {
-    match weight {
-        Weight::Resilience | Weight::Global => "W/m\u{b3}",
-        Weight::Count => "samples",
-    }
-}
-
 fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
     let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
     let mut facts = vec![
         fact("nodes", "/counts/nodes", ""),
         fact("observed vessels", "/counts/observed", ""),
         fact("candidates", "/counts/candidates", ""),
-        fact("on trial", "/counts/uncertain", ""),
+        fact("uncertain vessels", "/counts/uncertain", ""),
         fact("kept of these", "/counts/topology/kept", ""),
         fact("undecided", "/convergence/undecided", ""),
         fact("rule", "/threshold/rule", ""),
@@ -74,12 +67,12 @@ fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
 }
 
 fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
-    let colouring = |name, unit, scale, trial_only, column| Colouring {
+    let colouring = |name, unit, scale, uncertain_only, column| Colouring {
         name,
         unit,
         scale,
-        trial_only,
-        variants: vec![(String::new(), 0, column)],
+        uncertain_only,
+        variants: vec![(String::new(), 0, String::from(column))],
     };
     let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
@@ -115,7 +108,7 @@ fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
         kept: no_threshold.then_some("kept"),
         middle: no_threshold.then_some(0.5),
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
-        on_trial: "on_trial",
+        uncertain: UNCERTAIN,
         nodes: outcome.network.node_count(),
     }
 }

@@ -8,15 +8,15 @@ use crate::formats::{Column, Values};
 /// One row an item; columns as named, of numbers where all that is there are numbers. `None` without an item.
 pub fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Table> {
     let items = items.as_array().filter(|items| !items.is_empty())?;
-    let column = |name: &&'static str| {
-        let values = || items.iter().map(|item| &item[*name]);
+    let column = |&name: &&'static str| {
+        let values = || items.iter().map(|item| &item[name]);
         let numbers = values().all(|v| v.is_null() || v.is_number());
         let values = if numbers {
             Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
         } else {
             Values::Text(values().map(word).collect())
         };
-        Column { name, values }
+        Column { name: name.into(), values }
     };
     Some(Table { title: title.to_owned(), columns: columns.iter().map(column).collect(), exact: &[], of_vessels: false })
 }

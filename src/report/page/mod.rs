@@ -13,7 +13,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use crate::formats::Column;
+use crate::formats::{Column, escape};
 
 pub use cohort::write_cohort_page;
 pub use figure::Figure;
@@ -21,9 +21,6 @@ pub use infer::page as infer_page;
 pub use modulate::{Tables as ModulationTables, page as modulation_page};
 pub use scene::{Marker, Scene, scene};
 pub use simulate::page as simulation_page;
-
-/// The name of the page in the folder of a run.
-pub const FILE: &str = "report.html";
 
 /// A page, whatever command it is of.
 #[derive(Debug, Clone)]
@@ -97,10 +94,10 @@ pub struct Colouring {
     pub unit: &'static str,
     /// How it becomes a colour; the magnitude counts on any scale but [`Scale::Diverging`].
     pub scale: Scale,
-    /// Whether vessels that are not on trial stay grey.
-    pub trial_only: bool,
+    /// Whether vessels that are certain stay grey.
+    pub uncertain_only: bool,
     /// Where it stands: the name of the variant, the row of the table, the column. All variants share one scale.
-    pub variants: Vec<(String, usize, &'static str)>,
+    pub variants: Vec<(String, usize, String)>,
 }
 
 /// A threshold on a column of the first table.
@@ -124,7 +121,7 @@ pub struct Trial {
     pub within: f64,
     /// The threshold of the run.
     pub threshold: Option<f64>,
-    /// The median of the positive figures on trial, where it is one of this figure.
+    /// The median of the positive figures of uncertain vessels, where it is one of this figure.
     pub median: Option<f64>,
     /// The column that is 1 where the run kept a vessel, where its rule is no threshold on the figure ...
     pub kept: Option<&'static str>,
@@ -132,8 +129,8 @@ pub struct Trial {
     pub middle: Option<f64>,
     /// How near to the cut a figure without standard error is undecided; without it that error is one of a share.
     pub band: Option<f64>,
-    /// The column that is 1 where a vessel is on trial.
-    pub on_trial: &'static str,
+    /// The column that is 1 where a vessel is uncertain.
+    pub uncertain: &'static str,
     /// How many nodes there are.
     pub nodes: usize,
 }
@@ -173,7 +170,7 @@ fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, dat
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
         out.write_all(before.as_bytes())?;
         match name {
-            "title" => out.write_all(as_markup(title).as_bytes())?,
+            "title" => out.write_all(escape(title).as_bytes())?,
             "style" => out.write_all(STYLE.as_bytes())?,
             "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
             _ => scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
@@ -181,11 +178,6 @@ fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, dat
         rest = after;
     }
     out.write_all(rest.as_bytes())
-}
-
-/// Text as HTML shows it.
-fn as_markup(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// JSON in which nothing can end a script or a line of one.

@@ -20,30 +20,15 @@ pub struct Tables {
     pub hypertension: Vec<Column>,
 }
 
-/// What a vessel has in a class: name, unit, columns of its mean, standard deviation, variation and unperturbed value.
-type Quantity = (&'static str, &'static str, [&'static str; 4]);
-
-/// In the order of edges.csv.
-const QUANTITIES: [Quantity; 4] = [
-    ("flow", "mL/min", ["flow_mL_per_min_mean", "flow_mL_per_min_std", "flow_variation", "flow_mL_per_min_unperturbed"]),
-    ("pressure drop", "mmHg", ["drop_mmHg_mean", "drop_mmHg_std", "drop_variation", "drop_mmHg_unperturbed"]),
-    (
-        "resilience \u{3c1}",
-        "W/m\u{b3}",
-        ["resilience_W_per_m3_mean", "resilience_W_per_m3_std", "resilience_variation", "resilience_W_per_m3_unperturbed"],
-    ),
-    (
-        "hypertension",
-        "mmHg/mm\u{b2}",
-        [
-            "hypertension_mmHg_per_mm2_mean",
-            "hypertension_mmHg_per_mm2_std",
-            "hypertension_variation",
-            "hypertension_mmHg_per_mm2_unperturbed",
-        ],
-    ),
+/// What a vessel has in a class, in the order of edges.csv: name, unit, how the names of its columns begin, the column of its
+/// variation.
+const QUANTITIES: [(&str, &str, &str, &str); 4] = [
+    ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
+    ("pressure drop", "mmHg", "drop_mmHg", "drop_variation"),
+    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation"),
+    ("hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation"),
 ];
-/// What those columns hold; and the colouring by the third.
+/// What the colouring by that is called.
 const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
@@ -101,30 +86,35 @@ fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> V
         Some(Values::Real(values)) => &values[..],
         _ => &[],
     };
-    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&column.name);
+    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
     let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
     let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
     let mut columns = crate::report::tables::select(&of_rows, &rows);
-    for (quantity, (.., names)) in QUANTITIES.iter().enumerate() {
+    for (quantity, (_, _, name, variation_name)) in QUANTITIES.into_iter().enumerate() {
         let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
         let (mean, std) = (of("mean"), of("std"));
         let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
-        let variation = variation.collect();
-        for (name, values) in names.iter().zip([mean, std, variation, of("unperturbed")]) {
-            columns.push(Column { name, values: Values::Real(values) });
-        }
+        let variation: Vec<f64> = variation.collect();
+        columns.extend([
+            Column::real(format!("{name}_mean"), mean.into_iter()),
+            Column::real(format!("{name}_std"), std.into_iter()),
+            Column::real(variation_name, variation.into_iter()),
+            Column::real(format!("{name}_unperturbed"), of("unperturbed").into_iter()),
+        ]);
     }
     columns
 }
 
 fn colourings(classes: &[String]) -> Vec<Colouring> {
-    let by_class =
-        |column: &'static str| classes.iter().enumerate().map(move |(at, class)| (format!("u in {class}"), at, column));
-    let each = QUANTITIES.iter().zip(VARIATION).map(|((name, unit, [mean, _, variation, rest]), of)| {
-        let at_rest = std::iter::once(("unperturbed".to_owned(), 0, *rest));
-        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, trial_only: false, variants };
-        let mean = colouring(name, unit, Scale::Log, by_class(mean).chain(at_rest).collect());
-        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation).collect())]
+    let by_class = |column: String| {
+        let variant = move |(at, class): (usize, &String)| (format!("u in {class}"), at, column.clone());
+        classes.iter().enumerate().map(variant)
+    };
+    let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
+        let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
+        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants };
+        let mean = colouring(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
     });
     each.flatten().collect()
 }

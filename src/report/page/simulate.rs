@@ -6,16 +6,17 @@ use super::list::{conditions, list};
 use super::{Colouring, Fact, Figure, Page, Scale, Table, record, scene, take, title};
 use crate::formats::Column;
 use crate::report::flow_record::FlowRecord;
+use crate::report::flow_tables::PERTURBED;
 use crate::report::simulated::Simulated;
 
-/// By what vessels are coloured: name, unit, scale, column, column when perturbed.
-const COLOURINGS: [(&str, &str, Scale, &str, &str); 6] = [
-    ("flow", "mL/min", Scale::Log, "flow_mL_per_min", "flow_mL_per_min_perturbed"),
-    ("resilience \u{3c1}", "W/m\u{b3}", Scale::Log, "resilience_W_per_m3", "resilience_W_per_m3_perturbed"),
-    ("wall shear stress", "Pa", Scale::Log, "wall_shear_Pa", "wall_shear_Pa_perturbed"),
-    ("pressure drop", "mmHg", Scale::Log, "drop_mmHg", "drop_mmHg_perturbed"),
-    ("velocity", "mm/s", Scale::Log, "velocity_mm_per_s", "velocity_mm_per_s_perturbed"),
-    ("Reynolds number", "", Scale::Log, "reynolds", "reynolds_perturbed"),
+/// By what vessels are coloured: name, unit, column.
+const COLOURINGS: [(&str, &str, &str); 6] = [
+    ("flow", "mL/min", "flow_mL_per_min"),
+    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3"),
+    ("wall shear stress", "Pa", "wall_shear_Pa"),
+    ("pressure drop", "mmHg", "drop_mmHg"),
+    ("velocity", "mm/s", "velocity_mm_per_s"),
+    ("Reynolds number", "", "reynolds"),
 ];
 
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
@@ -82,19 +83,19 @@ fn facts(record: &Value, perturbed: bool) -> Vec<Fact> {
 }
 
 fn colourings(perturbed: bool) -> Vec<Colouring> {
-    let each = COLOURINGS.map(|(name, unit, scale, before, after)| {
-        let mut variants = vec![("unperturbed".to_owned(), 0, before)];
+    let each = COLOURINGS.map(|(name, unit, column)| {
+        let mut variants = vec![("unperturbed".to_owned(), 0, column.to_owned())];
         if perturbed {
-            variants.insert(0, ("perturbed".to_owned(), 0, after));
+            variants.insert(0, ("perturbed".to_owned(), 0, format!("{column}{PERTURBED}")));
         }
-        Colouring { name, unit, scale, trial_only: false, variants }
+        Colouring { name, unit, scale: Scale::Log, uncertain_only: false, variants }
     });
     let change = Colouring {
         name: "change of flow",
         unit: "mL/min",
         scale: Scale::Diverging,
-        trial_only: false,
-        variants: vec![(String::new(), 0, "flow_change")],
+        uncertain_only: false,
+        variants: vec![(String::new(), 0, "flow_change".to_owned())],
     };
     each.into_iter().chain(perturbed.then_some(change)).collect()
 }

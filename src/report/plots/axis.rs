@@ -1,4 +1,4 @@
-//! Ranges and ticks: whole numbers on a linear axis, powers of ten on a logarithmic one.
+//! Ticks and what they say; those of counts, and of a logarithmic axis.
 
 /// The text at a tick: `text`, then a raised exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,7 +29,8 @@ impl Label {
         Self { text: format!("{sign} {}", self.text), ..self }
     }
 
-    fn power(prefix: &str, exponent: i32) -> Self {
+    /// Ten to an exponent, after what it is multiplied by.
+    pub fn power(prefix: &str, exponent: i32) -> Self {
         Self { text: format!("{prefix}10"), exponent: exponent.to_string().replace('-', "\u{2212}") }
     }
 }
@@ -120,30 +121,6 @@ pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
     (0..=last / step).map(|k| Tick { at: (k * step) as f64, label: count(k * step) }).collect()
 }
 
-/// Ticks on a linear axis from `low` to `high`, a step of 1, 2 or 5 times a power of ten apart, at most `most` and one more.
-pub fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
-    let rough = (high - low) / most as f64;
-    let power = rough.log10().floor() as i32;
-    let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
-    let next = (1, power + 1);
-    let (factor, power) = [(1, power), (2, power), (5, power)].into_iter().find(wide).unwrap_or(next);
-    let step = factor as f64 * 10_f64.powi(power);
-    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor, power) }).collect()
-}
-
-/// `k` times ten to the `power`, written out where that is short.
-fn multiple(k: i64, power: i32) -> Label {
-    let sign = if k < 0 { "\u{2212}" } else { "" };
-    let digits = k.unsigned_abs();
-    match power {
-        _ if k == 0 => Label::plain("0"),
-        0..=4 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
-        -3..0 => Label::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
-        _ => Label::power(&format!("{sign}{digits}\u{b7}"), power),
-    }
-}
-
 /// A whole number with commas between its thousands, or as a power of ten where that would be too wide.
 fn count(n: u64) -> Label {
     const WIDEST: u64 = 1_000_000;
@@ -186,15 +163,6 @@ mod tests {
         assert_eq!(read(&count_ticks(29_999, 6)), ["0", "5000", "10,000", "15,000", "20,000", "25,000"]);
         assert_eq!(read(&count_ticks(2_000_000, 6))[3..], ["1.5\u{b7}10^6", "2\u{b7}10^6"]);
         assert!(count_ticks(u64::MAX, 6).len() <= 7);
-    }
-
-    #[test]
-    fn a_linear_axis_has_round_steps_through_zero() {
-        assert_eq!(read(&linear_ticks(-120.0, 230.0, 6)), ["\u{2212}100", "0", "100", "200"]);
-        assert_eq!(read(&linear_ticks(0.0, 0.5, 5)), ["0", "0.1", "0.2", "0.3", "0.4", "0.5"]);
-        assert_eq!(read(&linear_ticks(0.0, 2940.0, 6)), ["0", "500", "1000", "1500", "2000", "2500"]);
-        assert_eq!(read(&linear_ticks(0.0, 0.04, 6)), ["0", "0.01", "0.02", "0.03", "0.04"]);
-        assert_eq!(read(&linear_ticks(0.0, 5e-7, 5))[..2], ["0", "1\u{b7}10^\u{2212}7"]);
     }
 
     #[test]

@@ -5,6 +5,8 @@ use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
 use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::inference::Weight;
+use crate::report::names::CONVERGENCE_PICTURE;
 
 const INCHES: [f64; 2] = [6.4, 4.6];
 /// Left, top, right and bottom of the axes, points.
@@ -25,38 +27,43 @@ const MOST_CURVES: usize = 2000;
 /// The thinnest, thickest and threshold line, points.
 const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 
-/// Draws the mean contribution per sample, L/n (W/m³), of every uncertain edge against the number of samples n, on a
+/// Draws the mean contribution per sample, L/n, of every uncertain vessel against the number of samples n, on a
 /// logarithmic axis, 6.4 by 4.6 inches.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
-/// - `series`: a row an edge, with L/n (W/m³) at each checkpoint, finite and not negative. Of more than 2,000 every so many is drawn.
-/// - `threshold`: the threshold on L/n (W/m³) at each checkpoint; NaN where there is none.
-/// - `kept`: for each edge whether it stays.
+/// - `series`: a row a vessel, with L/n at each checkpoint, finite and not negative. Of more than 2,000 every so many is drawn.
+/// - `threshold`: the threshold on L/n at each checkpoint; NaN where there is none.
+/// - `kept`: for each vessel whether it stays.
+/// - `weight`: what L adds up, which says its unit.
 ///
 /// Zeros, and what is more than twelve decades below the largest value, lie on a line of their own below the smallest
-/// positive value and are not joined to it. A single checkpoint is drawn as dashes. Without an edge, a checkpoint or a
+/// positive value and are not joined to it. A single checkpoint is drawn as dashes. Without a vessel, a checkpoint or a
 /// positive value the picture says so.
 ///
 /// # Errors
 ///
 /// When lengths disagree, when `samples` does not rise, and when a value is negative or not finite.
-pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<Figure> {
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], weight: Weight) -> Result<Figure> {
     validate(samples, series, threshold, kept)?;
+    let name = match weight {
+        Weight::Resilience | Weight::Global => "mean contribution per sample L/n (W/m\u{b3})",
+        Weight::Count => "share of samples L/n",
+    };
     let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
-    Ok(Figure::new("convergence", INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept)))
+    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept, name)))
 }
 
-fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
+fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], name: &str) -> Result<()> {
     let [left, top, right, bottom] = BOX;
     let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-    let title = Label::plain("Convergence of the likelihood of uncertain edges");
+    let title = Label::plain("Convergence of the likelihood of uncertain vessels");
     sheet.text(&title, [middle[0], TOP], TITLE, Align::Middle, Run::Right)?;
 
     let values = || series.iter().flatten().chain(threshold).copied();
     let range = if series.is_empty() { None } else { LogRange::of(values()) };
     let Some(range) = range.map(LogRange::padded) else {
         let note = match (series.is_empty(), samples.is_empty()) {
-            (true, _) => "no uncertain edge",
+            (true, _) => "no uncertain vessel",
             (_, true) => "no checkpoint",
             _ => "no contribution above zero",
         };
@@ -67,7 +74,7 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
 
     let lowest = values().fold(f64::INFINITY, f64::min);
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
-    axes.ticks(sheet)?;
+    axes.ticks(sheet, name)?;
     // A few edges are drawn thick and dense, thousands thin and clear.
     let crowd = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
     let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
@@ -98,10 +105,10 @@ fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[boo
     }
     length("threshold".to_owned(), threshold.len())?;
     if kept.len() != series.len() {
-        let accepted = format!("expected one for each of {} edges", series.len());
+        let accepted = format!("expected one for each of {} vessels", series.len());
         return Err(Error::parameter("kept", format!("of {} values", kept.len()), accepted));
     }
-    let accepted = "expected a finite number from 0 up, in W/m\u{b3}";
+    let accepted = "expected a finite number from 0 up";
     for (row, values) in series.iter().enumerate() {
         length(format!("contribution of edge {row}"), values.len())?;
         if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
@@ -133,7 +140,7 @@ impl Axes {
         if share < 0.0 { ZERO } else { lowest - (lowest - BOX[1]) * share }
     }
 
-    fn ticks(&self, sheet: &mut Sheet<'_>) -> Result<()> {
+    fn ticks(&self, sheet: &mut Sheet<'_>, name: &str) -> Result<()> {
         let [left, top, right, bottom] = BOX;
         for tick in count_ticks(self.last, 6) {
             let x = self.x(tick.at);
@@ -153,8 +160,7 @@ impl Axes {
         }
         let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
         sheet.text(&Label::plain("number of samples, n"), [middle[0], bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
-        let name = Label::plain("mean contribution per sample L/n (W/m\u{b3})");
-        sheet.text(&name, [10.0, middle[1]], TEXT, Align::Middle, Run::Up)
+        sheet.text(&Label::plain(name), [10.0, middle[1]], TEXT, Align::Middle, Run::Up)
     }
 
     /// A curve over the checkpoints with gaps at NaN and between zero and more; a checkpoint on its own is a dash.

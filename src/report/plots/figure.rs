@@ -18,6 +18,16 @@ const DPI: RangeInclusive<u32> = 36..=1200;
 /// plotters sets glyphs and corners on whole dots: a page is drawn at least this fine (dots per inch) and averaged down.
 const FINEST: u32 = 600;
 
+/// Refuses a resolution that no picture can have.
+///
+/// # Errors
+///
+/// Fewer than 36 or more than 1200 pixels per inch.
+pub fn check_dpi(dpi: u32) -> Result<()> {
+    let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
+    if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, accepted())) }
+}
+
 type Draw = dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync;
 
 /// A picture that can be made as often and in whatever form it is wanted.
@@ -48,10 +58,7 @@ impl Figure {
     ///
     /// When `dpi` is out of range.
     pub fn png(&self, dpi: u32) -> Result<Vec<u8>> {
-        if !DPI.contains(&dpi) {
-            let accepted = format!("expected pixels per inch from {} to {}", DPI.start(), DPI.end());
-            return Err(Error::parameter("dpi", dpi, accepted));
-        }
+        check_dpi(dpi)?;
         let fine = FINEST.div_ceil(dpi);
         let pixels = self.inches.map(|length| (length * f64::from(dpi)).round() as u32);
         let mut dots = Dots::new(pixels, fine);

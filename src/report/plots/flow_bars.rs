@@ -1,10 +1,12 @@
 //! The flows of a simulation as horizontal bars, each vessel's flow before a perturbation beside that after it.
 
-use super::axis::{Label, Tick, linear_ticks};
+use super::axis::{Label, Tick};
 use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
+use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::report::names::FLOW_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
 const POINTS_PER_INCH: f64 = 72.0;
@@ -82,7 +84,7 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
     let top = if pair { TOP[0] } else { TOP[1] };
     let bottom = top + each * shown.len() as f64;
     let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
-    Ok(Figure::new("flow", inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
+    Ok(Figure::new(FLOW_PICTURE, inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
 }
 
 fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
@@ -139,24 +141,24 @@ struct Axis {
     /// Left and right end, points.
     span: [f64; 2],
     /// The flows at the ends of the bars furthest left and right, mL/min; zero lies between.
-    range: [f64; 2],
+    range: LinearRange,
 }
 
 impl Axis {
     fn new(shown: &[VesselFlow], span: [f64; 2]) -> Self {
         let flows = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
         let (low, high) = (flows().fold(0.0, f64::min), flows().fold(0.0, f64::max));
-        Self { span, range: [low, if high > low { high } else { NO_FLOW }] }
+        Self { span, range: LinearRange { low, high: if high > low { high } else { NO_FLOW } } }
     }
 
     fn x(&self, flow: f64) -> f64 {
-        let [low, high] = self.range;
+        let LinearRange { low, high } = self.range;
         let left = self.span[0] + if low < 0.0 { ROOM } else { 0.0 };
         left + (self.span[1] - ROOM - left) * (flow - low) / (high - low)
     }
 
     fn draw(&self, sheet: &mut Sheet<'_>, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
-        for Tick { at, label } in linear_ticks(self.range[0], self.range[1], 6) {
+        for Tick { at, label } in self.range.ticks(7) {
             let x = self.x(at);
             sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
             sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;

@@ -5,6 +5,9 @@ use super::colour::{INK, MAP, Rgb, ZERO, colour};
 use super::figure::Figure;
 use super::sheet::{Align, HAIR, Image, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
+use crate::inference::Weight;
+use crate::report::names::LIKELIHOOD_PICTURE;
+use crate::report::summary::unit_of;
 
 const INCHES: [f64; 2] = [6.4, 5.6];
 /// Upper left corner and side of the matrix, points.
@@ -22,7 +25,7 @@ const RECTANGLES: usize = 4000;
 /// of about so many pixels a side: 600 per inch.
 const IMAGE: usize = 2650;
 
-/// A positive cell of the upper triangle, and its value, W/m³.
+/// A positive cell of the upper triangle, and its value.
 type Cell = ([usize; 2], f64);
 
 /// A symmetric matrix over the nodes, of which only the non-zero cells are given.
@@ -30,28 +33,29 @@ type Cell = ([usize; 2], f64);
 pub struct Matrix<'a> {
     /// N, the number of rows and columns, at most 2³² - 1; rows are 0-based.
     pub nodes: usize,
-    /// One entry a vessel: its two nodes in either order, and its likelihood L in W/m³, finite and not negative.
+    /// One entry a vessel: its two nodes in either order, and its likelihood L, finite and not negative.
     ///
     /// Each vessel is given once, so that an entry stands for both its cells, (a, b) and (b, a). Entries of the same two
     /// nodes add up, as parallel vessels do in the matrix.
-    pub entries: &'a [(usize, usize, f64)],
+    pub entries: &'a [(u32, u32, f64)],
 }
 
 impl Matrix<'_> {
-    /// The positive cells of the upper triangle in rising order of their value, W/m³.
+    /// The positive cells of the upper triangle in rising order of their value.
     fn cells(&self) -> Result<Vec<Cell>> {
         if u32::try_from(self.nodes).is_err() {
             return Err(Error::parameter("nodes", self.nodes, format!("expected at most {}", u32::MAX)));
         }
         let mut cells: Vec<Cell> = Vec::with_capacity(self.entries.len());
         for &(a, b, value) in self.entries {
+            let [a, b] = [a, b].map(|node| node as usize);
             if a >= self.nodes || b >= self.nodes {
                 let accepted = format!("expected two nodes below {}", self.nodes);
                 return Err(Error::parameter("matrix entry", format!("({a}, {b})"), accepted));
             }
             if !value.is_finite() || value < 0.0 {
                 let name = format!("likelihood of ({a}, {b})");
-                return Err(Error::parameter(name, value, "expected a finite number from 0 up, in W/m\u{b3}"));
+                return Err(Error::parameter(name, value, "expected a finite number from 0 up"));
             }
             cells.push(([a.min(b), a.max(b)], value));
         }
@@ -69,7 +73,7 @@ impl Matrix<'_> {
     }
 }
 
-/// Draws the likelihood matrix L (W/m³), 6.4 by 5.6 inches.
+/// Draws the likelihood matrix L, 6.4 by 5.6 inches; its unit is that of the `weight`.
 ///
 /// Row 0 is at the top, column 0 at the left. The colour is that of log10 L from the smallest to the largest positive
 /// value, over at least one decade and at most twelve: what is smaller takes the lowest colour, and the bar says `≤`. Zero
@@ -79,12 +83,12 @@ impl Matrix<'_> {
 /// # Errors
 ///
 /// When an entry names a node that does not exist, and when a value is negative or not finite.
-pub fn heat_map(matrix: &Matrix<'_>) -> Result<Figure> {
+pub fn heat_map(matrix: &Matrix<'_>, weight: Weight) -> Result<Figure> {
     let (cells, nodes) = (matrix.cells()?, matrix.nodes);
-    Ok(Figure::new("likelihood", INCHES, move |sheet| draw(sheet, &cells, nodes)))
+    Ok(Figure::new(LIKELIHOOD_PICTURE, INCHES, move |sheet| draw(sheet, &cells, nodes, unit_of(weight))))
 }
 
-fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
+fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize, unit: &str) -> Result<()> {
     let range = LogRange::of(cells.iter().map(|cell| cell.1));
     let room = sheet.pixels(SIDE);
     // Where no one sees a pixel, none is given up for equal cells.
@@ -108,7 +112,7 @@ fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize) -> Result<()> {
     let middle = CORNER[0] + SIDE / 2.0;
     sheet.text(&title, [middle, CORNER[1] / 2.0], TITLE, Align::Middle, Run::Right)?;
     if let Some(range) = range {
-        return bar(sheet, range);
+        return bar(sheet, range, unit);
     }
     let note = Label::plain("no likelihood above zero");
     sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)
@@ -168,7 +172,7 @@ fn node_axes(sheet: &mut Sheet<'_>, [left, top]: [f64; 2], span: f64, nodes: usi
     sheet.text(&name, [9.0, top + span / 2.0], TEXT, Align::Middle, Run::Up)
 }
 
-fn bar(sheet: &mut Sheet<'_>, range: LogRange) -> Result<()> {
+fn bar(sheet: &mut Sheet<'_>, range: LogRange, unit: &str) -> Result<()> {
     let left = sheet.pixels(CORNER[0] + SIDE + BAR[0]);
     let (top, width, height) = (sheet.pixels(CORNER[1]), sheet.pixels(BAR[1]), sheet.pixels(SIDE));
     let drawn = sheet.ramp([left, top], [width, height], &MAP)?;
@@ -185,6 +189,6 @@ fn bar(sheet: &mut Sheet<'_>, range: LogRange) -> Result<()> {
         let label = if row == 0 && range.clipped { tick.label.after("\u{2264}") } else { tick.label };
         sheet.text(&label, [right + TICK + 3.0, y], TEXT, Align::Begin, Run::Right)?;
     }
-    let name = Label::plain("L (W/m\u{b3})");
+    let name = Label::plain(format!("L ({unit})"));
     sheet.text(&name, [INCHES[0] * 72.0 - 9.0, top + height / 2.0], TEXT, Align::Middle, Run::Up)
 }

@@ -6,6 +6,7 @@ use super::figure::Figure;
 use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
+use crate::report::names::HYPERTENSION_PICTURE;
 use crate::stats::gamma::Gamma;
 
 const WIDTH_INCHES: f64 = 6.4;
@@ -49,7 +50,7 @@ pub struct Histograms {
 /// Draws the histograms one above the other on common axes, 6.4 inches wide.
 pub fn hypertension(histograms: Histograms) -> Figure {
     let points = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
-    Figure::new("hypertension", [WIDTH_INCHES, points / 72.0], move |sheet| draw(sheet, &histograms, points))
+    Figure::new(HYPERTENSION_PICTURE, [WIDTH_INCHES, points / 72.0], move |sheet| draw(sheet, &histograms, points))
 }
 
 fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {

@@ -18,7 +18,7 @@ mod sheet;
 
 pub use colour::{ZERO, colour};
 pub use convergence::convergence;
-pub use figure::{DEFAULT_DPI, Figure};
+pub use figure::{DEFAULT_DPI, Figure, check_dpi};
 pub use flow_bars::{VesselFlow, flow_bars};
 pub use heat_map::{Matrix, heat_map};
 pub use hypertension::{Histogram, Histograms, hypertension};

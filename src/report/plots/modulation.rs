@@ -6,6 +6,7 @@ use super::figure::Figure;
 use super::linear::LinearRange;
 use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
+use crate::report::names::MODULATION_PICTURE;
 
 const WIDTH_INCHES: f64 = 6.4;
 /// Left and right of the axes, points.
@@ -57,7 +58,7 @@ pub fn modulation(classes: Vec<String>, panels: [Panel; 3]) -> Figure {
     let rows = ((digits * NAMES[1] + NAMES[2]) / room(&classes)).ceil().max(1.0) as usize;
     let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
     let inches = [WIDTH_INCHES, (foot + FOOT[1]) / 72.0];
-    Figure::new("modulation", inches, move |sheet| draw(sheet, &classes, &panels, rows, foot))
+    Figure::new(MODULATION_PICTURE, inches, move |sheet| draw(sheet, &classes, &panels, rows, foot))
 }
 
 /// The width that a class has, points.

@@ -1,4 +1,4 @@
-// How the figure on trial is distributed, with the median and the threshold: of its logarithm, or of a share itself.
+// How the figure of the uncertain vessels is distributed, with the median and the threshold: of its logarithm, or of a share itself.
 class Histogram {
   constructor(trial) {
     this.trial = trial;
@@ -31,7 +31,7 @@ class Histogram {
   show(place) {
     const { trial, range: [low, high] } = this;
     if (!this.counted.length) {
-      place.replaceChildren(make("p", { class: "quiet", text: `No vessel on trial has a ${trial.name} above zero.` }));
+      place.replaceChildren(make("p", { class: "quiet", text: `No uncertain vessel has a ${trial.name} above zero.` }));
       return;
     }
     const [left, right, top, base] = [30, 312, 34, 150], heights = this.heights();
@@ -66,12 +66,12 @@ class Histogram {
     const hatch = draw("pattern", { id: "hatch", width: 4, height: 4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       draw("line", { x1: 0, x2: 0, y1: 0, y2: 4, stroke: "var(--pruned)", "stroke-width": 1.6 }));
     const name = withUnit(trial.name, trial.unit && `(${trial.unit})`);
-    const says = `Histogram of ${name} of the ${this.counted.length} vessels on trial${this.log ? " with L above zero" : ""}: solid kept, hatched pruned.`;
+    const says = `Histogram of ${name} of the ${this.counted.length} uncertain vessels${this.log ? " with L above zero" : ""}: solid kept, hatched pruned.`;
     place.replaceChildren(
       draw("svg", { viewBox: "0 0 320 186", role: "img", "aria-label": says }, draw("defs", {}, hatch), ...bars,
         draw("line", { x1: left, x2: right, y1: base, y2: base, stroke: "var(--ink)" }),
         draw("text", { x: left - 4, y: y(most) + 4, "text-anchor": "end", text: shown(most) }), draw("text", { x: left - 4, y: base, "text-anchor": "end", text: "0" }),
         ...ticks, ...marks, draw("text", { x: (left + right) / 2, y: 182, "text-anchor": "middle", text: name })),
-      make("p", { class: "quiet", id: "histogram-note", text: "Solid: kept. Hatched: pruned." + (this.log ? ` ${shown(this.zeros)} of ${shown(trial.trial.length)} on trial have L = 0 and are not drawn.` : "") }));
+      make("p", { class: "quiet", id: "histogram-note", text: "Solid: kept. Hatched: pruned." + (this.log ? ` ${shown(this.zeros)} of ${shown(trial.trial.length)} uncertain vessels have L = 0 and are not drawn.` : "") }));
   }
 }

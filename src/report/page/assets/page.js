@@ -22,7 +22,7 @@ function pick(row, turn = true) {
   }
   const of = sheet.table.ofVessels ? sheet.table : vessels;
   const label = of.find("label")?.at(row);
-  const rest = [...of.columns.filter(c => c.name !== "label" && c.name !== "on_trial"), ...live];
+  const rest = [...of.columns.filter(c => c.name !== "label" && c.name !== "uncertain"), ...live];
   const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
   place.replaceChildren(make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), pairs(entries));
 }
@@ -107,17 +107,17 @@ function colouring() {
   const choose = () => {
     const chosen = usable[by.value || 0];
     if (!chosen) return;
-    const grey = row => chosen.trial_only && trial && !trial.tried[row];
+    const grey = row => chosen.uncertain_only && trial && !trial.tried[row];
     const each = chosen.variants.map(([, at, name]) => tables[at].find(name).values);
     const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))));
     showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
     const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
-    if (chosen.scale === "log") parts.push(chosen.trial_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
+    if (chosen.scale === "log") parts.push(chosen.uncertain_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
     if (scale.clipped) parts.push(`what is more than ${DECADES} decades below the largest too`);
-    if (chosen.trial_only) parts.push("vessels not on trial are grey");
+    if (chosen.uncertain_only) parts.push("certain vessels are grey");
     byId("colour-note").textContent = parts.join("; ") + ".";
     const values = each[variant.value || 0];
-    const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.trial_only;
+    const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.uncertain_only;
     colour = row => grey(row) || none(values[row]) ? GREY : scale.colour(values[row]);
     dress();
   };

@@ -5,7 +5,7 @@ class Sheet {
   // `live` are columns worked out while the page is read; `picks(row)` is told of a vessel whose row was chosen.
   constructor(table, live, picks) {
     this.table = table;
-    this.columns = [...table.columns.filter(c => c.name !== "on_trial"), ...live];
+    this.columns = [...table.columns.filter(c => c.name !== "uncertain"), ...live];
     this.live = live;
     this.picks = picks;
     this.order = Uint32Array.from({ length: table.rows }, (_, row) => row);

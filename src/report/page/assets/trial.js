@@ -5,7 +5,7 @@ class Trial {
     const values = name => vessels.find(name).values;
     this.rows = vessels.rows;
     this.values = values(source.figure);
-    this.tried = values(source.on_trial);
+    this.tried = values(source.uncertain);
     this.ends = [values("node_a"), values("node_b")];
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
@@ -46,7 +46,7 @@ class Trial {
     return above <= 0 ? null : 0.5 * (this.positive[above - 1] + this.positive[above]);
   }
 
-  // Without a threshold no vessel on trial is kept, unless vessel by vessel as in the run.
+  // Without a threshold no uncertain vessel is kept, unless vessel by vessel as in the run.
   set(threshold, asRun = false) {
     this.now = threshold;
     this.asRun = asRun;
@@ -82,7 +82,7 @@ class Trial {
   }
 
   state(row) {
-    if (!this.tried[row]) return "not on trial";
+    if (!this.tried[row]) return "certain";
     return (this.kept[row] ? "kept" : "pruned") + (this.open[row] ? ", undecided" : "");
   }
 }

@@ -1,27 +1,21 @@
 //! cohort.csv and cohort.html: many subjects, one row each.
 
+mod figures;
+
+pub use figures::{Cell, Figures, infer_figures, phenotype_figures};
+
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::names::{COHORT_PAGE, COHORT_TABLE};
 use super::page::write_cohort_page;
 use super::staged::{StagedFile, write_file};
 use crate::error::Result;
 use crate::formats::{Column, write_csv};
 
-/// The table and the page.
-pub const FILES: [&str; 2] = ["cohort.csv", "cohort.html"];
 /// The one column that differs between two runs of one command, from run.json, in seconds.
 pub const WALL_TIME: &str = "wall_s";
-
-/// A value of a row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// A number; NaN is missing.
-    Number(f64),
-    /// Text.
-    Text(String),
-}
 
 /// A subject.
 #[derive(Debug, Clone)]
@@ -35,7 +29,7 @@ pub struct Row {
     /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
     pub page: Option<String>,
     /// What came out, by column, or why nothing did.
-    pub figures: Result<Vec<(&'static str, Cell)>, String>,
+    pub figures: Result<Figures, String>,
 }
 
 /// What a cohort is made with.
@@ -47,98 +41,6 @@ pub struct About<'a> {
     pub line: String,
     /// Every option that changes a result.
     pub parameters: &'a Value,
-}
-
-/// The figures of an inference, from its run.json. `kept`, `components` and `cycles` are those of the kept topology; `sparsity` is
-/// the share of kept candidates among all; wrong and missed connections are those that the evidence expects.
-pub fn infer_figures(record: &Value) -> Vec<(&'static str, Cell)> {
-    let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN);
-    let (kept, candidates) = (number("/counts/topology/kept_candidates"), number("/counts/candidates"));
-    let figures = [
-        ("nodes", number("/counts/nodes")),
-        ("observed", number("/counts/observed")),
-        ("candidates", candidates),
-        ("kept", kept),
-        ("undecided", number("/convergence/undecided")),
-        ("components", number("/counts/topology/components")),
-        ("cycles", number("/counts/topology/cycles")),
-        ("sparsity", if candidates > 0.0 { kept / candidates } else { f64::NAN }),
-        ("rho_G_W_per_m3", number("/rho_G_W_per_m3")),
-        ("expected_wrong", number("/expected_errors/wrong")),
-        ("expected_missed", number("/expected_errors/missed")),
-        (WALL_TIME, number("/time/wall_s")),
-    ];
-    let numbers = figures.map(|(name, x)| (name, Cell::Number(x)));
-    phenotype_figures(record).into_iter().chain(numbers).collect()
-}
-
-/// The segments, and the columns of their probabilities.
-const SEGMENTS: [(&str, &str); 7] = [
-    ("L-A1", "p_L-A1"),
-    ("R-A1", "p_R-A1"),
-    ("AComm", "p_AComm"),
-    ("L-P1", "p_L-P1"),
-    ("R-P1", "p_R-P1"),
-    ("L-PComm", "p_L-PComm"),
-    ("R-PComm", "p_R-PComm"),
-];
-
-/// Per feeder the columns of what takes over when it is closed, and of the shares of flow that the territories keep.
-const COLLATERAL: [(&str, &str, [&str; 6]); 3] = [
-    (
-        "L-ICA",
-        "takes_over_L-ICA",
-        [
-            "L-A2_without_L-ICA",
-            "R-A2_without_L-ICA",
-            "L-M1_without_L-ICA",
-            "R-M1_without_L-ICA",
-            "L-P2_without_L-ICA",
-            "R-P2_without_L-ICA",
-        ],
-    ),
-    (
-        "R-ICA",
-        "takes_over_R-ICA",
-        [
-            "L-A2_without_R-ICA",
-            "R-A2_without_R-ICA",
-            "L-M1_without_R-ICA",
-            "R-M1_without_R-ICA",
-            "L-P2_without_R-ICA",
-            "R-P2_without_R-ICA",
-        ],
-    ),
-    (
-        "BA",
-        "takes_over_BA",
-        ["L-A2_without_BA", "R-A2_without_BA", "L-M1_without_BA", "R-M1_without_BA", "L-P2_without_BA", "R-P2_without_BA"],
-    ),
-];
-
-/// The figures of a Circle of Willis, from the run.json of a subject; none where it was not classified. `margin` is the probability of
-/// the variant less that of the next.
-pub fn phenotype_figures(record: &Value) -> Vec<(&'static str, Cell)> {
-    let Some(phenotype) = record.get("phenotype").filter(|p| p.is_object()) else { return Vec::new() };
-    let text = |key: &str| Cell::Text(phenotype[key].as_str().unwrap_or_default().to_owned());
-    let flag = |value: &Value| Cell::Number(value.as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there))));
-    let mut figures = vec![("variant", text("variant")), ("completeness", text("completeness"))];
-    figures.extend(SEGMENTS.map(|(segment, _)| (segment, flag(&phenotype["segments"][segment]))));
-    figures
-        .extend([("L-PCA", "fetal_L-PCA"), ("R-PCA", "fetal_R-PCA")].map(|(side, name)| (name, flag(&phenotype["fetal"][side]))));
-    if let Some(probabilities) = phenotype.get("probabilities") {
-        let number = |value: &Value| Cell::Number(value.as_f64().unwrap_or(f64::NAN));
-        figures.extend([("p_variant", number(&probabilities["variant"])), ("margin", number(&probabilities["margin"]))]);
-        figures.extend(SEGMENTS.map(|(segment, name)| (name, number(&probabilities["segments"][segment]))));
-    }
-    for (feeder, takes_over, territories) in COLLATERAL {
-        let Some(collateral) = record["collateral"].get(feeder) else { continue };
-        figures.push((takes_over, Cell::Text(collateral["takes_over"].as_str().unwrap_or_default().to_owned())));
-        for (territory, name) in ["L-A2", "R-A2", "L-M1", "R-M1", "L-P2", "R-P2"].into_iter().zip(territories) {
-            figures.push((name, Cell::Number(collateral["residual"][territory].as_f64().unwrap_or(f64::NAN))));
-        }
-    }
-    figures
 }
 
 impl Row {
@@ -174,7 +76,7 @@ impl Row {
                 Cell::Number(x) => json!(x),
                 Cell::Text(text) => json!(text),
             };
-            fields.insert((*name).to_owned(), value);
+            fields.insert(name.clone().into_owned(), value);
         }
         fields.into()
     }
@@ -200,9 +102,9 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
                 Some(Cell::Text(text)) => text.clone(),
                 _ => String::new(),
             };
-            Column::text(name, rows.iter().map(word))
+            Column::text(name.clone(), rows.iter().map(word))
         } else {
-            Column::real(name, rows.iter().map(|row| row.number(name)))
+            Column::real(name.clone(), rows.iter().map(|row| row.number(name)))
         });
     }
     columns
@@ -229,7 +131,7 @@ fn uncertainty(row: &Row) -> f64 {
 ///
 /// A file that cannot be written.
 pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()> {
-    let [table, page] = FILES.map(|name| StagedFile::new(&folder.join(name), true));
+    let [table, page] = [COHORT_TABLE, COHORT_PAGE].map(|name| StagedFile::new(&folder.join(name), true));
     let (table, page) = (table?, page?);
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<Row> = rows.to_vec();
@@ -244,6 +146,7 @@ mod tests {
     use super::*;
 
     fn row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
+        let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
         Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
     }
 
@@ -255,7 +158,7 @@ mod tests {
             row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
         ];
         let columns = cohort_columns(&rows);
-        let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
+        let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
         assert_eq!(names, ["subject", "input", "sha256", "status", "error", "nodes", "variant"]);
         let mut table = Vec::new();
         write_csv(&mut table, &columns).expect("columns of one length");

@@ -1,0 +1,56 @@
+//! What the files of an output folder are called.
+
+/// The record of a run, by which a folder of this program is known.
+pub const RECORD: &str = "run.json";
+/// The vessels.
+pub const EDGES: &str = "edges.csv";
+/// The nodes.
+pub const NODES: &str = "nodes.csv";
+/// The page to open in a browser.
+pub const PAGE: &str = "report.html";
+/// The likelihood matrix with its zeros.
+pub const DENSE_LIKELIHOOD: &str = "likelihood.npy";
+/// The likelihood matrix.
+pub const LIKELIHOOD: &str = "likelihood.npz";
+/// The over-connected graph that was sampled.
+pub const GRAPH: &str = "candidates.graphml";
+/// What was kept, with an ending for each format.
+pub const TOPOLOGY: &str = "topology";
+/// What lies above the median.
+pub const MEDIAN_TOPOLOGY: &str = "topology-median";
+/// The flow as a picture.
+pub const FLOW_PICTURE: &str = "flow";
+/// The likelihood matrix as a picture.
+pub const LIKELIHOOD_PICTURE: &str = "likelihood";
+/// The likelihood against the samples as a picture.
+pub const CONVERGENCE_PICTURE: &str = "convergence";
+/// A resistance modulation as a picture.
+pub const MODULATION_PICTURE: &str = "modulation";
+/// How hypertension is distributed, as a picture.
+pub const HYPERTENSION_PICTURE: &str = "hypertension";
+/// The classes of a resistance modulation.
+pub const CLASSES: &str = "classes.csv";
+/// How hypertension is distributed.
+pub const HYPERTENSION: &str = "hypertension.csv";
+/// Every instance of a resistance modulation.
+pub const INSTANCES: &str = "samples.npz";
+/// The Circle of Willis.
+pub const PHENOTYPE: &str = "phenotype.json";
+/// The Circle of Willis as a row of a table.
+pub const PHENOTYPE_TABLE: &str = "phenotype.csv";
+/// What takes over when a feeding artery is lost.
+pub const COLLATERAL: &str = "collateral.csv";
+/// How far runs with different occlusion probabilities agree.
+pub const AGREEMENT: &str = "agreement.csv";
+/// The record by which the folder of a shard is known.
+pub const SHARD: &str = "shard.json";
+/// The sums over the samples of a shard.
+pub const SHARD_SUMS: &str = "shard.npz";
+/// The record by which the folder of an input that gave no run is known.
+pub const FAILURE: &str = "failed.json";
+/// The record by which the folder of a cohort is known.
+pub const COHORT: &str = "cohort.json";
+/// The subjects of a cohort, a row each.
+pub const COHORT_TABLE: &str = "cohort.csv";
+/// The page of a cohort.
+pub const COHORT_PAGE: &str = "cohort.html";

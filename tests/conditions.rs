@@ -1,0 +1,73 @@
+//! Files of boundary conditions. The truth is the definition of the units: 1 mmHg = 133.322387415 Pa, 1 mL/min = 1e-6/60 m³/s.
+
+use willis::error::Place;
+use willis::formats::conditions::{Statement, read_csv, read_inlets, read_toml};
+use willis::network::{Condition, Role};
+
+const MMHG: f64 = 133.322387415;
+
+fn rows(text: &str) -> Vec<Statement> {
+    read_csv(text.as_bytes()).unwrap_or_else(|fault| panic!("{text}: {fault:?}"))
+}
+
+/// The same conditions, however a spreadsheet parts and quotes them.
+#[test]
+fn a_table_is_read_as_other_tables_are() {
+    let text = "# of one patient\nnode,kind,value,unit,venous_pressure_mmHg\n\n7,inlet,12,kPa,\n# a terminal\n\"a b\",resistance,2,mmHg·s/mL,5\n";
+    let usual = rows(text);
+    for other in [
+        text.replace(',', ";"),
+        text.replace(',', "\t"),
+        format!("\u{feff}{}", text.replace('\n', "\r\n")),
+        text.replace("kind", " Kind "),
+    ] {
+        assert_eq!(rows(&other), usual, "{other}");
+    }
+    assert_eq!(usual[0].condition, Condition::Pressure(12e3));
+    assert_eq!((usual[0].place.clone(), usual[1].place.clone()), (Place::Line(4), Place::Line(6)));
+    let Condition::Resistance { resistance, venous } = usual[1].condition else { panic!("{:?}", usual[1]) };
+    assert!((resistance / (2e6 * MMHG) - 1.0).abs() < 1e-15 && (venous / (5.0 * MMHG) - 1.0).abs() < 1e-15);
+    let toml = "[[condition]]\nnode = 7\nkind = \"inlet\"\nvalue = 12\nunit = \"kPa\"\n[[condition]]\nnode = \"a b\"\nkind = \"resistance\"\nvalue = 2\nunit = \"mmHg·s/mL\"\nvenous_pressure_mmHg = 5\n";
+    let stated = |statements: Vec<Statement>| -> Vec<(String, Role, Condition)> {
+        statements.into_iter().map(|s| (s.spec, s.role, s.condition)).collect()
+    };
+    assert_eq!(stated(read_toml(toml.as_bytes()).expect("TOML")), stated(usual));
+    let flow = &rows("label,kind,value\nBA,flow,-60\n")[0];
+    assert!(flow.role == Role::Outlet && flow.condition == Condition::Flow(-1e-6), "{flow:?}");
+    let at = &rows("x_mm,y_mm,z_mm,kind\n1,-2.5,0.1,ground\n")[0];
+    assert_eq!((at.spec.as_str(), at.condition), ("1,-2.5,0.1", Condition::Pressure(0.0)));
+}
+
+#[test]
+fn what_is_wrong_names_its_line() {
+    let kinds = "expected inlet, ground, pressure, resistance or flow";
+    for (text, message) in [
+        ("node,value\n1,90\n", "b:1: no column kind in columns node,value; expected the columns node,label,"),
+        ("node,kind\n1,inlet\n2,\n", &format!("b:3: no kind; {kinds}")),
+        ("node,kind\n1,outlet\n", &format!("b:2: kind \"outlet\"; {kinds}")),
+        ("node,kind\n1,inlt\n", &format!("b:2: kind \"inlt\"; did you mean \"inlet\"? {kinds}")),
+        ("node,kind,pressure\n1,inlet,9\n", "b:1: column \"pressure\"; expected the columns node,"),
+        ("node,kind\n1,ground,3\n", "b:2: 3 columns; expected 2, as in the header"),
+        ("node,kind,value\n\n1,pressure,\n", "b:3: pressure without a value; expected a number with a unit"),
+        ("node,kind,value\n1,pressure,nan\n", "b:2: value \"nan\"; expected a finite number"),
+        ("node,kind,value\n1;pressure;5,5\n", "b:2: "),
+        ("node;kind;value\n1;pressure;5,5\n", "b:2: value \"5,5\"; expected a decimal point, not a comma"),
+        ("node,kind,value,unit\n1,pressure,5,mmhg\n", "b:2: pressure value 5mmhg; did you mean \"mmHg\"? expected a number"),
+        ("node,kind,value\n1,resistance,-5\n", "b:2: resistance -"),
+        ("node,label,kind\n1,a,ground\n", "b:2: no single node; expected one of node, label, or a position in mm"),
+        ("x_mm,y_mm,z_mm,kind\n1,2,,ground\n", "b:2: no single node; "),
+    ] {
+        let said = read_csv(text.as_bytes()).expect_err(text).in_file("b".as_ref()).to_string();
+        assert!(said.starts_with(message), "{said}, expected {message}");
+    }
+    let said = read_toml(b"[[condition]]\nnode = 1\n").expect_err("no kind").in_file("b".as_ref()).to_string();
+    assert_eq!(said, format!("b: condition 1: no kind; {kinds}"));
+}
+
+/// A table of nothing but inlets needs no word for each.
+#[test]
+fn inlets_need_no_kind() {
+    let inlets = |text: &str| read_inlets(text.as_bytes()).expect("inlets").into_iter().map(|s| s.spec).collect::<Vec<_>>();
+    assert_eq!(inlets("x_mm;y_mm;z_mm\n1;2;3\n"), ["1,2,3"]);
+    assert_eq!(inlets("node,kind\n1,inlet\n2,ground\n3,\n"), ["1", "3"]);
+}
