@@ -4,7 +4,7 @@ use willis::error::Place;
 use willis::formats::conditions::{Statement, read_csv, read_inlets, read_toml};
 use willis::network::{Condition, Role};
 
-const MMHG: f64 = 133.322387415;
+const MMHG: f64 = 133.322_387_415;
 
 fn rows(text: &str) -> Vec<Statement> {
     read_csv(text.as_bytes()).unwrap_or_else(|fault| panic!("{text}: {fault:?}"))

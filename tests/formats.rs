@@ -95,7 +95,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     let (path, loops) = (folder.path().join("a.swc"), folder.path().join("l.csv"));
     std::fs::write(&path, "1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 1 1 0 1 2\n").unwrap();
     let mut options = ReadOptions { loops: Some(loops.clone()), ..ReadOptions::default() };
-    for text in ["id_a,id_b\n1,3\n", "1, 3", "id_a;id_b\r\n\"1\";3\r\n", "# one\n\nnote\tB\tA\nx\t3\t1\n", "1\t3\n"] {
+    for text in ["id_a,id_b\n1,3\n", "1, 3 # one", "id_a;id_b\r\n\"1\";3\r\n", "# one\n\nnote\tB\tA\nx\t3\t1\n", "1\t3\n"] {
         std::fs::write(&loops, text).unwrap();
         let Content::Centerlines(lines) = read(&path, &options).unwrap().content else { panic!() };
         assert_eq!(lines.links, [[0, 1], [1, 2], [0, 2]]);

@@ -227,7 +227,7 @@ fn the_cells_of_a_matrix_are_where_they_belong() {
 
 #[test]
 fn a_large_matrix_is_one_small_image() {
-    let entries: Vec<_> = (0..20_000).map(|k| (k % 5000, (k * 13 + 7) % 5000, 1.0 + f64::from(k as u32 % 50))).collect();
+    let entries: Vec<_> = (0..20_000).map(|k| (k % 5000, (k * 13 + 7) % 5000, 1.0 + f64::from(k % 50))).collect();
     let text = heat(5000, &entries).svg().expect("an SVG");
     assert!(text.len() < 1_000_000, "{} bytes", text.len());
     let svg = Document::parse(&text).expect("well-formed");

@@ -12,6 +12,7 @@ use crate::units::pascals;
 
 /// The column of the pressure behind a terminal resistance.
 const VENOUS: &str = "venous_pressure_mmHg";
+const ACCEPTED: &str = "expected inlet, ground, pressure, resistance or flow";
 const KINDS: [&str; 5] = ["inlet", "ground", "pressure", "resistance", "flow"];
 
 /// A condition as stated, before its node is looked up.
@@ -146,7 +147,6 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
         (None, None, Some([x, y, z])) => format!("{x},{y},{z}"),
         _ => return Err(fault(&place, "no single node", "expected one of node, label, or a position in mm")),
     };
-    const ACCEPTED: &str = "expected inlet, ground, pressure, resistance or flow";
     let kind = entry.kind.ok_or_else(|| fault(&place, "no kind", ACCEPTED))?;
     let figure = |dimension: Dimension| {
         let value = entry.value.ok_or_else(|| fault(&place, format!("{kind} without a value"), dimension.accepted()))?;

@@ -18,6 +18,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
     let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
     let mut link = |line: usize, pair: [&str; 2]| {
         let row = |word: &str| {
+            let word = word.split('#').next().unwrap_or_default().trim_end();
             let id = word.parse::<u64>().map_err(|_| Fault::line(line, format!("\"{word}\""), ACCEPTED))?;
             row_of.get(&id).copied().ok_or_else(|| Fault::line(line, format!("point {id} does not exist"), ACCEPTED))
         };
@@ -31,16 +32,15 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
     let text = uncommented(bytes);
     let mut rows = Rows::open(&text)?;
     let mut added = 0;
-    let [a, b] = match [rows.find(&["id_a", "a"]), rows.find(&["id_b", "b"])] {
-        [Some(a), Some(b)] => [a, b],
-        _ => {
-            let [a, b] = rows.header() else {
-                return Err(Fault::line(rows.header_line(), columns(rows.header()), ACCEPTED));
-            };
-            link(rows.header_line(), [a, b])?;
-            added += 1;
-            [0, 1]
-        }
+    let [a, b] = if let [Some(a), Some(b)] = [rows.find(&["id_a", "a"]), rows.find(&["id_b", "b"])] {
+        [a, b]
+    } else {
+        let [a, b] = rows.header() else {
+            return Err(Fault::line(rows.header_line(), columns(rows.header()), ACCEPTED));
+        };
+        link(rows.header_line(), [a, b])?;
+        added += 1;
+        [0, 1]
     };
     while let Some(row) = rows.next()? {
         link(row.line, [row.text(a), row.text(b)])?;

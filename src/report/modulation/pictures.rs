@@ -65,7 +65,8 @@ pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
         let total = found.counts.iter().sum::<u64>() as f64;
         let density = found.counts.iter().zip(edges.windows(2)).map(|(count, bin)| *count as f64 / (total * (bin[1] - bin[0])));
         let fit = found.fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
-        let figures = fit.map(|g| format!("shape {:.2}, scale {:.3}, KS {:.2}; ", g.shape, g.scale, found.distance));
+        let figures =
+            fit.map(|g| format!("shape {:.2}, scale {:.3} mmHg/mm\u{b2}, KS {:.2}; ", g.shape, g.scale, found.distance));
         let risk = format!("above threshold {}, by fit {}", percent(found.above), percent(found.above_by_fit));
         let heading = format!("u {}: {}{risk}", name(class), figures.unwrap_or_default());
         Histogram { heading, density: density.collect(), fit }

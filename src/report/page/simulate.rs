@@ -76,7 +76,7 @@ fn facts(record: &Value, perturbed: bool) -> Vec<Fact> {
             fact("inflow perturbed", "/total_inflow_mL_per_min_perturbed", "mL/min"),
             count("perturbations", "/perturbations"),
             count("reversed flows", "/reversed"),
-            count("beyond laminar flow, perturbed", "/not_laminar/vessels_perturbed"),
+            count("vessels beyond laminar flow, perturbed", "/not_laminar/vessels_perturbed"),
         ]);
     }
     facts

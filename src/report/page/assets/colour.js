@@ -37,7 +37,8 @@ function scaleOf(kind, values) {
     const step = Math.max(1, Math.ceil((to - from) / 5));
     const ticks = [];
     for (let e = Math.ceil(from); e <= to; e += step) ticks.push([(e - from) / (to - from), power(e)]);
-    return { share, colour: x => blend(data.colours, share(x)), ticks, clipped };
+    const at = t => shown(10 ** (from + t * (to - from)), 3);
+    return { share, colour: x => blend(data.colours, share(x)), ticks: ticks.length > 2 ? ticks : [0, 0.5, 1].map(t => [t, at(t)]), clipped };
   }
   if (!(low <= high)) [low, high] = [0, 1];
   const range = high - low || 1;
