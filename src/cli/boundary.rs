@@ -15,7 +15,7 @@ use willis::quantity::Dimension;
 use willis::suggestion::did_you_mean;
 use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
 
-use super::input::beside;
+use super::beside::beside;
 use super::terminal::{Terminal, brief, plural};
 
 #[derive(Debug, Args, Serialize)]

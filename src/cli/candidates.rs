@@ -10,8 +10,9 @@ use willis::network::Origin;
 use willis::report::{StagedFile, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{CandidateArgs, InputArgs};
+use super::candidate_args::CandidateArgs;
 use super::prior::PriorArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::tell::say_built;
 use super::terminal::{Terminal, plural};

@@ -12,7 +12,7 @@ use willis::formats::write_loops;
 use willis::network::Network;
 use willis::report::{StagedFile, staged::write_file};
 
-use super::input::InputArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::terminal::{Terminal, plural};
 

@@ -21,8 +21,10 @@ use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, wr
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::circle::Found;
 use super::mirror::{BoundaryMirror, FoundOutletsMirror};
-use super::run::{Run, posterior};
-use super::tell::{say_outcome, say_variant};
+use super::plausible::posterior;
+use super::run::Run;
+use super::tell::say_outcome;
+use super::tell_circle::say_variant;
 use super::terminal::{Terminal, count, plural};
 
 /// An input made ready: what all its occlusion probabilities share.

@@ -1,7 +1,9 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
 
 mod apart;
+mod beside;
 mod boundary;
+mod candidate_args;
 mod candidates;
 mod checkpoint;
 mod circle;
@@ -10,26 +12,32 @@ mod cohort;
 mod convert;
 mod failure;
 mod infer;
-mod input;
+mod inference;
 mod job;
 mod keep;
 mod ledger;
+mod loaded;
 mod merge;
 mod mirror;
 mod modulate;
 mod perturbation;
 mod phantom;
+mod plausible;
 mod prior;
 mod provenance;
+mod reading;
 mod run;
+mod sampling_args;
 mod shard;
 mod shell;
 mod simulate;
 mod subjects;
 mod tell;
+mod tell_circle;
 mod tell_flow;
 mod terminal;
 mod train;
+mod typed;
 
 use clap::{Args, Parser, Subcommand};
 use willis::error::{Error, Result};

@@ -11,10 +11,10 @@ use willis::report::{ModulationOutcome, StagedFolder, write_modulation};
 use willis::units::pascals_per_square_metre;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::infer::check_dpi;
-use super::input::{InputArgs, viscosity};
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::terminal::{Terminal, brief, is_stopped, plural};
+use super::typed::{check_dpi, viscosity};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Meaning {

@@ -18,9 +18,9 @@ use willis::report::{candidate_parameters, outlets_found, read_part, word_of_kee
 use willis::rng::BLOCK;
 
 use super::checkpoint::{Interval, Keeper, Watch};
-use super::infer::check_dpi;
 use super::job::Job;
 use super::terminal::{Terminal, count};
+use super::typed::check_dpi;
 
 /// The sums over the samples of a shard.
 const SUMS: &str = "shard.npz";

@@ -9,12 +9,12 @@ use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
 use willis::simulation::simulate;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::infer::check_dpi;
-use super::input::{InputArgs, viscosity};
 use super::perturbation::PerturbationArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::tell_flow::say_simulated;
 use super::terminal::Terminal;
+use super::typed::{check_dpi, viscosity};
 
 /// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
 #[derive(Debug, Args)]
