@@ -24,6 +24,8 @@ pub struct Centerlines {
     pub links: Vec<[u32; 2]>,
     /// The anatomical names of the links.
     pub labels: Labels,
+    /// Points that were made one with another: their numbers in the file, and the row of the other.
+    pub merged: Vec<(u64, u32)>,
 }
 
 /// The anatomical names of links; most have none.
@@ -148,6 +150,9 @@ impl Centerlines {
             }
         }
         let gone = class.len() - kept.len();
+        self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
+        let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
+        self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
         let mut seen = std::collections::HashSet::new();
         let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
         for (row, link) in links.into_iter().enumerate() {

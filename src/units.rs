@@ -118,11 +118,16 @@ impl Scale {
             (LengthUnit::Voxel, None) => {
                 Err(Error::parameter("--units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
             }
-            (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
-                Err(Error::parameter("--spacing", format!("{s:?}"), "expected one or three positive numbers, in mm"))
-            }
+            (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => Err(Error::parameter(
+                "--spacing",
+                s.map(|x| x.to_string()).join(","),
+                "expected one or three positive numbers, in mm",
+            )),
             (LengthUnit::Voxel, Some(_)) | (_, None) => Ok(()),
-            (unit, Some(_)) => Err(Error::parameter("--spacing", "", format!("goes with --units voxel, not {}", unit.symbol()))),
+            (unit, Some([x, y, z])) => {
+                let accepted = format!("goes with --units voxel, not {}", unit.symbol());
+                Err(Error::parameter("--spacing", format!("{x},{y},{z}"), accepted))
+            }
         }
     }
 

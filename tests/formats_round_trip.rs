@@ -25,6 +25,7 @@ fn network() -> Network {
     let mut network = Network::new();
     for (n, p) in [[0.0, 0.0, 0.0], [0.1, 0.0, 0.3], [1.0 / 3.0, 0.7, 1e-7], [2.0, 1e-3, -5.0]].into_iter().enumerate() {
         network.add_node(Node {
+            also: Vec::new(),
             id: format!("n <{n}> & \"é\""),
             position: Some(p.map(metres)),
             radius: Some(metres(0.1 + n as f64 / 7.0)),

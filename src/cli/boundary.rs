@@ -10,7 +10,7 @@ use willis::formats::bytes_of;
 use willis::formats::conditions::{read_csv, read_toml};
 use willis::hemodynamics::boundary::{CEREBRAL_FLOW_ML_PER_MIN, Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
-use willis::network::{Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
+use willis::network::{Called, Condition, INLET_PRESSURE_MMHG, Network, Role, locate};
 use willis::quantity::Dimension;
 use willis::suggestion::did_you_mean;
 use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascals};
@@ -24,8 +24,8 @@ pub struct BoundaryArgs {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
     #[arg(long, value_name = "SPEC[=PRESSURE]", allow_hyphen_values = true)]
     inlet: Vec<String>,
-    /// Where blood leaves: to ground, to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous pressure
-    /// (20mmHg.s/mL@5mmHg)
+    /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous
+    /// pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
     #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE[@PRESSURE]]", allow_hyphen_values = true)]
     outlet: Vec<String>,
     /// A fixed flow into the network (negative: out of it), in mL/min
@@ -35,7 +35,7 @@ pub struct BoundaryArgs {
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     bc: Option<PathBuf>,
     /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
-    /// mL/min) or a total resistance
+    /// mL/min) or a total resistance [default: murray=700 for infer and candidates on centerlines, else ground]
     #[arg(long, value_name = "ground|murray[=FLOW|RESISTANCE]")]
     outlets: Option<String>,
 }
@@ -46,12 +46,11 @@ impl BoundaryArgs {
         let usual = FoundOutlets::Murray(Total::Flow(cubic_metres_per_second(CEREBRAL_FLOW_ML_PER_MIN)));
         let Some(text) = &self.outlets else { return Ok(if murray { usual } else { FoundOutlets::Ground }) };
         let refused = || {
-            let meant = did_you_mean(text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
-            Error::parameter(
-                "--outlets",
-                format!("\"{text}\""),
-                meant + "expected ground, murray, or murray= a positive total flow (700mL/min) or resistance (8mmHg.s/mL)",
-            )
+            let (word, words) = (text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
+            let meant = if words.contains(&word) { String::new() } else { did_you_mean(word, words) };
+            const ACCEPTED: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
+                                    murray=8mmHg.s/mL, of all outlets together and positive";
+            Error::parameter("--outlets", format!("\"{text}\""), meant + ACCEPTED)
         };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
@@ -97,14 +96,16 @@ impl BoundaryArgs {
             .map_err(|_| Fault::file("the text is not UTF-8", "expected a CSV or TOML file of conditions").in_file(path))?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         let statements = if is_toml { read_toml(text) } else { read_csv(text) }.map_err(|f| f.in_file(path))?;
-        let mut given = BTreeMap::new();
+        let (mut given, mut stated_at) = (BTreeMap::new(), BTreeMap::new());
         for s in statements {
             let fault = |why: String| Fault::item(s.place.clone(), format!("\"{}\"", s.spec), why).in_file(path);
             let found = locate(network, &s.spec).map_err(fault)?;
             terminal.detail("condition", format!("{} is node {}{}", s.spec, network.node(found.node).id, found.note()));
             if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {
-                return Err(fault("expected one condition a node".into()));
+                let (id, first): (_, &String) = (&network.node(found.node).id, &stated_at[&found.node]);
+                return Err(fault(format!("is node {id}, as {first} is; expected one condition a node")));
             }
+            stated_at.insert(found.node, s.place);
         }
         Ok(given)
     }
@@ -118,16 +119,25 @@ impl BoundaryArgs {
             let refused = |why: String| Error::parameter(option, format!("\"{text}\""), why);
             let whole = option != "--flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
             let (spec, role, condition) = parse(option, text, whole).map_err(refused)?;
-            let found = locate(network, spec).map_err(refused)?;
-            if found.distance.is_some() {
+            let found = locate(network, spec).map_err(|why| refused(several(network, option, spec).unwrap_or(why)))?;
+            if found.by != Called::Name {
                 terminal.say("condition", format!("{spec} is node {}{}", network.node(found.node).id, found.note()));
             }
             if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {
-                return Err(refused("expected one condition a node".into()));
+                let id = &network.node(found.node).id;
+                return Err(refused(format!("is node {id}, which has a condition already; expected one a node")));
             }
         }
         Ok(given)
     }
+}
+
+/// That several nodes are several options, where each word between commas names one.
+fn several(network: &Network, option: &str, spec: &str) -> Option<String> {
+    let names: Vec<&str> = spec.split(',').map(str::trim).collect();
+    let are_nodes = names.len() > 1 && names.iter().all(|name| locate(network, name).is_ok());
+    let each: Vec<String> = names.iter().map(|name| format!("{option} {name}")).collect();
+    are_nodes.then(|| format!("names {} nodes; give one at a time: {}", names.len(), each.join(" ")))
 }
 
 /// `SPEC[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.

@@ -7,7 +7,7 @@ use willis::candidates::{self, Attach, CandidateRadius};
 use willis::error::Result;
 use willis::network::RadiusRule;
 
-use super::typed::length;
+use super::typed::{length, whole};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -30,9 +30,9 @@ pub enum RadiusOfCandidate {
 pub struct CandidateArgs {
     /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
     /// [default: 5 by evidence, else 6]
-    #[arg(short, value_name = "K")]
+    #[arg(short, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub k: Option<usize>,
-    /// The longest gap to bridge; never beyond 20 point spacings + 5 end diameters
+    /// The longest gap to bridge, in mm unless it says otherwise (5mm, 800um); never beyond 20 point spacings + 5 end diameters
     #[arg(long, value_name = "LENGTH")]
     pub max_gap: Option<String>,
     /// What a candidate may meet [default: centerline]
@@ -41,7 +41,7 @@ pub struct CandidateArgs {
     /// A candidate's radius from the radii at its two ends [default: min]
     #[arg(long, value_enum)]
     pub candidate_radius: Option<RadiusOfCandidate>,
-    /// The largest radius of a candidate
+    /// The largest radius of a candidate, in mm unless it says otherwise
     #[arg(long, value_name = "LENGTH")]
     pub max_candidate_radius: Option<String>,
 }

@@ -54,7 +54,8 @@ impl CandidatesArgs {
         let graph = prior.graph(&mut loaded, &boundary, &params)?;
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {
-            say_built(terminal, &graph, &params, prior.is_evidence());
+            let note = say_built(terminal, &graph, &params, prior.is_evidence());
+            loaded.provenance.notes.extend(note.map(str::to_owned));
         } else {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }

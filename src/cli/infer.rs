@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::{Args, FromArgMatches};
 use serde::Serialize;
 use serde_json::Value;
-use willis::error::{Error, Result};
+use willis::error::{Error, Fault, Result};
 use willis::inference::Params;
 use willis::report::StagedFolder;
 
@@ -23,14 +23,14 @@ use super::shard::{blocks_of, write_shard};
 use super::shell::print_json;
 use super::subjects::{Inputs, expand};
 use super::terminal::{Terminal, listen};
-use super::typed::check_dpi;
+use super::typed::{check_dpi, whole};
 
 /// Infer the plausible topology of centerlines or of a candidate graph
 #[derive(Debug, Args, Serialize)]
 pub struct InferArgs {
     /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
     /// (GraphML, CSV of edges); several, or a pattern in quotes ('scans/*.swc'), are a cohort: a folder each, and a table of all
-    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = "Input")]
+    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     #[serde(skip)]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -43,13 +43,13 @@ pub struct InferArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub sampling: SamplingArgs,
-    /// Which vessels on trial stay: probable[=ROOT_FACTOR] (the most probable forest; a smaller factor leaves fewer fragments
+    /// Which uncertain vessels stay: probable[=ROOT_FACTOR] (the most probable forest; a smaller factor leaves fewer fragments
     /// alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
     /// [default: probable where candidates come with evidence, else median]
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     pub keep: Option<String>,
     /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = 150, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
     pub dpi: u32,
     /// Print run.json on standard output too, in a line for each occlusion probability; of a cohort, its row of each subject
     #[serde(skip)]
@@ -87,6 +87,10 @@ impl InferArgs {
         check_dpi(self.dpi)?;
         let inference = Inference { args: &self, rule, runs };
         let input = match expand(&self.inputs)? {
+            Inputs::One(input) if input.is_dir() => {
+                let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
+                return Err(Fault::file("a folder of willis infer", accepted).in_file(&input));
+            }
             Inputs::One(input) => input,
             Inputs::Many(subjects) => return inference.cohort(&subjects, terminal, force),
         };

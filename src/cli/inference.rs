@@ -58,7 +58,8 @@ impl Inference<'_> {
         let usual = if knows_fragments(&graph) && !args.sampling.paper() { Keep::Probable(ROOT_FACTOR) } else { Keep::Median };
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {
-            say_built(terminal, &graph, &params, prior.is_evidence());
+            let note = say_built(terminal, &graph, &params, prior.is_evidence());
+            loaded.provenance.notes.extend(note.map(str::to_owned));
         }
         say_boundary(terminal, &graph, &boundary);
         if args.circle.is_given() && circle.is_none() {
@@ -66,6 +67,7 @@ impl Inference<'_> {
         }
         for note in circle.iter().flat_map(|found| &found.notes) {
             terminal.say("note", note);
+            loaded.provenance.notes.push(note.clone());
         }
         Ok(Job {
             circle,

@@ -174,7 +174,7 @@ impl Job {
 
     /// Says what is about to be sampled.
     pub fn say_sampling(&self, params: &Params, terminal: Terminal) {
-        let trial = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
+        let uncertain = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
         let how = format!(
             "epsilon {}, {} samples, seed {}, {}",
             params.epsilon,
@@ -184,7 +184,7 @@ impl Job {
         );
         terminal.say(
             "sampling",
-            format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
+            format!("{how}: {} of {} uncertain", count(uncertain as u64), plural(self.graph.vessel_count(), "vessel")),
         );
     }
 

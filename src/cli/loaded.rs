@@ -4,7 +4,7 @@ use std::path::Path;
 
 use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
-use willis::formats::{Content, Document, Made, read};
+use willis::formats::{Content, Document, Format, Made, read};
 use willis::network::{Network, Origin, RadiusRule, fragments};
 use willis::phenotype::divide;
 use willis::report::Provenance;
@@ -18,6 +18,7 @@ pub struct Loaded {
     pub network: Network,
     /// The centerlines that it was made of.
     lines: Option<Centerlines>,
+    pub format: Format,
     pub provenance: Provenance,
     /// Whether candidates are to be built around its vessels.
     pub fragments: bool,
@@ -52,7 +53,7 @@ impl Loaded {
             notes,
         };
         let network = if ready && observed { all_observed(made.network) } else { made.network };
-        Ok(Self { network, lines: made.lines, provenance, fragments: !ready || observed, radius_rule })
+        Ok(Self { network, lines: made.lines, format, provenance, fragments: !ready || observed, radius_rule })
     }
 
     /// Divides the vessels where their labels change along the centerlines.

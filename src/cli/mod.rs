@@ -26,6 +26,7 @@ mod plausible;
 mod prior;
 mod provenance;
 mod reading;
+mod refusal;
 mod run;
 mod sampling_args;
 mod shard;
@@ -35,21 +36,24 @@ mod subjects;
 mod tell;
 mod tell_circle;
 mod tell_flow;
+mod tell_notes;
 mod terminal;
 mod train;
 mod typed;
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use willis::error::{Error, Result};
 
 use terminal::Terminal;
+use typed::whole;
 
 /// Find the plausible topology of vascular centerlines.
 ///
 /// Broken or over-connected centerlines go in; a likelihood for every possible connection and the pruned plausible
 /// topology come out. Method: Moriconi et al. 2019, Towards Quantifying Neurovascular Resilience.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, max_term_width = 110)]
+#[command(version, propagate_version = true, max_term_width = 110, arg_required_else_help = true)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -76,7 +80,7 @@ enum Command {
 #[command(next_help_heading = "Common options")]
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
-    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N")]
+    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
@@ -95,21 +99,26 @@ pub fn say_error(error: &Error) {
 }
 
 impl Cli {
+    /// The parser; options that a command shares but refuses are not in its help.
+    pub fn builder() -> clap::Command {
+        ["simulate", "modulate", "classify", "convert"].into_iter().fold(Self::command(), |command, name| {
+            command.mut_subcommand(name, |command| command.mut_arg("observed", |arg| arg.hide(true)))
+        })
+    }
+
     /// The command line, or the exit status after its help or its one-line error has been printed.
     pub fn read() -> Result<Self, u8> {
-        Self::try_parse().map_err(|error| {
-            if error.use_stderr() {
-                let text = error.render().to_string();
-                let lines: Vec<&str> = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:")).collect();
-                let said =
-                    lines.iter().filter(|l| !l.is_empty() && !l.starts_with("For more")).copied().collect::<Vec<_>>().join(" ");
-                terminal::line(format_args!("willis: {}; see willis help", said.trim_start_matches("error: ")));
-                2
-            } else {
+        let parsed = Self::builder().try_get_matches().and_then(|matches| Self::from_arg_matches(&matches));
+        parsed.map_err(|error| {
+            let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+            if !error.use_stderr() || without_command {
                 // Help and version go to standard output; a closed pipe is no fault.
                 let _ = error.print();
-                0
+                return if without_command { 2 } else { 0 };
             }
+            let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+            terminal::line(format_args!("willis: {}", refusal::one_line(&error, &given)));
+            2
         })
     }
 

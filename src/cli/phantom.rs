@@ -19,7 +19,7 @@ use willis::report::{StagedFile, staged::write_file};
 use super::convert::{check, put};
 use super::shell::print_json;
 use super::terminal::{Terminal, count, plural};
-use super::typed::length;
+use super::typed::{length, whole};
 
 /// Make test anatomy with a known answer
 ///
@@ -38,19 +38,20 @@ pub struct PhantomArgs {
     /// The file to write; its ending says the format, as for willis convert
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
-    /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1
+    /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1; of the circle these are L-A1, R-A1, AComm, L-P1, R-P1,
+    /// L-PComm, R-PComm and the arteries around them, all named where a label is not known
     #[arg(long, value_name = "LABEL[,LABEL]", value_delimiter = ',')]
     without: Vec<String>,
     /// How many vessels, 100 to 10000000; for arterial and capillary
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     edges: Option<usize>,
     /// Break it up as an extraction would (.swc; arterial and capillary also .graphml and .csv)
     #[arg(long = "break")]
     broken: bool,
     /// The seed of the damage, of arterial and capillary also of the anatomy: a broken one is the whole one of its seed [default: 0]
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = whole::<u64>, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Distance of centerline points [default: 0.5mm; arterial and capillary: straight from node to node]
+    /// Distance of centerline points, in mm unless it says otherwise [default: 0.5mm; arterial and capillary: straight from node to node]
     #[arg(long, value_name = "LENGTH")]
     spacing: Option<String>,
     /// Print a summary on standard output, as JSON

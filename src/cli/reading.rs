@@ -13,7 +13,7 @@ use super::beside::beside;
 use super::loaded::Loaded;
 use super::provenance::command_line;
 use super::terminal::Terminal;
-use super::typed::length;
+use super::typed::{length, spacing};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -39,7 +39,7 @@ pub enum Radius {
 pub struct InputArgs {
     /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
     /// (GraphML, CSV of edges)
-    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     pub input: PathBuf,
     #[command(flatten)]
     reading: ReadingArgs,
@@ -53,7 +53,7 @@ pub struct ReadingArgs {
     #[arg(long, value_enum)]
     pub units: Option<Unit>,
     /// Voxel spacing in mm, with --units voxel: one number, or three
-    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',')]
+    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true)]
     pub spacing: Option<Vec<f64>>,
     /// The VTP point array that holds the radius, when it has an unusual name
     #[arg(long, value_name = "NAME")]
@@ -149,7 +149,7 @@ impl ReadingArgs {
             Some(other) => {
                 return Err(Error::parameter(
                     "--spacing",
-                    format!("of {} numbers", other.len()),
+                    other.iter().map(f64::to_string).collect::<Vec<_>>().join(","),
                     "expected one or three positive numbers, in mm",
                 ));
             }

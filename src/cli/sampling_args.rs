@@ -6,14 +6,14 @@ use willis::error::Result;
 use willis::inference::{Params, Solver, Uncertain, Weight};
 
 use super::checkpoint::{Interval, parse_interval};
-use super::typed::viscosity;
+use super::typed::{probability, viscosity, whole};
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum OnTrial {
+pub enum Vessels {
     /// Candidates must earn their place, observed vessels stay
     Candidates,
-    /// Every vessel is on trial, as in the paper
+    /// Every vessel must, as in the paper
     All,
 }
 
@@ -57,33 +57,34 @@ pub enum SolverName {
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Sampling")]
 pub struct SamplingArgs {
-    /// Occlusion probability; several, with commas, make a folder each and a table of their agreement
-    #[arg(long, value_name = "P,...", value_delimiter = ',', default_value = "0.5", allow_hyphen_values = true)]
+    /// Occlusion probability, from 0 to below 1; several, with commas, make a folder each and a table of their agreement
+    #[arg(long, value_name = "P,...", value_delimiter = ',', default_value = "0.5",
+        value_parser = probability, allow_hyphen_values = true)]
     pub epsilon: Vec<f64>,
-    /// Samples
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000)]
+    /// How many samples to draw
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub samples: u64,
     /// Instead of --samples: double the samples until every decision is two standard errors from flipping, up to 2^20
     #[arg(long, value_enum, value_name = "stable", conflicts_with = "samples")]
     pub until: Option<Until>,
-    /// Enumerate every occlusion pattern of up to 20 vessels on trial: the expectation, without Monte-Carlo error
+    /// Enumerate every occlusion pattern of up to 20 uncertain vessels: the expectation, without Monte-Carlo error
     #[arg(long, conflicts_with = "until")]
     pub exact: bool,
     /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
     #[arg(long, value_enum)]
     pub preset: Option<Preset>,
     /// The seed; the same command with the same seed gives the same bytes
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub seed: u64,
     /// Only samples A up to, not including, B of the --samples, each a multiple of 64 or the last: a shard of the run, for willis merge
     #[serde(skip)]
     #[arg(long, value_name = "A..B", conflicts_with_all = ["until", "exact", "json"], allow_hyphen_values = true)]
     pub range: Option<String>,
-    /// Where the input cannot be used, write why to OUT, as failed.json alone, and end with status 0: willis merge makes a row of it
+    /// Where the input cannot be used, write why to FOLDER, as failed.json alone, and end with status 0: willis merge makes a row of it
     #[serde(skip)]
     #[arg(long)]
     pub record_failure: bool,
-    /// How often what is finished is kept beside OUT, in .willis-NAME, for the same command to go on from after a stop or a kill: auto
+    /// How often what is finished is kept beside FOLDER, in .willis-FOLDER, for the same command to go on from after a stop or a kill: auto
     /// (once sampling takes over a minute), off, or so many seconds apart; Ctrl-C keeps it at once
     #[serde(skip)]
     #[arg(
@@ -95,7 +96,7 @@ pub struct SamplingArgs {
     pub checkpoint: Interval,
     /// Which vessels may be occluded and pruned [default: candidates]
     #[arg(long, value_enum)]
-    pub uncertain: Option<OnTrial>,
+    pub uncertain: Option<Vessels>,
     /// What a vessel adds to its likelihood when it is in a sample's forest
     #[arg(long, value_enum, default_value = "resilience")]
     pub weight: Contribution,
@@ -120,9 +121,9 @@ impl SamplingArgs {
             epsilon,
             samples: self.samples,
             seed: self.seed,
-            uncertain: match self.uncertain.unwrap_or(if paper { OnTrial::All } else { OnTrial::Candidates }) {
-                OnTrial::Candidates => Uncertain::Candidates,
-                OnTrial::All => Uncertain::All,
+            uncertain: match self.uncertain.unwrap_or(if paper { Vessels::All } else { Vessels::Candidates }) {
+                Vessels::Candidates => Uncertain::Candidates,
+                Vessels::All => Uncertain::All,
             },
             weight: match self.weight {
                 Contribution::Resilience => Weight::Resilience,

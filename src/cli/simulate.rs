@@ -14,7 +14,7 @@ use super::reading::InputArgs;
 use super::shell::print_json;
 use super::tell_flow::say_simulated;
 use super::terminal::Terminal;
-use super::typed::{check_dpi, viscosity};
+use super::typed::{check_dpi, viscosity, whole};
 
 /// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP")]
     viscosity: String,
     /// Resolution of the picture
-    #[arg(long, value_name = "N", default_value_t = 150, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = 150, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]

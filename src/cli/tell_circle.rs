@@ -16,7 +16,7 @@ pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Pos
         let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
         let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();
         if !words.is_empty() {
-            terminal.say("uncertain", words.join(", "));
+            terminal.say("doubtful", words.join(", "));
         }
     }
 }

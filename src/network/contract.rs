@@ -100,6 +100,11 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
             ..Node::default()
         });
     }
+    for (id, point) in &lines.merged {
+        if let Some(row) = row_of.get(*point as usize).filter(|row| **row != usize::MAX) {
+            out.network.node_mut(*row).also.push(id.to_string());
+        }
+    }
     let mut interpolated = vec![false; lines.points.len()];
     for walk in walks {
         let ends = [0, walk.points.len() - 1].map(|at| row_of[walk.points[at]]);

@@ -10,7 +10,7 @@ mod stored;
 pub use contract::{Contraction, RadiusRule, contract};
 pub use evidence::Evidence;
 pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Located, locate, nearest, parse_position};
+pub use locate::{Called, Located, locate, nearest, parse_position};
 pub use naming::vessels_called;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
@@ -24,6 +24,9 @@ use crate::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pas
 pub struct Node {
     /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
     pub id: String,
+    /// Ids of points of the input that were made one with this node.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
     /// Position, m; absent in a graph without coordinates.
     pub position: Option<Point>,
     /// Radius of the lumen here, m.
