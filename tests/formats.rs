@@ -103,7 +103,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     for (text, message) in [
         ("id_a,id_b\n1,9\n", "l.csv:2: point 9 does not exist; expected two point ids (id_a,id_b)"),
         ("1,x\n", "l.csv:1: \"x\"; expected two point ids (id_a,id_b)"),
-        ("1\n", "l.csv:1: 1 columns; expected two point ids (id_a,id_b)"),
+        ("1\n", "l.csv:1: 1 column; expected two point ids (id_a,id_b)"),
         ("2,2\n", "l.csv:1: point 2 twice; expected two different points"),
     ] {
         std::fs::write(&loops, text).unwrap();
@@ -201,7 +201,11 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
         (vec![], vec![("radius_mm", "0")], format!("{e}radius_mm 0; expected a positive number")),
         (vec![], vec![("radius", "nan")], format!("{e}radius nan; expected a positive number")),
         (vec![], vec![("radius_mm", "x")], format!("{e}radius_mm \"x\"; expected a number")),
-        (vec![], vec![], format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes")),
+        (
+            vec![],
+            vec![],
+            format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH"),
+        ),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "-2")], format!("{e}length_mm -2; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "0")], format!("{e}length_mm 0; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("prior", "1.2")], format!("{e}prior 1.2; expected a number from 0 to 1")),
@@ -335,7 +339,7 @@ fn vtp_faults_name_the_array_and_the_value() {
         (
             "Radius ",
             "Width",
-            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with --radius-array",
+            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with --radius-array NAME, or give --default-radius LENGTH",
         ),
         ("3 1 0 1 2", "3 1 7 1 2", "v: line 0: point 7; expected a point from 0 to 4"),
         ("3 1 0 1 2", "3 1 -1 1 2", "v: line 0: point -1; expected a point from 0 to 4"),

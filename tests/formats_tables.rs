@@ -349,7 +349,7 @@ fn graphml_takes_the_names_of_other_programs() {
         assert!(notes.contains(&format!("the radius of 1 edges is {note}")), "{notes:?}");
     }
     assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), "edge 0 (n0 - n1): avgRadiusAvg -1; expected a positive number");
-    let accepted = "expected radius_mm on the edge, or on both of its nodes";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
     assert_eq!(sized("r", "red").unwrap_err(), format!("edge 0 (n0 - n1): no radius_mm; {accepted}"));
     let keys = key("pos", "node");
     let said = graph(&keys, &pos("1 2 x"), "", "").unwrap_err();
@@ -443,7 +443,7 @@ fn every_malformed_table_is_one_clear_line() {
         ),
     ];
     let like = alone("a.csv", "edge,node_a,node_b,length_mm,mean_radius_mm\r\n0,a,b,1,2\r\n").unwrap_err();
-    let accepted = "expected radius_mm on the edge, or on both of its nodes";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
     assert_eq!(like, format!("a.csv:2: edge 0 (a - b): no radius_mm but mean_radius_mm; {accepted}"));
     let nodes_alone = alone("nodes.csv", "node,id,x_mm\na,a,1\n").unwrap_err();
     let accepted = "these are nodes; give the table of edges, with columns node_a,node_b or source,target";

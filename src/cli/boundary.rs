@@ -18,6 +18,9 @@ use willis::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pa
 use super::beside::beside;
 use super::terminal::{Terminal, brief, plural};
 
+const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
+                       murray=8mmHg.s/mL, of all outlets together and positive";
+
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Boundary conditions (SPEC is a node id, a label, or x,y,z in mm)")]
 pub struct BoundaryArgs {
@@ -48,9 +51,7 @@ impl BoundaryArgs {
         let refused = || {
             let (word, words) = (text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
             let meant = if words.contains(&word) { String::new() } else { did_you_mean(word, words) };
-            const ACCEPTED: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
-                                    murray=8mmHg.s/mL, of all outlets together and positive";
-            Error::parameter("--outlets", format!("\"{text}\""), meant + ACCEPTED)
+            Error::parameter("--outlets", format!("\"{text}\""), meant + OUTLETS)
         };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
@@ -135,9 +136,12 @@ impl BoundaryArgs {
 /// That several nodes are several options, where each word between commas names one.
 fn several(network: &Network, option: &str, spec: &str) -> Option<String> {
     let names: Vec<&str> = spec.split(',').map(str::trim).collect();
-    let are_nodes = names.len() > 1 && names.iter().all(|name| locate(network, name).is_ok());
+    let is_node = |name: &&str| locate(network, name).is_ok();
+    // Points inside vessels are none, but were meant as such beside one that is.
+    let are_numbers = names.iter().all(|name| name.parse::<u64>().is_ok()) && names.iter().any(is_node);
+    let are_nodes = names.len() > 1 && (are_numbers || names.iter().all(is_node));
     let each: Vec<String> = names.iter().map(|name| format!("{option} {name}")).collect();
-    are_nodes.then(|| format!("names {} nodes; give one at a time: {}", names.len(), each.join(" ")))
+    are_nodes.then(|| format!("looks like {} nodes; give one at a time: {}", names.len(), each.join(" ")))
 }
 
 /// `SPEC[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.

@@ -101,7 +101,7 @@ impl Cohort<'_> {
         };
         let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
-        let notes = records.iter().flat_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
+        let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
         // Where the landmarks of each lie is told nowhere but there.
         let notes = notes.filter(|note| !note.ends_with(" mm away"));
         say_notes(terminal, &counted(notes), "subject");

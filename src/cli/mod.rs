@@ -101,8 +101,10 @@ pub fn say_error(error: &Error) {
 impl Cli {
     /// The parser; options that a command shares but refuses are not in its help.
     pub fn builder() -> clap::Command {
-        ["simulate", "modulate", "classify", "convert"].into_iter().fold(Self::command(), |command, name| {
-            command.mut_subcommand(name, |command| command.mut_arg("observed", |arg| arg.hide(true)))
+        const REFUSE: [&str; 4] = ["simulate", "modulate", "classify", "convert"];
+        Self::command().mut_subcommands(|command| {
+            let refuses = REFUSE.contains(&command.get_name());
+            if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
         })
     }
 

@@ -46,7 +46,9 @@ impl Content {
             Self::Vessels(mut network) | Self::Graph(mut network) => {
                 let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
                 if let Some(radius) = default_radius {
-                    without.iter().for_each(|row| network.vessel_mut(*row).radius = radius);
+                    for row in &without {
+                        network.vessel_mut(*row).radius = radius;
+                    }
                     note(without.len(), "vessel", &defaulted);
                 }
                 (network, None)

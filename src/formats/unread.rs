@@ -11,8 +11,25 @@ use super::xml::{Events, Step, Tag};
 use super::{RadiusArray, attributes, csv_graph, polydata};
 use crate::error::Fault;
 
-/// Columns that say which rows there are, and VTK's own arrays.
-const STRUCTURE: [&str; 6] = ["edge", "node", "id", "Points", "connectivity", "offsets"];
+/// Columns that a network says itself, by its rows and places, and VTK's own arrays.
+const STRUCTURE: [&str; 16] = [
+    "edge",
+    "node",
+    "id",
+    "node_a",
+    "node_b",
+    "ax_mm",
+    "ay_mm",
+    "az_mm",
+    "bx_mm",
+    "by_mm",
+    "bz_mm",
+    "length_mm",
+    "radius_mm",
+    "Points",
+    "connectivity",
+    "offsets",
+];
 
 /// The names of the columns, attributes or arrays of a GraphML, CSV or VTP file that its reader passes over, in their order; none of a
 /// file of another format, or one that cannot be read again.

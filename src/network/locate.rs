@@ -35,13 +35,15 @@ pub enum Called {
 ///
 /// No node or more than one answers to it: says so in words.
 pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
-    let is_called: [(&dyn Fn(&Node) -> bool, Called); 3] = [
-        (&|n| n.id == spec, Called::Name),
-        (&|n| n.also.iter().any(|id| id == spec), Called::Merged),
-        (&|n| !n.label.is_empty() && n.label == spec, Called::Name),
+    let rows = |is_called: &dyn Fn(&Node) -> bool| -> Vec<usize> {
+        network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect()
+    };
+    let ways = [
+        (rows(&|n| n.id == spec), Called::Name),
+        (rows(&|n| n.also.iter().any(|id| id == spec)), Called::Merged),
+        (rows(&|n| !n.label.is_empty() && n.label == spec), Called::Name),
     ];
-    for (is_called, by) in is_called {
-        let rows: Vec<usize> = network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect();
+    for (rows, by) in ways {
         match rows[..] {
             [node] => return Ok(Located { node, by }),
             [] => {}
