@@ -124,7 +124,7 @@ pub enum Error {
     #[error("the conductances lie too far apart for the solver; try another --solver: lanes, gradients or cholesky")]
     Breakdown,
     /// Some subjects of a cohort failed; the rest stands.
-    #[error("{failed} of {total} subjects failed")]
+    #[error("{failed} of {total} subject{} failed", if *total == 1 { "" } else { "s" })]
     Subjects {
         /// Subjects that failed.
         failed: usize,

@@ -119,15 +119,20 @@ impl Scale {
     /// Names the option, its value and what is accepted.
     pub fn validate(&self) -> crate::error::Result<()> {
         use crate::error::Error;
+        let refused = |accepted: &str| {
+            let given = self.spacing.unwrap_or_default().map(|x| x.to_string());
+            let given = if given.iter().all(|x| *x == given[0]) { given[0].clone() } else { given.join(",") };
+            Err(Error::parameter("--spacing", given, accepted))
+        };
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
                 Err(Error::parameter("--units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
             }
             (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
-                Err(Error::parameter("--spacing", format!("{s:?}"), "expected one or three positive numbers, in mm"))
+                refused("expected one or three positive numbers, in mm")
             }
             (LengthUnit::Voxel, Some(_)) | (_, None) => Ok(()),
-            (unit, Some(_)) => Err(Error::parameter("--spacing", "", format!("goes with --units voxel, not {}", unit.symbol()))),
+            (unit, Some(_)) => refused(&format!("goes with --units voxel, not {}", unit.symbol())),
         }
     }
 

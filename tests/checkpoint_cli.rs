@@ -10,7 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use command::{contents, data, folder, stderr, willis};
+use command::{builder, contents, data, folder, stderr, willis};
 
 /// A run of a second or two in release builds.
 const LONG: [&str; 6] = ["-n", "4000000", "--threads", "2", "--dpi", "40"];
@@ -25,8 +25,7 @@ fn words(arguments: &[String]) -> Vec<&str> {
 }
 
 fn spawn(here: &Path, arguments: &[String]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
-    command.current_dir(here).args(arguments).stderr(Stdio::piped()).spawn().expect("runs")
+    builder(here).args(arguments).stderr(Stdio::piped()).spawn().expect("runs")
 }
 
 /// The command in full, in a folder of its own.

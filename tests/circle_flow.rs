@@ -16,7 +16,7 @@ use willis::units::{Scale, ml_per_min};
 /// A shipped network.
 fn shipped(name: &str) -> Network {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/circle-of-willis").join(name).with_extension("graphml");
-    read_graphml(&std::fs::read(path).unwrap()[..], &Scale::default()).unwrap().0
+    read_graphml(&std::fs::read(path).unwrap()[..], &Scale::default(), false).unwrap().0
 }
 
 /// The same with zero pressure at every outlet.

@@ -5,7 +5,7 @@ mod command;
 use std::fs;
 use std::process::Command;
 
-use command::{contents, data, folder, refused, stderr, willis};
+use command::{builder, contents, data, folder, refused, stderr, willis};
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -172,8 +172,8 @@ fn a_full_or_closed_standard_error_and_a_strange_file_name_are_no_reason_to_fail
     let here = folder();
     let name = std::ffi::OsStr::from_bytes(b"\xff.swc");
     fs::write(here.path().join(name), LINE).expect("written");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
-    command.current_dir(here.path()).arg("infer").arg(name).args(["-o", "out"]);
+    let mut command = builder(here.path());
+    command.arg("infer").arg(name).args(["-o", "out"]);
     let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
     let status = command.stderr(full).status().expect("runs");
     assert_eq!(status.code(), Some(0));
@@ -185,9 +185,8 @@ fn a_full_or_closed_standard_error_and_a_strange_file_name_are_no_reason_to_fail
 fn an_interrupt_leaves_nothing_behind() {
     let here = folder();
     fs::write(here.path().join("a.swc"), LINE).expect("written");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
     let arguments = ["infer", "a.swc", "-o", "out", "-n", "1000000000000", "--epsilon", "0.1,0.2", "--checkpoint=off"];
-    let child = command.current_dir(here.path()).args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
+    let child = builder(here.path()).args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
     std::thread::sleep(std::time::Duration::from_millis(700));
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(kill.success());

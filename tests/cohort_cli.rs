@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use command::{contents, data, folder, refused, stderr, willis};
+use command::{builder, contents, data, folder, refused, stderr, willis};
 use serde_json::Value;
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.
@@ -178,8 +178,8 @@ fn a_killed_cohort_goes_on() {
     let (truth, page) = (rows(here.path(), false), fs::read(here.path().join("out/cohort.html")).expect("a page"));
     fs::rename(here.path().join("out"), here.path().join("whole")).expect("renamed");
 
-    let mut child = Command::new(env!("CARGO_BIN_EXE_willis"));
-    child.current_dir(here.path()).args(["infer"]).args(inputs).args(["-o", "out", "-n", "64", "--threads", "1"]);
+    let mut child = builder(here.path());
+    child.args(["infer"]).args(inputs).args(["-o", "out", "-n", "64", "--threads", "1"]);
     let mut child = child.stderr(Stdio::null()).spawn().expect("runs");
     let started = Instant::now();
     let subjects = || inputs.iter().filter(|name| here.path().join("out").join(name.trim_end_matches(".swc")).exists()).count();

@@ -138,7 +138,7 @@ fn read(page: &Page, and: impl FnOnce(&Path)) {
 #[test]
 fn the_readme_does_what_it_says() {
     let page = readme();
-    assert!(page.blocks().iter().filter(|block| block.kind == "python").count() == 1, "one example, which is run");
+    assert_eq!(page.blocks().iter().filter(|block| block.kind == "python").count(), 3, "the ends of three ways, which are run");
     // One story writes `out`, and so does another.
     let (before, rest) = page.text.split_once("\n## Long runs").expect("a section");
     let (long, after) = rest.split_once("\n## ").expect("a section after it");

@@ -23,7 +23,7 @@ fn document(name: &str, content: &[u8]) -> Result<Document, String> {
 }
 
 fn graph(content: &str) -> Result<(Network, Vec<String>), String> {
-    read_graphml(content.as_bytes(), &mm()).map_err(|f| f.in_file(Path::new("g")).to_string())
+    read_graphml(content.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("g")).to_string())
 }
 
 fn swc(content: &str) -> Result<(willis::centerline::Centerlines, Vec<String>), String> {
@@ -103,7 +103,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     for (text, message) in [
         ("id_a,id_b\n1,9\n", "l.csv:2: point 9 does not exist; expected two point ids (id_a,id_b)"),
         ("1,x\n", "l.csv:1: \"x\"; expected two point ids (id_a,id_b)"),
-        ("1\n", "l.csv:1: columns 1; expected two point ids (id_a,id_b)"),
+        ("1\n", "l.csv:1: 1 column; expected two point ids (id_a,id_b)"),
         ("a,b\n# same\n\n2,2\n", "l.csv:4: point 2 twice; expected two different points"),
     ] {
         std::fs::write(&loops, text).unwrap();
@@ -150,7 +150,7 @@ fn graphml_keys_defaults_and_booleans() {
 <edge source="a" target="a"><data key="l">1</data><data key="d">x &amp; y</data></edge><edge source="a" target="b"><data key="l">3</data></edge>
 <node id="a"><data key="y"><b/></data></node><node id="b"><data key="d">B</data></node><data key="d">late</data></graph></graphml>"#;
     let scale = Scale { unit: LengthUnit::Centimetre, spacing: None };
-    let (g, notes) = read_graphml(text.as_bytes(), &scale).unwrap();
+    let (g, notes) = read_graphml(text.as_bytes(), &scale, false).unwrap();
     assert_eq!(g.nodes().map(|n| n.label.as_str()).collect::<Vec<_>>(), ["none", "B"]);
     let vessels: Vec<_> = g.vessels().map(|(e, v)| (e, v.length, v.radius, v.certain, v.label.as_str())).collect();
     let r = metres(0.5);
@@ -201,7 +201,11 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
         (vec![], vec![("radius_mm", "0")], format!("{e}radius_mm 0; expected a positive number")),
         (vec![], vec![("radius", "nan")], format!("{e}radius nan; expected a positive number")),
         (vec![], vec![("radius_mm", "x")], format!("{e}radius_mm \"x\"; expected a number")),
-        (vec![], vec![], format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes")),
+        (
+            vec![],
+            vec![],
+            format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH"),
+        ),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "-2")], format!("{e}length_mm -2; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "0")], format!("{e}length_mm 0; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("prior", "1.2")], format!("{e}prior 1.2; expected a number from 0 to 1")),
@@ -271,7 +275,7 @@ fn graphml_structure_faults_are_one_line_with_a_place() {
 #[test]
 fn csv_edges_alone_make_their_nodes() {
     let text = "node_a,node_b,ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm,radius_mm\nq,p,0,0,0,3,4,0,1\np,r,3,4,0,3,4,1,2\n";
-    let (g, _) = read_csv_edges(text.as_bytes(), None, &mm()).unwrap();
+    let (g, _) = read_csv_edges(text.as_bytes(), None, &mm(), false).unwrap();
     assert_eq!(g.nodes().map(|n| n.id.as_str()).collect::<Vec<_>>(), ["q", "p", "r"]);
     assert_eq!(g.node(1).position, Some([0.003, 0.004, 0.0]));
     assert_eq!(g.vessel(1).length, metres(1.0));
@@ -296,7 +300,7 @@ fn csv_faults_name_the_line() {
             "c:2: edge 0 (a - b): no length_mm; expected length_mm, or the positions of both nodes",
         ),
     ] {
-        let fault = read_csv_edges(text.as_bytes(), Some(nodes()), &mm()).unwrap_err();
+        let fault = read_csv_edges(text.as_bytes(), Some(nodes()), &mm(), false).unwrap_err();
         assert_eq!(fault.in_file(Path::new("c")).to_string(), message);
     }
     for (text, message) in [
@@ -335,7 +339,7 @@ fn vtp_faults_name_the_array_and_the_value() {
         (
             "Radius ",
             "Width",
-            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with --radius-array",
+            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with --radius-array NAME, or give --default-radius LENGTH",
         ),
         ("3 1 0 1 2", "3 1 7 1 2", "v: line 0: point 7; expected a point from 0 to 4"),
         ("3 1 0 1 2", "3 1 -1 1 2", "v: line 0: point -1; expected a point from 0 to 4"),

@@ -75,7 +75,7 @@ fn files_of_networkx_and_igraph_are_read() {
         assert_eq!(g.node(4).condition, Some(Condition::Pressure(0.0)));
         assert_eq!(g.vessel(0).radius, metres(1.5));
     }
-    let (g, _) = read_graphml(&std::fs::read(folder.join("networkx.graphml")).unwrap()[..], &mm()).unwrap();
+    let (g, _) = read_graphml(&std::fs::read(folder.join("networkx.graphml")).unwrap()[..], &mm(), false).unwrap();
     assert_eq!(g.node(2).label, "L <M1> & é");
     assert_eq!((g.node(0).role, g.node(4).role), (Some(Role::Inlet), Some(Role::Outlet)));
     assert_eq!(g.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count(), 1);

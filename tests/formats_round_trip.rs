@@ -25,6 +25,7 @@ fn network() -> Network {
     let mut network = Network::new();
     for (n, p) in [[0.0, 0.0, 0.0], [0.1, 0.0, 0.3], [1.0 / 3.0, 0.7, 1e-7], [2.0, 1e-3, -5.0]].into_iter().enumerate() {
         network.add_node(Node {
+            also: Vec::new(),
             id: format!("n <{n}> & \"é\""),
             position: Some(p.map(metres)),
             radius: Some(metres(0.1 + n as f64 / 7.0)),
@@ -115,7 +116,7 @@ fn graphml_written_and_read_again_is_the_same_to_the_last_bit() {
     let network = network();
     let mut bytes = Vec::new();
     write_graphml(&mut bytes, &network, &node_columns(&network), &vessel_columns(&network)).unwrap();
-    let (again, notes) = read_graphml(&bytes[..], &mm()).unwrap();
+    let (again, notes) = read_graphml(&bytes[..], &mm(), false).unwrap();
     assert_same(&network, &again, true);
     assert!(notes.is_empty());
     let short = [Column { name: "prior".into(), values: Values::Real(vec![1.0]) }];
@@ -284,12 +285,12 @@ fn broken_files_never_panic() {
         }
     }
     let feed = |kind: &str, bytes: &[u8]| match kind {
-        "graphml" => drop(read_graphml(bytes, &mm())),
+        "graphml" => drop(read_graphml(bytes, &mm(), false)),
         "vtp" => drop(read_vtp(bytes, &mm(), RadiusArray::Usual)),
         "swc" => drop(read_swc(bytes, &mm())),
         _ => {
             drop(read_csv_nodes(bytes, &mm()));
-            drop(read_csv_edges(bytes, None, &mm()));
+            drop(read_csv_edges(bytes, None, &mm(), false));
         }
     };
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;

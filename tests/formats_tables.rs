@@ -98,7 +98,8 @@ fn voreen_edges_without_a_radius_need_the_default() {
     assert_eq!(run(&[]).status.code(), Some(2));
     let output = run(&["--default-radius", "0.25mm"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let graph = read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap()[..], &Scale::default()).unwrap().0;
+    let graph =
+        read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap()[..], &Scale::default(), false).unwrap().0;
     let radius = |row| millimetres(graph.vessel(row).radius);
     assert!(radius(2) == 0.25 && radius(1) == 1.5, "{} {}", radius(1), radius(2));
 }
@@ -289,8 +290,8 @@ fn the_tables_of_a_graph_keep_all_that_graphml_keeps() {
     let (node_columns, vessel_columns) = graph_columns(&network);
     write_graphml(&mut graphml, &network, &node_columns, &vessel_columns).unwrap();
     let table = read_csv_nodes(&nodes[..], &Scale::default()).unwrap();
-    let by_tables = read_csv_edges(&edges[..], Some(table), &Scale::default()).unwrap().0;
-    let by_graphml = read_graphml(&graphml[..], &Scale::default()).unwrap().0;
+    let by_tables = read_csv_edges(&edges[..], Some(table), &Scale::default(), false).unwrap().0;
+    let by_graphml = read_graphml(&graphml[..], &Scale::default(), false).unwrap().0;
     for found in [by_tables, by_graphml] {
         for (found, expected) in found.nodes().zip(network.nodes()) {
             let inner = Node { role: found.role.filter(|r| *r != Role::Inner), ..found.clone() };
@@ -328,7 +329,7 @@ fn graphml_takes_the_names_of_other_programs() {
             "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">{keys}<graph edgedefault=\"undirected\"><node id=\"n0\">{a}</node>\
              <node id=\"n1\">{b}</node><edge source=\"n0\" target=\"n1\">{edge}</edge></graph></graphml>"
         );
-        read_graphml(text.as_bytes(), &Scale::default()).map_err(|e| format!("{}; {}", e.found, e.accepted))
+        read_graphml(text.as_bytes(), &Scale::default(), false).map_err(|e| format!("{}; {}", e.found, e.accepted))
     };
     let key = |id: &str, on: &str| format!("<key id=\"{id}\" for=\"{on}\" attr.name=\"{id}\" attr.type=\"string\"/>");
     let pos = |text: &str| format!("<data key=\"pos\">{text}</data>");
@@ -349,7 +350,7 @@ fn graphml_takes_the_names_of_other_programs() {
         assert!(notes.contains(&format!("the radius of 1 edges is {note}")), "{notes:?}");
     }
     assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), "edge 0 (n0 - n1): avgRadiusAvg -1; expected a positive number");
-    let accepted = "expected radius_mm on the edge, or on both of its nodes";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
     assert_eq!(sized("r", "red").unwrap_err(), format!("edge 0 (n0 - n1): no radius_mm; {accepted}"));
     let keys = key("pos", "node");
     let said = graph(&keys, &pos("1 2 x"), "", "").unwrap_err();
@@ -443,7 +444,7 @@ fn every_malformed_table_is_one_clear_line() {
         ),
     ];
     let like = alone("a.csv", "edge,node_a,node_b,length_mm,mean_radius_mm\r\n0,a,b,1,2\r\n").unwrap_err();
-    let accepted = "expected radius_mm on the edge, or on both of its nodes";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
     assert_eq!(like, format!("a.csv:2: edge 0 (a - b): no radius_mm but mean_radius_mm; {accepted}"));
     let nodes_alone = alone("nodes.csv", "node,id,x_mm\na,a,1\n").unwrap_err();
     let accepted = "these are nodes; give the table of edges, with columns node_a,node_b or source,target";

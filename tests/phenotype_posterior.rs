@@ -17,7 +17,7 @@ use willis::phenotype::{Artery, Circle, Posterior, RING, Scheme, Side, Variant, 
 use willis::units::Scale;
 
 fn circle_of(file: &str) -> Network {
-    read_graphml(&fs::read(data(&format!("circle-of-willis/{file}.graphml"))).unwrap()[..], &Scale::default()).unwrap().0
+    read_graphml(&fs::read(data(&format!("circle-of-willis/{file}.graphml"))).unwrap()[..], &Scale::default(), false).unwrap().0
 }
 
 fn vessel(network: &Network, label: &str) -> usize {

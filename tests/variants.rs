@@ -37,7 +37,7 @@ fn shipped(missing: &[&str]) -> PathBuf {
 }
 
 fn read(missing: &[&str]) -> Network {
-    read_graphml(&std::fs::read(shipped(missing)).unwrap()[..], &Scale::default()).unwrap().0
+    read_graphml(&std::fs::read(shipped(missing)).unwrap()[..], &Scale::default(), false).unwrap().0
 }
 
 fn labels(network: &Network) -> Vec<&str> {

@@ -39,10 +39,10 @@ fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {
-        "graphml" => drop(formats::read_graphml(bytes, &mm)),
+        "graphml" => drop(formats::read_graphml(bytes, &mm, false)),
         "csv" => {
             let nodes = formats::read_csv_nodes(first, &mm).ok();
-            let _ = formats::read_csv_edges(second, nodes, &mm);
+            let _ = formats::read_csv_edges(second, nodes, &mm, false);
         }
         "swc" => lines(formats::read_swc(bytes, &mm)),
         "vtp" => lines(formats::read_vtp(bytes, &mm, RadiusArray::Optional)),

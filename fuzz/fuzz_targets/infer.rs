@@ -19,7 +19,7 @@ static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| Weights::shipped().expect("
 
 fn graph(bytes: &[u8]) -> Option<Network> {
     if bytes.starts_with(b"<") {
-        return read_graphml(bytes, &Scale::default()).ok().map(|(network, _)| network).filter(|n| n.vessel_count() <= MOST);
+        return read_graphml(bytes, &Scale::default(), false).ok().map(|(network, _)| network).filter(|n| n.vessel_count() <= MOST);
     }
     let (mut lines, _) = read_swc(bytes, &Scale::default()).ok()?;
     lines.weld(1e-6);

@@ -23,6 +23,8 @@ pub struct Centerlines {
     pub links: Vec<[u32; 2]>,
     /// The anatomical names of the links.
     pub labels: Labels,
+    /// Points that were made one with another: their numbers in the file, and the row of the other.
+    pub merged: Vec<(u64, u32)>,
 }
 
 impl Centerlines {

@@ -78,6 +78,9 @@ impl Centerlines {
             }
         }
         let gone = class.len() - kept.len();
+        self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
+        let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
+        self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
         let mut seen = std::collections::HashSet::new();
         let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
         for (row, link) in links.into_iter().enumerate() {

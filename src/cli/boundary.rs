@@ -5,18 +5,21 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use willis::error::{Error, Result};
+use willis::error::{Error, Place, Result};
 use willis::formats::bytes_of;
 use willis::formats::conditions::{read_csv, read_toml};
 use willis::hemodynamics::boundary::{Total, stated};
 use willis::hemodynamics::{Boundary, FoundOutlets, Given};
-use willis::network::{Condition, Network, Role, locate};
+use willis::network::{Called, Condition, Network, Role, locate};
 use willis::quantity::Dimension;
 use willis::suggestion::did_you_mean;
 use willis::units::{ml_per_min, mmhg, mmhg_s_per_ml};
 
-use super::input::beside;
+use super::beside::beside;
 use super::terminal::{Terminal, brief, plural};
+
+const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
+                       murray=8mmHg.s/mL, of all outlets together and positive";
 
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Boundary conditions (SPEC is a node id, a label, or x,y,z in mm)")]
@@ -24,8 +27,8 @@ pub struct BoundaryArgs {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
     #[arg(long, value_name = "SPEC[=PRESSURE]", allow_hyphen_values = true)]
     inlet: Vec<String>,
-    /// Where blood leaves: to ground, to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous pressure
-    /// (20mmHg.s/mL@5mmHg)
+    /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous
+    /// pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
     #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE[@PRESSURE]]", allow_hyphen_values = true)]
     outlet: Vec<String>,
     /// A fixed flow into the network (negative: out of it), in mL/min
@@ -35,7 +38,7 @@ pub struct BoundaryArgs {
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     bc: Option<PathBuf>,
     /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
-    /// mL/min) or a total resistance
+    /// mL/min) or a total resistance [default: murray=700 for infer and candidates on centerlines, else ground]
     #[arg(long, value_name = "ground|murray[=FLOW|RESISTANCE]")]
     outlets: Option<String>,
 }
@@ -45,12 +48,9 @@ impl BoundaryArgs {
     pub fn found_outlets(&self, murray: bool) -> Result<FoundOutlets> {
         let Some(text) = &self.outlets else { return Ok(if murray { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground }) };
         let refused = || {
-            let meant = did_you_mean(text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
-            Error::parameter(
-                "--outlets",
-                format!("\"{text}\""),
-                meant + "expected ground, murray, or murray= a positive total flow (700mL/min) or resistance (8mmHg.s/mL)",
-            )
+            let (word, words) = (text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
+            let meant = if words.contains(&word) { String::new() } else { did_you_mean(word, words) };
+            Error::parameter("--outlets", format!("\"{text}\""), meant + OUTLETS)
         };
         match text.split_once('=') {
             None if text == "ground" => Ok(FoundOutlets::Ground),
@@ -94,14 +94,20 @@ impl BoundaryArgs {
         let bytes = bytes_of(path)?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         let statements = if is_toml { read_toml(&bytes) } else { read_csv(&bytes) }.map_err(|f| f.in_file(path))?;
-        let mut given = BTreeMap::new();
+        let (mut given, mut stated_at) = (BTreeMap::new(), BTreeMap::new());
         for s in statements {
             let fault = |why: String| s.fault(why).in_file(path);
             let found = locate(network, &s.spec).map_err(fault)?;
             terminal.detail("condition", format!("{} is node {}{}", s.spec, network.node(found.node).id, found.note()));
             if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {
-                return Err(fault("expected one condition a node".into()));
+                let first = match &stated_at[&found.node] {
+                    Place::Line(line) => format!("line {line}"),
+                    other => other.to_string().trim_start_matches([':', ' ']).to_owned(),
+                };
+                let id = &network.node(found.node).id;
+                return Err(fault(format!("is node {id}, as {first} is; expected one condition a node")));
             }
+            stated_at.insert(found.node, s.place);
         }
         Ok(given)
     }
@@ -115,16 +121,28 @@ impl BoundaryArgs {
             let refused = |why: String| Error::parameter(option, format!("\"{text}\""), why);
             let whole = option != "--flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
             let (spec, role, condition) = parse(option, text, whole).map_err(refused)?;
-            let found = locate(network, spec).map_err(refused)?;
-            if found.distance.is_some() {
+            let found = locate(network, spec).map_err(|why| refused(several(network, option, spec).unwrap_or(why)))?;
+            if found.by != Called::Name {
                 terminal.say("condition", format!("{spec} is node {}{}", network.node(found.node).id, found.note()));
             }
             if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {
-                return Err(refused("expected one condition a node".into()));
+                let id = &network.node(found.node).id;
+                return Err(refused(format!("is node {id}, which has a condition already; expected one a node")));
             }
         }
         Ok(given)
     }
+}
+
+/// That several nodes are several options, where each word between commas names one.
+fn several(network: &Network, option: &str, spec: &str) -> Option<String> {
+    let names: Vec<&str> = spec.split(',').map(str::trim).collect();
+    let is_node = |name: &&str| locate(network, name).is_ok();
+    // Points inside vessels are none, but were meant as such beside one that is.
+    let are_numbers = names.iter().all(|name| name.parse::<u64>().is_ok()) && names.iter().any(is_node);
+    let are_nodes = names.len() > 1 && (are_numbers || names.iter().all(is_node));
+    let each: Vec<String> = names.iter().map(|name| format!("{option} {name}")).collect();
+    are_nodes.then(|| format!("looks like {} nodes; give one at a time: {}", names.len(), each.join(" ")))
 }
 
 /// `SPEC[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.

@@ -10,8 +10,9 @@ use willis::network::Origin;
 use willis::report::{StagedFile, staged::write_file};
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{CandidateArgs, InputArgs};
+use super::candidate_args::CandidateArgs;
 use super::prior::PriorArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::tell::say_built;
 use super::terminal::{Terminal, plural};
@@ -53,7 +54,8 @@ impl CandidatesArgs {
         let graph = prior.graph(&mut loaded, &boundary, &params)?;
         let boundary = boundary.extended_to(graph.node_count());
         if loaded.fragments {
-            say_built(terminal, &graph, &params, prior.is_evidence());
+            let note = say_built(terminal, &graph, &params, prior.is_evidence());
+            loaded.provenance.notes.extend(note.map(str::to_owned));
         } else {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }

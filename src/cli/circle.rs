@@ -11,7 +11,7 @@ use willis::network::Network;
 use willis::phenotype::{Circle, Scheme, identify};
 use willis::units::Scale;
 
-use super::input::beside;
+use super::beside::beside;
 
 #[derive(Debug, Clone, Copy, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]

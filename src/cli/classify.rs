@@ -15,12 +15,14 @@ use willis::report::{
 
 use super::circle::CircleArgs;
 use super::cohort::{Cohort, Work};
-use super::input::ReadingArgs;
+use super::loaded::Loaded;
+use super::plausible::Flow;
 use super::provenance::{command_line, command_line_of};
-use super::run::{Flow, Run};
+use super::reading::ReadingArgs;
+use super::run::Run;
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
-use super::tell::{say_collaterals, say_variant};
+use super::tell_circle::{say_collaterals, say_variant};
 use super::terminal::{Terminal, plural};
 
 /// Name the anatomical variant of a Circle of Willis
@@ -94,7 +96,7 @@ impl ClassifyArgs {
     fn answer(&self, input: &Path, command: String, terminal: Terminal) -> Result<Answer> {
         let run = Run::of(input)?;
         let path = run.as_ref().map_or(input, |run| &run.graph);
-        let mut loaded = self.reading.load(path, command, terminal)?;
+        let mut loaded = Loaded::read(path, &self.reading, command, terminal)?;
         if let Some(run) = &run {
             run.check_graph(&loaded.provenance.sha256)?;
         }

@@ -18,6 +18,7 @@ use super::ledger::{Entry, Ledger};
 use super::provenance::command_line;
 use super::shell::print_json;
 use super::subjects::Subject;
+use super::tell_notes::{counted, say_notes};
 use super::terminal::{Terminal, is_stopped, listen, plural};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
@@ -101,6 +102,11 @@ impl Cohort<'_> {
             }
         };
         let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
+        let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
+        let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
+        // Where the landmarks of each lie is told nowhere but there.
+        let notes = notes.filter(|note| !note.ends_with(" mm away"));
+        say_notes(terminal, &counted(notes), "subject");
         let about = About { command: self.command, line: command_line(), parameters: &self.parameters };
         write_cohort(self.output, &rows, &about)?;
         if self.json {

@@ -8,11 +8,11 @@ use clap::Args;
 use serde_json::json;
 use willis::error::{Error, Result};
 use willis::formats::convert::{Target, Written, losses, refusal, write_into};
-use willis::formats::write_loops;
+use willis::formats::{unread_columns, write_loops};
 use willis::network::Network;
 use willis::report::{StagedFile, staged::write_file};
 
-use super::input::InputArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::terminal::{Terminal, plural};
 
@@ -25,7 +25,7 @@ pub struct ConvertArgs {
     #[command(flatten)]
     input: InputArgs,
     /// The file to write
-    #[arg(value_name = "OUT", value_hint = clap::ValueHint::FilePath)]
+    #[arg(value_name = "OUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     output: PathBuf,
     /// The format to write
     #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
@@ -42,7 +42,12 @@ impl ConvertArgs {
         check(&target, force)?;
         let loaded = self.input.load(terminal)?;
         let (nodes, vessels) = (loaded.network.node_count(), loaded.network.vessel_count());
-        let (names, lost) = put(&loaded.network, &target, terminal, force)?;
+        let (names, mut lost) = put(&loaded.network, &target, terminal, force)?;
+        let unread = unread_columns(&self.input.input, loaded.format);
+        if !unread.is_empty() {
+            lost.push(format!("the columns {}", unread.join(", ")));
+            terminal.say("lost", lost.last().map_or("", String::as_str));
+        }
         let size = format!("{}, {}", plural(nodes, "node"), plural(vessels, "vessel"));
         terminal.say("written", format!("{}: {}: {size}", names.join(", "), target.format.name()));
         if !self.json {

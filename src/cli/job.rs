@@ -21,8 +21,10 @@ use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, wr
 
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::circle::Found;
-use super::run::{Run, posterior};
-use super::tell::{say_outcome, say_variant};
+use super::plausible::posterior;
+use super::run::Run;
+use super::tell::say_outcome;
+use super::tell_circle::say_variant;
 use super::terminal::{Terminal, count, plural};
 
 /// An input made ready: what all its occlusion probabilities share.
@@ -170,7 +172,7 @@ impl Job {
 
     /// Says what is about to be sampled.
     pub fn say_sampling(&self, params: &Params, terminal: Terminal) {
-        let trial = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
+        let uncertain = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
         let how = format!(
             "epsilon {}, {} samples, seed {}, {}",
             params.epsilon,
@@ -180,7 +182,7 @@ impl Job {
         );
         terminal.say(
             "sampling",
-            format!("{how}: {} of {} on trial", count(trial as u64), plural(self.graph.vessel_count(), "vessel")),
+            format!("{how}: {} of {} uncertain", count(uncertain as u64), plural(self.graph.vessel_count(), "vessel")),
         );
     }
 

@@ -1,7 +1,9 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
 
 mod apart;
+mod beside;
 mod boundary;
+mod candidate_args;
 mod candidates;
 mod checkpoint;
 mod circle;
@@ -10,37 +12,47 @@ mod cohort;
 mod convert;
 mod failure;
 mod infer;
-mod input;
+mod inference;
 mod job;
 mod keep;
 mod ledger;
+mod loaded;
 mod merge;
 mod modulate;
 mod perturbation;
 mod phantom;
+mod plausible;
 mod prior;
 mod provenance;
+mod reading;
+mod refusal;
 mod run;
+mod sampling_args;
 mod shard;
 mod shell;
 mod simulate;
 mod subjects;
 mod tell;
+mod tell_circle;
 mod tell_flow;
+mod tell_notes;
 mod terminal;
 mod train;
+mod typed;
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use willis::error::{Error, Result};
 
 use terminal::Terminal;
+use typed::whole;
 
 /// Find the plausible topology of vascular centerlines.
 ///
 /// Broken or over-connected centerlines go in; a likelihood for every possible connection and the pruned plausible
 /// topology come out. Method: Moriconi et al. 2019, Towards Quantifying Neurovascular Resilience.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, max_term_width = 110)]
+#[command(version, propagate_version = true, max_term_width = 110, arg_required_else_help = true)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -67,7 +79,7 @@ enum Command {
 #[command(next_help_heading = "Common options")]
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
-    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N")]
+    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
@@ -86,21 +98,28 @@ pub fn say_error(error: &Error) {
 }
 
 impl Cli {
+    /// The parser; options that a command shares but refuses are not in its help.
+    pub fn builder() -> clap::Command {
+        const REFUSE: [&str; 4] = ["simulate", "modulate", "classify", "convert"];
+        Self::command().mut_subcommands(|command| {
+            let refuses = REFUSE.contains(&command.get_name());
+            if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
+        })
+    }
+
     /// The command line, or the exit status after its help or its one-line error has been printed.
     pub fn read() -> Result<Self, u8> {
-        Self::try_parse().map_err(|error| {
-            if error.use_stderr() {
-                let text = error.render().to_string();
-                let lines: Vec<&str> = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:")).collect();
-                let said =
-                    lines.iter().filter(|l| !l.is_empty() && !l.starts_with("For more")).copied().collect::<Vec<_>>().join(" ");
-                terminal::line(format_args!("willis: {}; see willis help", said.trim_start_matches("error: ")));
-                2
-            } else {
+        let parsed = Self::builder().try_get_matches().and_then(|matches| Self::from_arg_matches(&matches));
+        parsed.map_err(|error| {
+            let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+            if !error.use_stderr() || without_command {
                 // Help and version go to standard output; a closed pipe is no fault.
                 let _ = error.print();
-                0
+                return if without_command { 2 } else { 0 };
             }
+            let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+            terminal::line(format_args!("willis: {}", refusal::one_line(&error, &given)));
+            2
         })
     }
 

@@ -12,9 +12,10 @@ use willis::report::{ModulationOutcome, StagedFolder, write_modulation};
 use willis::units::pascals_per_square_metre;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{InputArgs, viscosity};
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::terminal::{Terminal, brief, is_stopped, plural};
+use super::typed::{viscosity, whole};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Meaning {
@@ -46,11 +47,11 @@ pub struct ModulateArgs {
         allow_hyphen_values = true
     )]
     classes: Vec<String>,
-    /// Instances of each class
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, help_heading = "Modulation")]
+    /// How many instances of each class to draw
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
     samples: u64,
     /// The seed; the same command with the same seed gives the same bytes
-    #[arg(long, value_name = "SEED", default_value_t = 0, help_heading = "Modulation")]
+    #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
     seed: u64,
     /// What a modulation by u means
     #[arg(long, value_enum, default_value = "increment", help_heading = "Modulation")]
@@ -68,7 +69,7 @@ pub struct ModulateArgs {
     #[arg(long, help_heading = "Answer")]
     save_samples: bool,
     /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]

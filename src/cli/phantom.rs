@@ -15,9 +15,9 @@ use willis::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, ov
 use willis::report::{StagedFile, staged::write_file};
 
 use super::convert::{check, put};
-use super::input::length;
 use super::shell::print_json;
 use super::terminal::{Terminal, count, plural};
+use super::typed::{length, whole};
 
 /// Make test anatomy with a known answer
 ///
@@ -36,19 +36,20 @@ pub struct PhantomArgs {
     /// The file to write; its ending says the format, as for willis convert
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
-    /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1
+    /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1; of the circle these are L-A1, R-A1, AComm, L-P1, R-P1,
+    /// L-PComm, R-PComm and the arteries around them, all named where a label is not known
     #[arg(long, value_name = "LABEL[,LABEL]", value_delimiter = ',')]
     without: Vec<String>,
     /// How many vessels, 100 to 10000000; for arterial and capillary
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     edges: Option<usize>,
     /// Break it up as an extraction would (.swc; arterial and capillary also .graphml and .csv)
     #[arg(long = "break")]
     broken: bool,
     /// The seed of the damage, of arterial and capillary also of the anatomy: a broken one is the whole one of its seed [default: 0]
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = whole::<u64>, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Distance of centerline points [default: 0.5mm; arterial and capillary: straight from node to node]
+    /// Distance of centerline points, in mm unless it says otherwise [default: 0.5mm; arterial and capillary: straight from node to node]
     #[arg(long, value_name = "LENGTH")]
     spacing: Option<String>,
     /// Print a summary on standard output, as JSON
@@ -82,7 +83,7 @@ impl PhantomArgs {
                 let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
                 let (lines, truth) = break_up(&network, &params)?;
                 if kind == Kind::Cerebral {
-                    let file = StagedFile::new(&beside(&self.output, "landmarks.csv"), force)?;
+                    let file = StagedFile::new(&sibling(&self.output, "landmarks.csv"), force)?;
                     write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth)))?;
                     file.commit()?;
                 }
@@ -139,7 +140,7 @@ impl PhantomArgs {
         force: bool,
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, candidates::Params::default().k)?;
-        let answer = StagedFile::new(&beside(&self.output, "truth.json"), force)?;
+        let answer = StagedFile::new(&sibling(&self.output, "truth.json"), force)?;
         write_file(&answer.path(), |out| truth.write_json(out))?;
         let (names, _) = put(&graph, target, terminal, force)?;
         answer.commit()?;
@@ -147,9 +148,9 @@ impl PhantomArgs {
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
         terminal.say("written", format!("{}: {size}, {made}", names.join(", ")));
-        terminal.say("truth", beside(&self.output, "truth.json").display().to_string());
+        terminal.say("truth", sibling(&self.output, "truth.json").display().to_string());
         self.print(json!({
-            "truth": beside(&self.output, "truth.json").display().to_string(),
+            "truth": sibling(&self.output, "truth.json").display().to_string(),
             "counts": {
                 "nodes": graph.node_count(),
                 "vessels": graph.vessel_count(),
@@ -164,7 +165,7 @@ impl PhantomArgs {
         let loops = write_extraction(&self.output, lines, truth, force, terminal)?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({
-            "truth": beside(&self.output, "truth.json").display().to_string(),
+            "truth": sibling(&self.output, "truth.json").display().to_string(),
             "loops": loops.map(|path| path.display().to_string()),
             "counts": {
                 "points": lines.points.len(),
@@ -188,14 +189,14 @@ impl PhantomArgs {
     }
 }
 
-/// `circle.swc` -> `circle.truth.json`.
-fn beside(path: &Path, ending: &str) -> PathBuf {
+/// The file that goes with another: `circle.swc` -> `circle.truth.json`.
+fn sibling(path: &Path, ending: &str) -> PathBuf {
     path.with_extension(ending)
 }
 
 /// Writes the damaged centerlines and the truth; the path of the table of links that SWC cannot hold, where there are any.
 fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: Terminal) -> Result<Option<PathBuf>> {
-    let answer = StagedFile::new(&beside(path, "truth.json"), force)?;
+    let answer = StagedFile::new(&sibling(path, "truth.json"), force)?;
     write_file(&answer.path(), |out| truth.write_json(out))?;
     let file = StagedFile::new(path, force)?;
     let mut loops = Vec::new();
@@ -204,7 +205,7 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
         Ok(())
     })?;
     if !loops.is_empty() {
-        let table = StagedFile::new(&beside(path, "loops.csv"), force)?;
+        let table = StagedFile::new(&sibling(path, "loops.csv"), force)?;
         write_file(&table.path(), |out| write_loops(out, &loops))?;
         table.commit()?;
         terminal.say(
@@ -212,7 +213,7 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
             format!(
                 "SWC cannot hold {}: give them with --loops {}",
                 plural(loops.len(), "link"),
-                beside(path, "loops.csv").display()
+                sibling(path, "loops.csv").display()
             ),
         );
     }
@@ -228,6 +229,6 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
             plural(truth.breaks.len(), "gap")
         ),
     );
-    terminal.say("truth", beside(path, "truth.json").display().to_string());
-    Ok((!loops.is_empty()).then(|| beside(path, "loops.csv")))
+    terminal.say("truth", sibling(path, "truth.json").display().to_string());
+    Ok((!loops.is_empty()).then(|| sibling(path, "loops.csv")))
 }

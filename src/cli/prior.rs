@@ -14,7 +14,7 @@ use willis::hemodynamics::Boundary;
 use willis::network::{Network, Role};
 use willis::suggestion::did_you_mean;
 
-use super::input::Loaded;
+use super::loaded::Loaded;
 
 #[derive(Debug, Args, Serialize)]
 #[command(next_help_heading = "Candidates")]

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 use willis::error::{Error, Result};
 use willis::report::{StagedFile, staged::write_file};
 
@@ -28,7 +28,7 @@ fn print(text: &[u8]) -> Result<()> {
 impl CompletionsArgs {
     pub fn run(self) -> Result<()> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "willis", &mut text);
+        clap_complete::generate(self.shell, &mut Cli::builder(), "willis", &mut text);
         print(&text)
     }
 }
@@ -43,7 +43,7 @@ pub struct ManArgs {
 
 impl ManArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
-        let mut command = Cli::command();
+        let mut command = Cli::builder();
         command.build();
         // The overview, then a page for each subcommand.
         let mut pages = Vec::new();

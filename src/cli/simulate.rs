@@ -10,11 +10,12 @@ use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
 use willis::simulation::simulate;
 
 use super::boundary::{BoundaryArgs, say_boundary};
-use super::input::{InputArgs, viscosity};
 use super::perturbation::PerturbationArgs;
+use super::reading::InputArgs;
 use super::shell::print_json;
 use super::tell_flow::say_simulated;
 use super::terminal::Terminal;
+use super::typed::{viscosity, whole};
 
 /// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
 #[derive(Debug, Args)]
@@ -28,7 +29,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP")]
     viscosity: String,
     /// Resolution of the picture
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
     dpi: u32,
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]

@@ -1,17 +1,22 @@
 //! The inputs of a cohort: patterns are expanded, and every subject has a name for its folder.
 
 use std::collections::{HashMap, HashSet};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, glob_with};
-use willis::error::{Error, Result};
+use willis::error::{Error, Fault, Result};
 use willis::report::names::{COHORT, COHORT_PAGE, COHORT_TABLE};
 use willis::report::staged::is_of_cohort;
 
+use super::Cli;
 use super::run::Run;
 
 /// The longest name of a folder, in characters.
 const LONGEST: usize = 80;
+
+/// Endings of files that hold centerlines or graphs, those that hold nothing else first.
+const ENDINGS: [&str; 9] = ["vtp", "swc", "graphml", "tre", "vtk", "mat", "npz", "csv", "json"];
 
 /// One input of a cohort.
 #[derive(Debug, Clone)]
@@ -34,8 +39,9 @@ pub enum Inputs {
 ///
 /// # Errors
 ///
-/// A pattern that nothing matches, or that is none.
+/// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
 pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
+    given.iter().try_for_each(|path| check_folder(path).and_then(|()| check_word(path)))?;
     if let [input] = given
         && !is_pattern(input)
     {
@@ -44,8 +50,42 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     let mut known = HashSet::new();
     // `cohort/*` means the subjects of a cohort.
     let is_input = |path: &Path| path.is_file() && !is_of_cohort(path);
-    let found = paths(given, "file", |path| is_input(path) || Run::stands_in(path))?;
+    // A shell that expands the pattern itself gives these too.
+    let given: Vec<PathBuf> = given.iter().filter(|path| !is_of_cohort(path)).cloned().collect();
+    let found = paths(&given, "file", |path| is_input(path) || Run::stands_in(path))?;
     Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
+}
+
+/// Refuses a folder that is no run, with what in it may be meant.
+fn check_folder(path: &Path) -> Result<()> {
+    if !path.is_dir() || Run::stands_in(path) {
+        return Ok(());
+    }
+    let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));
+    let place = path.display().to_string();
+    let place = place.trim_end_matches('/');
+    if path.join(COHORT).is_file() {
+        return refused("a cohort", format!("give its subjects, as '{place}/*'"));
+    }
+    let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    let has = |ending: &&&str| files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(**ending)));
+    let ending = ENDINGS.iter().find(has).unwrap_or(&ENDINGS[0]);
+    refused("a folder", format!("expected a file, or a pattern such as '{place}/*.{ending}'"))
+}
+
+/// Refuses a word that is no file but an option that lacks its dashes, or a number after a blank in the place of a comma.
+fn check_word(path: &Path) -> Result<()> {
+    let Some(word) = path.to_str().filter(|_| !path.exists()) else { return Ok(()) };
+    let refused = |accepted: String| Err(Error::parameter("INPUT", format!("\"{word}\""), accepted));
+    let command = Cli::builder();
+    let mut options = command.get_subcommands().flat_map(clap::Command::get_arguments);
+    if options.any(|option| option.get_long() == Some(word)) {
+        return refused(format!("no such file; did you mean --{word}?"));
+    }
+    match word.parse::<f64>() {
+        Ok(_) => refused("no such file; several values of an option go with commas, as in --epsilon 0.2,0.5".into()),
+        Err(_) => Ok(()),
+    }
 }
 
 /// The paths that the arguments mean, as often as they do; of what a pattern matches those that fit, a `kind` of file.

@@ -3,13 +3,12 @@
 use willis::candidates;
 use willis::inference::{Keep, Weight};
 use willis::network::{Network, Origin};
-use willis::phenotype::{Collateral, Posterior, RING, TERRITORIES, Variant};
 use willis::report::Outcome;
 
 use super::terminal::{Terminal, brief, count, plural};
 
-/// What the candidates make of the fragments.
-pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params, evidence: bool) {
+/// What the candidates make of the fragments; returns what a person should know about it.
+pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params, evidence: bool) -> Option<&'static str> {
     let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
     let size = format!(
         "{} in a graph of {}, {}",
@@ -19,15 +18,14 @@ pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Param
     );
     let how = if evidence { "by evidence".to_owned() } else { format!("k = {}", params.k) };
     terminal.say("built", format!("{size} ({how})"));
-    if candidates == 0 {
-        terminal.say(
-            "note",
-            match params.max_gap {
-                Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
-                None => "no free end has another vessel within reach",
-            },
-        );
+    let note = (candidates == 0).then_some(match params.max_gap {
+        Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
+        None => "no free end has another vessel within reach",
+    });
+    if let Some(note) = note {
+        terminal.say("note", note);
     }
+    note
 }
 
 /// What was kept, and what the kept graph looks like.
@@ -45,14 +43,14 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
         (Keep::Probability(p), _) => format!("probability >= {p}"),
         (Keep::Probable(_), _) => "the most probable forest".into(),
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
-        (_, None) => "no vessel on trial has L > 0".into(),
+        (_, None) => "no uncertain vessel has L > 0".into(),
     };
     terminal.say(
         "kept",
         format!(
-            "{} of {} on trial ({cut}), {} pruned, {} undecided{}",
+            "{} of {} ({cut}), {} pruned, {} undecided{}",
             count(kept.kept as u64),
-            plural(kept.kept + kept.pruned, "vessel"),
+            plural(kept.kept + kept.pruned, "uncertain vessel"),
             count(kept.pruned as u64),
             count(answer.undecided.len() as u64),
             if outcome.rule.asks_evidence() { "" } else { " within two standard errors" }
@@ -70,41 +68,12 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
         terminal.say(
             "median",
             format!(
-                "{} kept, {}, {}",
+                "{} of {} lie above the median of L: {}, {}, as topology-median",
                 count(median.kept as u64),
+                plural(median.kept + median.pruned, "uncertain vessel"),
                 plural(median.components, "component"),
                 plural(median.cycles, "independent cycle")
             ),
         );
-    }
-}
-
-/// Says what a Circle of Willis has, and how probable that is.
-pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {
-    let likely = posterior.map_or_else(String::new, |posterior| {
-        let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
-        format!(", probability {p}, {margin} before the next")
-    });
-    terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));
-    terminal.say("anatomy", variant.words());
-    if let Some(posterior) = posterior {
-        let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
-        let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();
-        if !words.is_empty() {
-            terminal.say("uncertain", words.join(", "));
-        }
-    }
-}
-
-/// Says what takes over when a feeder is lost.
-pub fn say_collaterals(terminal: Terminal, collaterals: &[Collateral]) {
-    for collateral in collaterals {
-        let least = TERRITORIES.iter().zip(collateral.residual()).filter_map(|(artery, share)| Some((artery, share?)));
-        let least = least.min_by(|a, b| a.1.total_cmp(&b.1));
-        let least =
-            least.map_or_else(String::new, |(artery, share)| format!("; least is left to {artery}, {:.0} %", 100.0 * share));
-        let over =
-            collateral.takes_over.map_or("no communicating artery takes over".into(), |artery| format!("{artery} takes over"));
-        terminal.detail("collateral", format!("without {}: {over}{least}", collateral.occluded));
     }
 }

@@ -174,6 +174,8 @@ pub fn brief(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.2e}");
     }
-    let decimals = if x == 0.0 { 0 } else { (2 - x.abs().log10().floor() as i32).clamp(0, 6) };
+    // The exponent once rounded: 0.9999 is 1.00.
+    let exponent: i32 = format!("{x:.2e}").split_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
+    let decimals = if x == 0.0 { 0 } else { (2 - exponent).clamp(0, 6) };
     format!("{x:.*}", decimals as usize)
 }

@@ -1,6 +1,6 @@
 //! `willis train`: fit the evidence model to extractions whose right links are known.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -16,10 +16,9 @@ use willis::training::read_cases;
 
 use super::provenance::command_line;
 use super::shell::print_json;
+use super::tell_notes::say_notes;
 use super::terminal::{Terminal, count, plural};
-
-/// So many notes of single cases are told unasked.
-const MOST_NOTES: usize = 3;
+use super::typed::whole;
 
 /// Fit the evidence model to extractions whose right links are known
 ///
@@ -36,16 +35,16 @@ pub struct TrainArgs {
     #[arg(short, long, value_name = "FILE.toml", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
     /// Folds of the cross-validation by subject that says how well such weights do; 0 for none
-    #[arg(long, value_name = "K", default_value_t = 3)]
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = whole::<usize>, allow_negative_numbers = true)]
     folds: usize,
     /// Write the weights of each fold too, as FILE.fold-1.toml and so on, with the subjects that they never saw
     #[arg(long)]
     save_folds: bool,
     /// Penalty of large weights
-    #[arg(long, value_name = "L2", default_value_t = TrainParams::default().l2)]
+    #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,
     /// Passes over the bridges: each sees what the one before makes of a bridge's surroundings
-    #[arg(long, value_name = "N", default_value_t = TrainParams::default().iterations.len())]
+    #[arg(long, value_name = "N", default_value_t = TrainParams::default().iterations.len(), value_parser = whole::<usize>, allow_negative_numbers = true)]
     passes: usize,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
@@ -59,7 +58,7 @@ impl TrainArgs {
         outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
         let began = Instant::now();
         let read = read_cases(&self.cases)?;
-        say_notes(terminal, &read.notes);
+        say_notes(terminal, &read.notes, "case");
         if self.folds > 0 {
             check_folds(&read.cases.iter().collect::<Vec<_>>(), self.folds)?;
         }
@@ -124,23 +123,6 @@ impl TrainArgs {
         let folds = if self.save_folds { self.folds } else { 0 };
         let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
         Ok([self.output.clone()].into_iter().chain((1..=folds).map(of_fold)).collect())
-    }
-}
-
-/// What a person should know about how the cases were read: what is true of several, and the rest when asked for.
-fn say_notes(terminal: Terminal, notes: &BTreeMap<String, usize>) {
-    let mut untold = 0;
-    for (note, cases) in notes {
-        let line = format!("{note} ({})", plural(*cases, "case"));
-        if *cases > 1 || notes.len() <= MOST_NOTES {
-            terminal.say("note", line);
-        } else {
-            untold += 1;
-            terminal.detail("note", line);
-        }
-    }
-    if untold > 0 {
-        terminal.say("note", format!("{} of one case each; -v says them", plural(untold, "further note")));
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use super::attributes::{Records, is_wanted, nodes, vessels};
+use super::attributes::{self, Records, nodes, vessels};
 use super::graph_columns::{END_PLACES, PLACE, graph_columns, points_column};
 use super::rows::{Rows, columns, delimiter};
 use super::table::write_csv;
@@ -59,7 +59,12 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
 /// # Errors
 ///
 /// A table without the two columns or without rows, a node that the table of nodes lacks, an attribute that is wrong.
-pub fn read_csv_edges(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_csv_edges(
+    bytes: &[u8],
+    table_of_nodes: Option<NodeTable>,
+    scale: &Scale,
+    radius_optional: bool,
+) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let accepted = if header.iter().any(|column| column == "node") {
@@ -107,7 +112,7 @@ pub fn read_csv_edges(bytes: &[u8], table_of_nodes: Option<NodeTable>, scale: &S
     for node in if given { found } else { nodes(&made, &places(&records, &placed), scale)? } {
         network.add_node(node);
     }
-    let notes = vessels(&mut network, &rows, &records, scale)?;
+    let notes = vessels(&mut network, &rows, &records, scale, radius_optional)?;
     Ok((network, notes))
 }
 
@@ -139,13 +144,17 @@ pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) 
     write_csv(edges, &vessel_columns)
 }
 
+/// Whether a column is read.
+pub(super) fn is_wanted(name: &str) -> bool {
+    let own = [&NAMES[..], ENDS.as_flattened(), END_PLACES.as_flattened()];
+    attributes::is_wanted(name) || own.iter().any(|names| names.contains(&name))
+}
+
 /// The header and the rows of a file, these without the columns that nothing asks for.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let mut rows = Rows::open(bytes)?;
     let header = rows.header().to_vec();
-    let own = [&NAMES[..], ENDS.as_flattened(), END_PLACES.as_flattened()];
-    let wanted: Vec<bool> =
-        header.iter().map(|name| is_wanted(name) || own.iter().any(|names| names.contains(&&**name))).collect();
+    let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
     let mut records = Records::named(&header);
     while let Some(row) = rows.next()? {
         records.begin(row.line);

@@ -27,7 +27,7 @@ pub enum Content {
     Centerlines(Centerlines),
     /// Vessels that an image showed, as they stand; a radius that the file lacks, where it may, is NaN.
     Vessels(Network),
-    /// A ready graph, whose edges are vessels as they stand.
+    /// A ready graph, whose edges are vessels as they stand; a missing radius, where it may be, is NaN.
     Graph(Network),
 }
 
@@ -51,7 +51,7 @@ pub struct ReadOptions {
     pub scale: Scale,
     /// The array of a VTK file, or the measurement of markups, that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
-    /// Whether centerlines and observed vessels may come without any radius.
+    /// Whether vessels may come without any radius.
     pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
@@ -99,7 +99,8 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
-        let (graph, notes) = read_graphml(stream, &options.scale).map_err(|fault| fault.in_file(path))?;
+        let (graph, notes) =
+            read_graphml(stream, &options.scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
         return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
     }
     file.read_to_end(&mut all).map_err(unread)?;
@@ -129,7 +130,9 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
         Format::Csv => read_tables(path, bytes, options),
         Format::Voreen => pair::read_voreen(path, bytes, options),
         Format::VesselVio => pair::read_vesselvio(path, bytes, options),
-        Format::GraphMl => read_graphml(bytes, scale).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
+        Format::GraphMl => {
+            read_graphml(bytes, scale, optional).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes))
+        }
         Format::Npz => unpack_skeleton_npz(bytes, scale, optional, &room).map_err(here),
         Format::Vtp => lines(unpack_vtp(bytes, scale, radius, &room)),
         Format::Vtk => lines(read_vtk(bytes, scale, radius)),
@@ -149,7 +152,8 @@ fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Cont
         read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
     };
     let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) = read_csv_edges(bytes, nodes, scale).map_err(|fault| fault.in_file(path))?;
+    let (network, mut notes) =
+        read_csv_edges(bytes, nodes, scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
     notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
     Ok((Content::Graph(network), notes))
 }

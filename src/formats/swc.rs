@@ -46,7 +46,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
-            return Err(Fault::line(at, format!("{} columns", words.len()), ROW));
+            return Err(Fault::line(at, columns(words.len()), ROW));
         };
         if words.len() > COLUMNS.len() {
             wide.get_or_insert((at, words.len()));
@@ -220,4 +220,9 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
     }
     out.flush()?;
     Ok(loops)
+}
+
+/// `1 column`, `2 columns`.
+fn columns(n: usize) -> String {
+    format!("{n} column{}", if n == 1 { "" } else { "s" })
 }

@@ -9,6 +9,9 @@ use crate::units::{LengthUnit, Scale, millimetres};
 
 /// Median radii of brain vessels, mm: from capillaries to the internal carotid artery.
 const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
+/// Median radii, and extents, that arteries of a brain have where their centimetres are taken as millimetres.
+const RADIUS_OF_CM: std::ops::Range<f64> = 0.02..0.15;
+const EXTENT_OF_CM: std::ops::Range<f64> = 3.0..30.0;
 /// No coordinate lies so far off, m.
 const MOST_METRES: f64 = 1e9;
 /// A share of coordinates or radii above which they are called whole numbers.
@@ -56,6 +59,7 @@ pub(super) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
             notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives, {VOXELS}"));
         }
     }
+    notes.extend(centimetres(&points, &radii, scale));
     let Some(found) = median(&radii).map(millimetres).filter(|r| !MEDIAN_RADIUS_MM.contains(r)) else { return notes };
     let per_unit = |unit: LengthUnit| Scale { unit, spacing: None }.axes()[0];
     let raw = found / scale.axes()[0];
@@ -74,6 +78,15 @@ pub(super) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
         scale.unit.symbol()
     ));
     notes
+}
+
+/// That lengths taken as mm may be cm: radii and an extent some ten times too small for the arteries of a brain.
+fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String> {
+    let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
+    let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
+    is_small.then(|| {
+        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give --units cm")
+    })
 }
 
 const VOXELS: &str = "as of voxels; if they are, give --units voxel --spacing S";
@@ -111,6 +124,8 @@ mod tests {
         assert_eq!(notes(LengthUnit::Millimetre, |x| x, mm), "");
         let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
         assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
+        let cm = notes(LengthUnit::Millimetre, |x| 0.1 * x, |i| 0.05 * mm(i));
+        assert!(cm.contains("give --units cm"), "{cm}");
         assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
         assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
         let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());

@@ -108,11 +108,20 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
             ..Node::default()
         });
     }
+    for (id, point) in &lines.merged {
+        if let Some(row) = row_of.get(*point as usize).filter(|row| **row != usize::MAX) {
+            out.network.node_mut(*row).also.push(id.to_string());
+        }
+    }
+    let mut interpolated = vec![false; lines.points.len()];
     for walk in walks {
         let ends = [0, walk.points.len() - 1].map(|at| row_of[walk.points[at]]);
-        add(&mut out, lines, &walk, ends, rule, default_radius)?;
+        let has_radii = add(&mut out, lines, &walk, ends, rule, default_radius)?;
+        for point in walk.points.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
+            interpolated[*point] = true;
+        }
     }
-    out.repaired_radii = lines.radii.iter().filter(|r| !is_radius(**r)).count();
+    out.repaired_radii = interpolated.iter().filter(|point| **point).count();
     Ok(out)
 }
 
@@ -150,6 +159,7 @@ fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
+/// Adds the vessel of a run; whether any of its points has a radius.
 fn add(
     out: &mut Contraction,
     lines: &Centerlines,
@@ -157,11 +167,12 @@ fn add(
     ends: [usize; 2],
     rule: RadiusRule,
     default_radius: Option<f64>,
-) -> Result<(), Fault> {
+) -> Result<bool, Fault> {
     let points = &walk.points;
     let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
-    if !interpolate(&mut radii, points, lines) {
+    let has_radii = interpolate(&mut radii, points, lines);
+    if !has_radii {
         let radius = default_radius.ok_or_else(|| {
             Fault::item(
                 name(),
@@ -184,7 +195,7 @@ fn add(
         out.network.node_mut(end).radius.get_or_insert(radius);
     }
     out.network.add_vessel(ends, vessel);
-    Ok(())
+    Ok(has_radii)
 }
 
 /// Fills missing radii linearly over arc length between valid neighbours, level beyond the outermost; false when

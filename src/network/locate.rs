@@ -1,17 +1,20 @@
 //! Finding a node by what a person calls it: its id, its label, or a position.
 
-use super::Network;
+use super::{Network, Node};
 use crate::geometry::{Point, distance};
 use crate::suggestion::did_you_mean;
 use crate::units::{metres, millimetres};
+
+/// A position names no node that lies further off, m.
+const REACH: f64 = 0.02;
 
 /// A node found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located {
     /// Its row.
     pub node: usize,
-    /// The distance (m) from the position asked for, when it was a position.
-    pub distance: Option<f64>,
+    /// How it was called.
+    pub by: Called,
 }
 
 /// The node nearest to a position.
@@ -23,42 +26,71 @@ pub struct Nearest {
     pub distance: f64,
 }
 
-/// Finds the node whose `id` is exactly `spec`, else whose label is exactly `spec`, else nearest to `x,y,z` in mm.
+/// How a node was called.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Called {
+    /// By its id or its label.
+    Name,
+    /// By the id of a point that was made one with it.
+    Merged,
+    /// By a position so far away, m.
+    Position(f64),
+}
+
+/// Finds the node whose `id` is exactly `spec`, else of which a point with this id has become part, else whose label is exactly `spec`,
+/// else nearest to `x,y,z` in mm, within 20 mm.
 ///
 /// # Errors
 ///
 /// No node or more than one answers to it: says so in words.
 pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
-    let rows = |hit: &dyn Fn(&super::Node) -> bool| -> Vec<usize> {
-        network.nodes().enumerate().filter(|(_, n)| hit(n)).map(|(row, _)| row).collect()
+    let rows = |is_called: &dyn Fn(&Node) -> bool| -> Vec<usize> {
+        network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect()
     };
-    let ids = rows(&|n| n.id == spec);
-    let named = if ids.is_empty() { rows(&|n| !n.label.is_empty() && n.label == spec) } else { ids };
-    match named[..] {
-        [node] => return Ok(Located { node, distance: None }),
-        [] => {}
-        _ => {
-            let ids: Vec<&str> = named.iter().map(|row| network.node(*row).id.as_str()).take(5).collect();
-            return Err(format!("more than one node is called so ({}); give the id of one", ids.join(", ")));
+    let ways = [
+        (rows(&|n| n.id == spec), Called::Name),
+        (rows(&|n| n.also.iter().any(|id| id == spec)), Called::Merged),
+        (rows(&|n| !n.label.is_empty() && n.label == spec), Called::Name),
+    ];
+    for (rows, by) in ways {
+        match rows[..] {
+            [node] => return Ok(Located { node, by }),
+            [] => {}
+            _ => {
+                let ids: Vec<&str> = rows.iter().map(|row| network.node(*row).id.as_str()).take(5).collect();
+                return Err(format!("more than one node is called so ({}); give the id of one", ids.join(", ")));
+            }
         }
     }
-    let Some(position) = parse_position(spec) else {
-        let names = network.nodes().flat_map(|n| [n.id.as_str(), n.label.as_str()]);
-        // A number near to another is not what was meant.
-        let meant = if spec.parse::<f64>().is_ok() { String::new() } else { did_you_mean(spec, names) };
-        return Err(format!(
-            "no node has this id or label; {meant}expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)"
-        ));
-    };
+    let Some(position) = parse_position(spec) else { return Err(unknown(network, spec)) };
     let found = nearest(network, position, |_| true).ok_or("the nodes have no coordinates; give an id or a label")?;
-    Ok(Located { node: found.node, distance: Some(found.distance) })
+    if found.distance > REACH {
+        let [away, reach] = [found.distance, REACH].map(millimetres);
+        let id = &network.node(found.node).id;
+        return Err(format!("the nearest node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
+    }
+    Ok(Located { node: found.node, by: Called::Position(found.distance) })
 }
 
-/// The node nearest to a position (m) among those in the rows that `admit` takes, ties to the lower row.
+/// The node nearest to a position (m) among those in the rows that `admit` takes, however far away, ties to the lower row.
 pub fn nearest(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<Nearest> {
     let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
     let away = nodes.filter_map(|(node, n)| Some(Nearest { node, distance: distance(n.position?, position) }));
     away.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
+}
+
+/// That no node is called so: of a point between two nodes, which these are; otherwise what may have been meant.
+fn unknown(network: &Network, spec: &str) -> String {
+    let number = spec.parse::<u64>().ok();
+    let vessel = number.and_then(|id| network.vessels().find(|(_, v)| v.path.iter().any(|point| point.id == Some(id))));
+    if let Some((ends, _)) = vessel {
+        let [a, b] = ends.map(|end| network.node(end).id.as_str());
+        return format!("no node, but a point inside the vessel from {a} to {b}; expected one of its ends, {a} or {b}");
+    }
+    let names = network.nodes().flat_map(|n| [n.id.as_str(), n.label.as_str()]);
+    // A number near to another is not what was meant.
+    let meant = if spec.parse::<f64>().is_ok() { String::new() } else { did_you_mean(spec, names) };
+    format!("no node has this id or label; {meant}expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)")
 }
 
 /// `x,y,z` in mm, as m.
@@ -69,8 +101,12 @@ pub fn parse_position(text: &str) -> Option<Point> {
 }
 
 impl Located {
-    /// How far away it is, in words; empty when it was called by name.
+    /// How it was found, in words; empty when it was called by its own name.
     pub fn note(&self) -> String {
-        self.distance.map_or(String::new(), |m| format!(" ({:.3} mm from the position given)", millimetres(m)))
+        match self.by {
+            Called::Name => String::new(),
+            Called::Merged => " (made one with it)".into(),
+            Called::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
+        }
     }
 }

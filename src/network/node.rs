@@ -10,6 +10,9 @@ use crate::geometry::Point;
 pub struct Node {
     /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
     pub id: String,
+    /// Ids of points of the input that were made one with this node.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
     /// Position, m; absent in a graph without coordinates.
     pub position: Option<Point>,
     /// Radius of the lumen here, m.

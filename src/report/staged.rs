@@ -1,7 +1,7 @@
 //! Output that appears whole or not at all: written beside its place, brought onto the disk, then renamed.
 
 use std::fs;
-use std::io::BufWriter;
+use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -22,7 +22,14 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
     match tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(folder) {
         Ok(_) => Ok(()),
         Err(e) => {
-            let accepted = format!("{} cannot be written to: {}", folder.display(), e.kind());
+            // The rest of the system's words puzzle: a folder that stands but takes no entry is "not found".
+            let why = match e.kind() {
+                kind @ (ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::StorageFull) => {
+                    format!(": {kind}")
+                }
+                _ => String::new(),
+            };
+            let accepted = format!("cannot be made: nothing can be written into {}{why}", folder.display());
             Err(Error::parameter("--output", target.display(), accepted))
         }
     }

@@ -6,12 +6,11 @@ use super::folder::CaseFolder;
 use super::truth;
 use crate::candidates::evidence::Extraction;
 use crate::candidates::prior::{Answer, Case};
-use crate::centerline::WELD_TOLERANCE;
 use crate::error::{Fault, Result};
 use crate::formats::conditions::read_inlets;
 use crate::formats::{Content, ReadOptions, bytes_of, read as read_file, read_links};
 use crate::geometry::distance;
-use crate::network::{Network, RadiusRule, contract, locate};
+use crate::network::{Network, RadiusRule, locate};
 use crate::units::millimetres;
 
 /// An end of a listed bridge is a point no more than so many spacings away.
@@ -50,16 +49,10 @@ fn network(folder: &CaseFolder) -> Result<(Network, Vec<String>)> {
     let path = &folder.fragments;
     let document = read_file(path, &ReadOptions { loops: folder.loops.clone(), ..ReadOptions::default() })?;
     let network = match document.content {
-        Content::Centerlines(mut lines) => {
-            lines.weld(WELD_TOLERANCE);
-            contract(&lines, RadiusRule::Mean, None).map_err(|fault| fault.in_file(path))?.network
-        }
-        Content::Vessels(network) => network,
-        Content::Graph(_) => return Err(Fault::file("a candidate graph", "expected centerlines").in_file(path)),
-    };
-    if network.vessel_count() == 0 {
-        return Err(Fault::file("no vessel", "expected centerlines with at least two linked points").in_file(path));
+        Content::Graph(_) => Err(Fault::file("a candidate graph", "expected centerlines")),
+        lines => lines.into_network(RadiusRule::Mean, None).map(|made| made.network),
     }
+    .map_err(|fault| fault.in_file(path))?;
     let own = format!(" {}", folder.loops.as_ref().map_or(String::new(), |loops| loops.display().to_string()));
     Ok((network, document.notes.into_iter().filter(|note| folder.loops.is_none() || !note.ends_with(&own)).collect()))
 }

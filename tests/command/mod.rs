@@ -8,8 +8,15 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+/// The command in a folder, for tests that give it arguments, variables or streams of their own.
+pub fn builder(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
+    command.current_dir(folder);
+    command
+}
+
 pub fn willis(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_willis")).current_dir(folder).args(arguments).output().expect("the binary runs")
+    builder(folder).args(arguments).output().expect("the binary runs")
 }
 
 pub fn folder() -> TempDir {

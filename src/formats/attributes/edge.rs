@@ -13,12 +13,14 @@ use crate::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 pub(super) const ASKED: [&str; 11] =
     ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
-/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should know.
+/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should
+/// know. A radius that is missing, where it may, is NaN.
 pub(in super::super) fn vessels(
     network: &mut Network,
     ends: &[[usize; 2]],
     records: &Records,
     scale: &Scale,
+    radius_optional: bool,
 ) -> Result<Vec<String>, Fault> {
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
     let mut names = BTreeMap::new();
@@ -46,11 +48,15 @@ pub(in super::super) fn vessels(
                 return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
             }
             None if path.is_empty() => {
-                from_nodes += 1;
-                let (Some(p), Some(q)) = (a.radius, b.radius) else {
-                    return Err(item.lacks("radius", "expected radius_mm on the edge, or on both of its nodes"));
-                };
-                p.min(q)
+                if let (Some(p), Some(q)) = (a.radius, b.radius) {
+                    from_nodes += 1;
+                    p.min(q)
+                } else if radius_optional {
+                    f64::NAN
+                } else {
+                    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
+                    return Err(item.lacks("radius", accepted));
+                }
             }
             None => RadiusRule::Mean.radius(&path),
         };

@@ -41,6 +41,7 @@ pub(in super::super) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale:
             role,
             condition: condition(&item, role, has_roles)?,
             alone: item.share("alone")?,
+            ..Node::default()
         });
     }
     Ok(nodes)

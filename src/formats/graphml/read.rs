@@ -36,7 +36,7 @@ enum End {
 ///
 /// XML that is not well-formed or declares entities, more or fewer than one graph, a nested graph, hyperedge or port, a key
 /// that is not declared, a node id that comes twice, an edge to a node that does not exist, an attribute that is wrong.
-pub fn read_graphml(input: impl BufRead, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_graphml(input: impl BufRead, scale: &Scale, radius_optional: bool) -> Result<(Network, Vec<String>), Fault> {
     let mut events = Events::new(input);
     let mut graph = Graph::default();
     let mut graphs = 0;
@@ -57,7 +57,7 @@ pub fn read_graphml(input: impl BufRead, scale: &Scale) -> Result<(Network, Vec<
     if graphs != 1 {
         return Err(Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"));
     }
-    graph.network(scale)
+    graph.network(scale, radius_optional)
 }
 
 /// Refuses what is no simple graph.
@@ -108,7 +108,7 @@ impl Graph {
         Ok(())
     }
 
-    fn network(mut self, scale: &Scale) -> Result<(Network, Vec<String>), Fault> {
+    fn network(mut self, scale: &Scale, radius_optional: bool) -> Result<(Network, Vec<String>), Fault> {
         if self.ids.is_empty() {
             return Err(Fault::file("the graph has no nodes", "expected <node> elements"));
         }
@@ -120,7 +120,7 @@ impl Graph {
         }
         (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
-        let mut notes = vessels(&mut network, &ends, &self.edges, scale)?;
+        let mut notes = vessels(&mut network, &ends, &self.edges, scale, radius_optional)?;
         if self.directed {
             notes.push("the graph is directed: its edges are taken as undirected".to_owned());
         }

@@ -79,6 +79,8 @@ struct Lines {
     /// The names of links; the first one is empty.
     names: Vec<String>,
     each: Vec<Line>,
+    /// Points that are no more, each with the one that stands for it.
+    merged: Vec<[u32; 2]>,
 }
 
 /// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also what a person should know.
@@ -156,5 +158,7 @@ fn build(all: &Lines, ids: &[u64]) -> Centerlines {
             }
         }
     }
+    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
+    out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
     out
 }

@@ -42,11 +42,16 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
     let radii = without_gaps(all);
     let mut tree = Tree::new(&all.at, &radii);
     let mut kept: Vec<Option<Line>> = vec![None; all.each.len()];
+    let mut all_merged = Vec::new();
     let (mut merged, mut length) = (0, 0.0);
     for row in order(all, &radii) {
         let line = &all.each[row];
         let backwards: Vec<u32> = line.points.iter().rev().copied().collect();
-        let (front, back) = (tree.follow(&line.points), tree.follow(&backwards));
+        let [front, back] = [&line.points, &backwards].map(|points| {
+            let (shared, stands) = tree.follow(points)?;
+            all_merged.extend(points.iter().zip(stands).map(|(gone, stays)| [*gone, stays]));
+            Some(shared)
+        });
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
             if let (None, Some(end)) = (shared, end) {
                 tree.add_end(*end);
@@ -68,6 +73,7 @@ pub(super) fn merge(all: &mut Lines) -> Option<String> {
     if merged == 0 {
         return None;
     }
+    all.merged = all_merged;
     let all_lines = all.each.len();
     all.each = kept.into_iter().flatten().collect();
     let length = millimetres(length);

@@ -146,8 +146,9 @@ fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
             let known = piece.point_data.iter().chain(&piece.line_data).map(|a| a.name.as_str());
             Fault::file(format!("no point array \"{name}\""), format!("{}{has}", did_you_mean(name, known)))
         }
-        None => {
-            Fault::file(format!("no point array {}", RADII[..NAMED].join(", ")), format!("{has}; name one with --radius-array"))
-        }
+        None => Fault::file(
+            format!("no point array {}", RADII[..NAMED].join(", ")),
+            format!("{has}; name one with --radius-array NAME, or give --default-radius LENGTH"),
+        ),
     }
 }

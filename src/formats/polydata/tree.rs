@@ -80,8 +80,9 @@ impl<'a> Tree<'a> {
         self.ends.push(point);
     }
 
-    /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends.
-    pub(super) fn follow(&mut self, line: &[u32]) -> Option<Shared> {
+    /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends; and for each of
+    /// its points there the point of the tree that stands for it.
+    pub(super) fn follow(&mut self, line: &[u32]) -> Option<(Shared, Vec<u32>)> {
         let (first, start) = (*line.first()?, self.at[*line.first()? as usize]);
         let reach = COMMON_END * self.radii[first as usize];
         let common = self.ends.iter().filter(|end| distance(self.at[**end as usize], start) <= reach);
@@ -89,7 +90,7 @@ impl<'a> Tree<'a> {
         if on.is_empty() {
             return None;
         }
-        let mut shared = None;
+        let (mut shared, mut stands) = (None, Vec::new());
         let (mut is_one, mut sum, mut length, mut same, mut away) = (false, 0.0, 0.0, 0, 0.0);
         let mut before = start;
         for (here, own, n) in self.samples(line) {
@@ -111,6 +112,9 @@ impl<'a> Tree<'a> {
                 away = 0.0;
                 let from = self.nearer_end(&foot);
                 shared = n.map(|last| Shared { last, from }).or(shared);
+                if let Some(n) = n {
+                    stands.resize(n + 1, from);
+                }
             }
             on = vec![foot.link];
             (sum, length) = (sum + gap * step, length + step);
@@ -124,7 +128,9 @@ impl<'a> Tree<'a> {
         let step =
             line.get(shared.last + 1).map_or(0.0, |next| distance(self.at[line[shared.last] as usize], self.at[*next as usize]));
         let reach = step.max(ONE_JUNCTION * self.radii[shared.from as usize]);
-        Some(Shared { from: self.junction_near(shared.from, reach), ..shared })
+        let from = self.junction_near(shared.from, reach);
+        stands[shared.last] = from;
+        Some((Shared { from, ..shared }, stands))
     }
 
     /// Places along a line with their radii, close enough not to pass over what lies between its points; with the number of the

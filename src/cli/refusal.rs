@@ -1,0 +1,36 @@
+//! What the command line parser refuses, in one line that says what to type instead.
+
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use willis::suggestion::did_you_mean;
+
+use super::Cli;
+
+/// The error in one line; `given` are the words of the command line.
+pub fn one_line(error: &Error, given: &[String]) -> String {
+    let text = error.render().to_string();
+    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let mut said = String::new();
+    for line in lines.filter(|line| !line.is_empty() && !line.starts_with("For more") && !line.starts_with("tip: to pass")) {
+        let line = line.trim_start_matches("error: ");
+        let tip = line.strip_prefix("tip: ").map(meant);
+        said += if said.is_empty() { "" } else { tip.as_ref().map_or(" ", |_| "; ") };
+        said += tip.as_deref().unwrap_or(line);
+    }
+    let command = Cli::builder();
+    let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    if let (ErrorKind::InvalidSubcommand, false) = (error.kind(), said.contains("did you mean"))
+        && let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
+    {
+        said = format!("{said}; {}expected {}", did_you_mean(word, names.iter().copied()), names.join(", "));
+    }
+    let of = given.iter().find(|word| names.contains(&word.as_str()) && *word != "help");
+    format!("{said}; see willis help{}", of.map_or(String::new(), |name| format!(" {name}")))
+}
+
+/// What a tip proposes, as a question.
+fn meant(tip: &str) -> String {
+    match tip.strip_prefix("a similar ").and_then(|rest| rest.split_once(" exists: ")) {
+        Some((_, name)) => format!("did you mean {name}?"),
+        None => tip.to_owned(),
+    }
+}

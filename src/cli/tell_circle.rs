@@ -1,0 +1,35 @@
+//! What `willis infer` and `willis classify` tell a person of a Circle of Willis.
+
+use willis::phenotype::{Collateral, Posterior, RING, TERRITORIES, Variant};
+
+use super::terminal::{Terminal, brief};
+
+/// Says what a Circle of Willis has, and how probable that is.
+pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {
+    let likely = posterior.map_or_else(String::new, |posterior| {
+        let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
+        format!(", probability {p}, {margin} before the next")
+    });
+    terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));
+    terminal.say("anatomy", variant.words());
+    if let Some(posterior) = posterior {
+        let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
+        let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();
+        if !words.is_empty() {
+            terminal.say("doubtful", words.join(", "));
+        }
+    }
+}
+
+/// Says what takes over when a feeder is lost.
+pub fn say_collaterals(terminal: Terminal, collaterals: &[Collateral]) {
+    for collateral in collaterals {
+        let least = TERRITORIES.iter().zip(collateral.residual()).filter_map(|(artery, share)| Some((artery, share?)));
+        let least = least.min_by(|a, b| a.1.total_cmp(&b.1));
+        let least =
+            least.map_or_else(String::new, |(artery, share)| format!("; least is left to {artery}, {:.0} %", 100.0 * share));
+        let over =
+            collateral.takes_over.map_or("no communicating artery takes over".into(), |artery| format!("{artery} takes over"));
+        terminal.detail("collateral", format!("without {}: {over}{least}", collateral.occluded));
+    }
+}

@@ -1,0 +1,64 @@
+//! What a person should know about many cases or subjects, each thing once with how many it is true of.
+
+use std::collections::BTreeMap;
+
+use super::terminal::{Terminal, plural};
+
+/// So many notes of single cases are told unasked.
+const MOST: usize = 3;
+
+/// Tells notes with how many it is true of (each of them a `noun`): what is true of several, and the rest when asked for.
+pub fn say_notes(terminal: Terminal, notes: &BTreeMap<String, usize>, noun: &str) {
+    let mut untold = 0;
+    for (note, of) in notes {
+        let line = format!("{note} ({})", plural(*of, noun));
+        if *of > 1 || notes.len() <= MOST {
+            terminal.say("note", line);
+        } else {
+            untold += 1;
+            terminal.detail("note", line);
+        }
+    }
+    if untold > 0 {
+        terminal.say("note", format!("{} of one {noun} each; -v says them", plural(untold, "further note")));
+    }
+}
+
+/// Notes counted; those that differ in their figures alone are one, with `…` for these.
+pub fn counted<'a>(notes: impl IntoIterator<Item = &'a str>) -> BTreeMap<String, usize> {
+    let mut alike: BTreeMap<String, (&str, bool, usize)> = BTreeMap::new();
+    for note in notes {
+        let (first, is_same, of) = alike.entry(without_figures(note)).or_insert((note, true, 0));
+        *is_same &= *first == note;
+        *of += 1;
+    }
+    alike.into_iter().map(|(form, (note, is_same, of))| (if is_same { note.to_owned() } else { form }, of)).collect()
+}
+
+/// A note with `…` for every figure, and one word for one thing and several.
+fn without_figures(note: &str) -> String {
+    let word = |word: &str| {
+        let figure = word.trim_matches(['(', ')', ',', ';', ':']);
+        let is_figure =
+            figure.starts_with(|c: char| c.is_ascii_digit() || c == '-') && figure.ends_with(|c: char| c.is_ascii_digit());
+        match (is_figure, word) {
+            (true, _) => word.replace(figure, "…"),
+            (_, "point" | "vessel" | "link") => format!("{word}s"),
+            _ => word.to_owned(),
+        }
+    };
+    note.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_that_differ_in_their_figures_are_one() {
+        let all = ["1 point coinciding: one", "23 points coinciding: one", "as it is (5 mm)", "as it is (5 mm)", "alone 7"];
+        let counted: Vec<(String, usize)> = counted(all).into_iter().collect();
+        let expected = [("alone 7", 1), ("as it is (5 mm)", 2), ("… points coinciding: one", 2)];
+        assert_eq!(counted, expected.map(|(note, of)| (note.to_owned(), of)));
+    }
+}
