@@ -127,7 +127,7 @@ impl BoundaryArgs {
             }
             if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {
                 let id = &network.node(found.node).id;
-                return Err(refused(format!("is node {id}, which has a condition already; expected one a node")));
+                return Err(refused(format!("is node {id}, which has a condition already; expected one condition a node")));
             }
         }
         Ok(given)
