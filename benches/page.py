@@ -21,7 +21,7 @@ Every figure here was measured by `benches/run.sh` and put in place by `benches/
 ## Small graphs
 
 Microseconds a sample (mask, flow, resilience, forest, sums), by graph; its name ends in nodes and vessels. Occlusion probability 0.3, every
-vessel on trial. The first graph ships with the project.
+vessel uncertain. The first graph ships with the project.
 
 {small}
 
@@ -141,7 +141,7 @@ def large(path):
     for row in csv.DictReader(open(path, encoding="utf-8")):
         rows.setdefault((row["family"], int(row["edges"])), []).append(row)
     lines = [
-        "| family | edges | on trial | solver | ms a sample | Python, ms | its solver | times as long | bytes a vessel: worker | shared | peak, MB | residual |",
+        "| family | edges | uncertain | solver | ms a sample | Python, ms | its solver | times as long | bytes a vessel: worker | shared | peak, MB | residual |",
         "|---|---:|---:|---|---:|---:|---|---:|---:|---:|---:|---:|",
     ]
     machines = set()

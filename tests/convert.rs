@@ -140,18 +140,7 @@ fn straight() -> Network {
         let [p, q] = ends.map(|end| network.node(end).position.unwrap());
         network.add_vessel(
             ends,
-            Vessel {
-                length: willis::geometry::distance(p, q),
-                radius: metres(radius),
-                resistance: None,
-                label: label.into(),
-                origin: Origin::Observed,
-                prior: 1.0,
-                certain: false,
-                evidence: None,
-                kept: None,
-                path: Vec::new(),
-            },
+            Vessel { label: label.into(), ..Vessel::new(willis::geometry::distance(p, q), metres(radius), Origin::Observed) },
         );
     }
     network

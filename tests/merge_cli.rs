@@ -55,7 +55,7 @@ fn one_three_and_seventeen_shards_give_the_bytes_of_the_run() {
 }
 
 /// Everything that goes into a folder comes back from shards: labels, landmarks and phenotype, a graph without evidence, all
-/// vessels on trial, stated conditions, the choices of the paper.
+/// vessels uncertain, stated conditions, the choices of the paper.
 #[test]
 fn shards_of_every_kind_of_run_give_its_bytes() {
     let here = folder();

@@ -278,7 +278,7 @@ fn the_threshold_of_a_run_ends_on_the_vessel_in_the_middle() {
         let curves = paths(&svg, "stroke", rgb).into_iter().map(|path| d(&path)).filter(|p| p.len() > 2 && p[0][1] > AXES[0][1]);
         curves.map(|curve| curve[curve.len() - 1][1]).collect()
     };
-    // On trial and above zero: the columns `probability` and `likelihood` of edges.csv.
+    // Uncertain and above zero: the columns `probability` and `likelihood` of edges.csv.
     let table = file("edges.csv");
     let [head, rows @ ..] = &table.lines().map(|line| line.split(',').collect()).collect::<Vec<Vec<&str>>>()[..] else {
         panic!("no rows")

@@ -167,7 +167,7 @@ fn doubling_keeps_the_convergence_record() {
     }
 }
 
-/// 2^24 numbers at the most for the record: 128 points up to 131,072 vessels on trial, then fewer, and one at least.
+/// 2^24 numbers at the most for the record: 128 points up to 131,072 vessels uncertain, then fewer, and one at least.
 #[test]
 fn a_large_graph_has_a_shorter_convergence_record() {
     let step = |on_trial: usize, samples: u64| Part::new(vec![true; on_trial], samples).step();

@@ -33,7 +33,7 @@ pub struct Pieces {
     pub factor: Vec<f64>,
 }
 
-/// Every vessel on trial, no prior.
+/// Every vessel uncertain, no prior.
 pub fn params(solver: Solver, samples: u64) -> Params {
     Params { epsilon: EPSILON, uncertain: Uncertain::All, samples, solver, ..Params::default() }
 }

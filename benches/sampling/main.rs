@@ -20,7 +20,7 @@ const USAGE: &str = "usage: sampling COMMAND
   stages GRAPH                         microseconds a sample of each stage, one thread
   forests GRAPH                        microseconds a sample of the forest alone, by three algorithms
   count GRAPH SAMPLES                  that many samples in one thread, for an instruction counter
-  large GRAPH SOLVER SECONDS           vessels, on trial, solver, forest, s to compile, ms a sample, bytes a vessel of a worker and
+  large GRAPH SOLVER SECONDS           vessels, uncertain, solver, forest, s to compile, ms a sample, bytes a vessel of a worker and
                                        of what workers share, residual, peak MB; one thread";
 
 fn main() -> Result<()> {

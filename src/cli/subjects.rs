@@ -69,8 +69,9 @@ fn check_folder(path: &Path) -> Result<()> {
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     let has = |ending: &&&str| files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(**ending)));
-    let ending = ENDINGS.iter().find(has).unwrap_or(&ENDINGS[0]);
-    refused("a folder", format!("expected a file, or a pattern such as '{place}/*.{ending}'"))
+    let ending = ENDINGS.iter().find(has);
+    let found = if ending.is_some() { "a folder" } else { "a folder without run.json" };
+    refused(found, format!("expected a file, or a pattern such as '{place}/*.{}'", ending.unwrap_or(&ENDINGS[0])))
 }
 
 /// Refuses a word that is no file but an option that lacks its dashes, or a number after a blank in the place of a comma.

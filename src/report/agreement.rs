@@ -16,6 +16,6 @@ pub fn agreement(decisions: &[(f64, Answer)], uncertain: &[bool]) -> Vec<Column>
         Column::real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0)),
         Column::real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0)),
         Column::whole("decided_alike", pairs.iter().map(same)),
-        Column::whole("on_trial", pairs.iter().map(|_| uncertain_count)),
+        Column::whole("uncertain", pairs.iter().map(|_| uncertain_count)),
     ]
 }

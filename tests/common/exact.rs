@@ -34,7 +34,7 @@ fn index(weight: Weight) -> usize {
     }
 }
 
-/// λA of every vessel on trial, one for the others.
+/// λA of every vessel uncertain, one for the others.
 pub fn keep(network: &Network, epsilon: f64, uncertain: Uncertain) -> Vec<f64> {
     let keep = network.vessels().map(|(_, v)| {
         let on_trial = !v.certain && (uncertain == Uncertain::All || v.origin == Origin::Candidate);

@@ -50,18 +50,7 @@ impl Draw {
 
 /// An observed vessel of a length and radius in mm.
 pub fn tube(length_mm: f64, radius_mm: f64) -> Vessel {
-    Vessel {
-        length: length_mm / 1e3,
-        radius: radius_mm / 1e3,
-        resistance: None,
-        label: String::new(),
-        origin: Origin::Observed,
-        prior: 1.0,
-        certain: false,
-        evidence: None,
-        kept: None,
-        path: Vec::new(),
-    }
+    Vessel::new(length_mm / 1e3, radius_mm / 1e3, Origin::Observed)
 }
 
 /// A network whose nodes are called by their rows.

@@ -4,20 +4,22 @@ use std::io::{self, Write};
 
 use serde_json::json;
 
-use super::{Table, encode, fill};
+use super::{Table, Template, encode};
 use crate::formats::Column;
 use crate::report::cohort::{About, Row, WALL_TIME};
 use crate::report::names::{PAGE, PHENOTYPE};
 
-const TEMPLATE: &str = include_str!("assets/cohort.html");
-/// One module script, as in the page of a run.
-const SCRIPTS: [&str; 5] = [
-    include_str!("assets/dom.js"),
-    include_str!("assets/data.js"),
-    include_str!("assets/table.js"),
-    include_str!("assets/distribution.js"),
-    include_str!("assets/cohort.js"),
-];
+const COHORT: Template = Template {
+    goal: "subjects",
+    main: include_str!("assets/cohort.html"),
+    scripts: &[
+        include_str!("assets/dom.js"),
+        include_str!("assets/data.js"),
+        include_str!("assets/table.js"),
+        include_str!("assets/distribution.js"),
+        include_str!("assets/cohort.js"),
+    ],
+};
 const EXACT: [&str; 0] = [];
 /// What the page leaves out: what differs between two runs of one command, and what nobody reads.
 const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
@@ -42,5 +44,5 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
     if rows.iter().any(|row| row.page.is_some()) {
         data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();
     }
-    fill(out, TEMPLATE, &SCRIPTS, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
+    COHORT.fill(out, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
 }

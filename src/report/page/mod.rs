@@ -135,24 +135,37 @@ pub struct Trial {
     pub nodes: usize,
 }
 
-const TEMPLATE: &str = include_str!("assets/page.html");
+/// What all pages have around what they show.
+const FRAME: &str = include_str!("assets/frame.html");
 const STYLE: &str = include_str!("assets/page.css");
-/// One module script; each file has one purpose, and uses those before it.
-const SCRIPTS: [&str; 13] = [
-    include_str!("assets/dom.js"),
-    include_str!("assets/data.js"),
-    include_str!("assets/colour.js"),
-    include_str!("assets/camera.js"),
-    include_str!("assets/shaders.js"),
-    include_str!("assets/webgl.js"),
-    include_str!("assets/canvas.js"),
-    include_str!("assets/scene.js"),
-    include_str!("assets/gestures.js"),
-    include_str!("assets/trial.js"),
-    include_str!("assets/histogram.js"),
-    include_str!("assets/table.js"),
-    include_str!("assets/page.js"),
-];
+/// The page of a run. Each file of its one module script has one purpose, and uses those before it.
+const RUN: Template = Template {
+    goal: "tables",
+    main: include_str!("assets/page.html"),
+    scripts: &[
+        include_str!("assets/dom.js"),
+        include_str!("assets/data.js"),
+        include_str!("assets/colour.js"),
+        include_str!("assets/camera.js"),
+        include_str!("assets/shaders.js"),
+        include_str!("assets/webgl.js"),
+        include_str!("assets/canvas.js"),
+        include_str!("assets/scene.js"),
+        include_str!("assets/gestures.js"),
+        include_str!("assets/trial.js"),
+        include_str!("assets/histogram.js"),
+        include_str!("assets/table.js"),
+        include_str!("assets/page.js"),
+    ],
+};
+
+/// What a kind of page shows.
+struct Template {
+    /// The id of the section that the first link leads to.
+    goal: &'static str,
+    main: &'static str,
+    scripts: &'static [&'static str],
+}
 
 /// Writes a page: markup, style, data and scripts in one file that asks for nothing from elsewhere.
 ///
@@ -160,24 +173,28 @@ const SCRIPTS: [&str; 13] = [
 ///
 /// What the writer says; a table whose columns differ in length.
 pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
-    fill(out, TEMPLATE, &SCRIPTS, &page.title, &encode::page(page)?)
+    RUN.fill(out, &page.title, &encode::page(page)?)
 }
 
-/// Writes a template with what belongs into its places.
-fn fill(out: &mut impl Write, template: &str, scripts: &[&str], title: &str, data: &Value) -> io::Result<()> {
-    let mut rest = template;
-    while let Some((before, after)) = rest.split_once("{{") {
-        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
-        out.write_all(before.as_bytes())?;
-        match name {
-            "title" => out.write_all(escape(title).as_bytes())?,
-            "style" => out.write_all(STYLE.as_bytes())?,
-            "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
-            _ => scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+impl Template {
+    /// Writes the frame with what belongs into its places.
+    fn fill(&self, out: &mut impl Write, title: &str, data: &Value) -> io::Result<()> {
+        let mut rest = FRAME;
+        while let Some((before, after)) = rest.split_once("{{") {
+            let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+            out.write_all(before.as_bytes())?;
+            match name {
+                "title" => out.write_all(escape(title).as_bytes())?,
+                "style" => out.write_all(STYLE.as_bytes())?,
+                "goal" => out.write_all(self.goal.as_bytes())?,
+                "main" => out.write_all(self.main.as_bytes())?,
+                "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
+                _ => self.scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+            }
+            rest = after;
         }
-        rest = after;
+        out.write_all(rest.as_bytes())
     }
-    out.write_all(rest.as_bytes())
 }
 
 /// JSON in which nothing can end a script or a line of one.
