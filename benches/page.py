@@ -20,8 +20,8 @@ Every figure here was measured by `benches/run.sh` and put in place by `benches/
 
 ## Small graphs
 
-Microseconds a sample (mask, flow, resilience, forest, sums), by graph; its name ends in nodes and vessels. Occlusion probability 0.3, every
-vessel uncertain. The first graph ships with the project.
+Microseconds a sample (mask, flow, resilience, forest, sums), by graph; names end in nodes and vessels, but for the first, which ships with the
+project. Occlusion probability 0.3, every vessel uncertain.
 
 {small}
 

@@ -34,7 +34,7 @@ if [ "${1:-}" = --large ]; then
 fi
 
 # The graphs: the one that ships with the project, and the shared ones.
-shipped=target/bench/broken-circle-57-102.graphml
+shipped=target/bench/broken-circle.graphml
 target/release/willis candidates data/broken-circle-of-willis.swc -o "$shipped" --force 2>/dev/null
 graphs=("$shipped")
 for name in cow-30-80 extraction-45-165 brain-206-726 brain-206-726-13-terminals; do
