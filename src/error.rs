@@ -16,6 +16,17 @@ pub enum Place {
     Item(String),
 }
 
+impl Place {
+    /// The place in words, such as "line 2".
+    pub fn words(&self) -> String {
+        match self {
+            Self::File => "the file".to_owned(),
+            Self::Line(line) => format!("line {line}"),
+            Self::Item(item) => item.clone(),
+        }
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -44,12 +44,15 @@
 //! their layers: each uses only those above it.
 
 pub mod error;
-pub mod quantity;
-pub mod rng;
+
 pub mod simd;
 pub mod stats;
 pub mod suggestion;
 pub mod units;
+
+pub mod rng;
+
+pub mod quantity;
 
 pub mod elimination;
 pub mod geometry;

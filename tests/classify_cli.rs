@@ -188,3 +188,23 @@ fn the_sides_of_a_phantom_are_what_they_are_called() {
         assert_eq!(stderr(&output).contains("left and right look exchanged"), warned, "{}", stderr(&output));
     }
 }
+
+/// So that classifying a topology's own file answers for that topology, whichever of the two it is.
+#[test]
+fn in_the_files_of_a_topology_every_vessel_is_kept() {
+    let here = folder();
+    let output = willis(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "out", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = fs::read_to_string(here.path().join("out/edges.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    for (file, column) in [("topology", "kept"), ("topology-median", "above_median")] {
+        let at = head.iter().position(|name| *name == column).unwrap();
+        let of_file = rows.iter().filter(|row| row[at] == "1").count();
+        let read = willis::formats::read(&here.path().join(format!("out/{file}.graphml")), &Default::default()).unwrap();
+        let willis::formats::Content::Graph(network) = read.content else { panic!("no graph") };
+        assert_eq!(network.vessel_count(), of_file, "{file}");
+        assert!(network.vessels().all(|(_, vessel)| vessel.kept == Some(true)), "{file}");
+    }
+}

@@ -103,7 +103,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     for (text, message) in [
         ("id_a,id_b\n1,9\n", "l.csv:2: point 9 does not exist; expected two point ids (id_a,id_b)"),
         ("1,x\n", "l.csv:1: \"x\"; expected two point ids (id_a,id_b)"),
-        ("1\n", "l.csv:1: columns 1; expected two point ids (id_a,id_b)"),
+        ("1\n", "l.csv:1: \"1\"; expected two point ids (id_a,id_b)"),
         ("a,b\n# same\n\n2,2\n", "l.csv:4: point 2 twice; expected two different points"),
     ] {
         std::fs::write(&loops, text).unwrap();

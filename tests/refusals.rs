@@ -188,6 +188,7 @@ fn a_default_radius_goes_with_graphs_and_is_told() {
     assert!(output.status.success() && said.contains("2 candidate vessels, radius 0.500 mm"), "{said}");
     let notes = record(&here.path().join("out"))["notes"].to_string();
     assert!(notes.contains("2 vessels without any radius: took --default-radius, 0.5 mm"), "{notes}");
+    assert!(!notes.contains("NaN"), "{notes}");
     // Nothing is interpolated where no vessel has a radius.
     fs::write(here.path().join("a.swc"), "1 0 0 0 0 0 -1\n2 0 1 0 0 0 1\n3 0 2 0 0 0 2\n").expect("written");
     let output = willis(here.path(), &["simulate", "a.swc", "-o", "flow", "--default-radius", "1"]);

@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use willis::candidates::prior::Weights;
 use willis::centerline::Centerlines;
 use willis::error::Fault;
-use willis::formats::{self, RadiusArray, conditions};
+use willis::formats::{self, Content, RadiusArray, conditions};
 use willis::network::{Network, RadiusRule, contract};
 use willis::phantom::{cerebral, circle_of_willis};
 use willis::phenotype::identify;
@@ -34,15 +34,22 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
     }
 }
 
+/// Vessels without a radius take one.
+fn graph(read: Result<(Network, Vec<String>), Fault>) {
+    if let Ok((network, _)) = read {
+        let _ = Content::Graph(network).into_network(RadiusRule::Mean, Some(1e-3));
+    }
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let mm = Scale::default();
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {
-        "graphml" => drop(formats::read_graphml(bytes, &mm, false)),
+        "graphml" => graph(formats::read_graphml(bytes, &mm, true)),
         "csv" => {
             let nodes = formats::read_csv_nodes(first, &mm).ok();
-            let _ = formats::read_csv_edges(second, nodes, &mm, false);
+            graph(formats::read_csv_edges(second, nodes, &mm, true));
         }
         "swc" => lines(formats::read_swc(bytes, &mm)),
         "vtp" => lines(formats::read_vtp(bytes, &mm, RadiusArray::Optional)),

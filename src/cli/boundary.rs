@@ -22,17 +22,17 @@ const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL
                        murray=8mmHg.s/mL, of all outlets together and positive";
 
 #[derive(Debug, Args, Serialize)]
-#[command(next_help_heading = "Boundary conditions (SPEC is a node id, a label, or x,y,z in mm)")]
+#[command(next_help_heading = "Boundary conditions (NODE is an id, a label, or x,y,z in mm)")]
 pub struct BoundaryArgs {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
-    #[arg(long, value_name = "SPEC[=PRESSURE]", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NODE[=PRESSURE]", allow_hyphen_values = true)]
     inlet: Vec<String>,
     /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous
     /// pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
-    #[arg(long, value_name = "SPEC[=ground|PRESSURE|RESISTANCE[@PRESSURE]]", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NODE[=ground|PRESSURE|RESISTANCE[@PRESSURE]]", allow_hyphen_values = true)]
     outlet: Vec<String>,
     /// A fixed flow into the network (negative: out of it), in mL/min
-    #[arg(long, value_name = "SPEC=FLOW", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NODE=FLOW", allow_hyphen_values = true)]
     flow: Vec<String>,
     /// A CSV or TOML file of conditions; in its name {} is INPUT without its ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
@@ -44,7 +44,7 @@ pub struct BoundaryArgs {
 }
 
 impl BoundaryArgs {
-    /// What outlets that are found will be; `otherwise` when the option is not given.
+    /// What outlets that are found will be: by Murray's law (`murray`) or ground, when the option is not given.
     pub fn found_outlets(&self, murray: bool) -> Result<FoundOutlets> {
         let Some(text) = &self.outlets else { return Ok(if murray { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground }) };
         let refused = || {
@@ -74,7 +74,7 @@ impl BoundaryArgs {
         let given: Vec<Given> = given.into_values().collect();
         let boundary = Boundary::resolve(network, &given, outlets)?;
         if self.outlets.is_some() && boundary.found_outlets.is_empty() {
-            terminal.say("note", "--outlets changes nothing: every outlet is stated; --outlet SPEC=ground or --bc replaces it");
+            terminal.say("note", "--outlets changes nothing: every outlet is stated; --outlet NODE=ground or --bc replaces it");
         }
         Ok(boundary)
     }
@@ -100,12 +100,9 @@ impl BoundaryArgs {
             let found = locate(network, &s.spec).map_err(fault)?;
             terminal.detail("condition", format!("{} is node {}{}", s.spec, network.node(found.node).id, found.note()));
             if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {
-                let first = match &stated_at[&found.node] {
-                    Place::Line(line) => format!("line {line}"),
-                    other => other.to_string().trim_start_matches([':', ' ']).to_owned(),
-                };
+                let first: &Place = &stated_at[&found.node];
                 let id = &network.node(found.node).id;
-                return Err(fault(format!("is node {id}, as {first} is; expected one condition a node")));
+                return Err(fault(format!("is node {id}, as {} is; expected one condition a node", first.words())));
             }
             stated_at.insert(found.node, s.place);
         }
@@ -145,7 +142,7 @@ fn several(network: &Network, option: &str, spec: &str) -> Option<String> {
     are_nodes.then(|| format!("looks like {} nodes; give one at a time: {}", names.len(), each.join(" ")))
 }
 
-/// `SPEC[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.
+/// `NODE[=VALUE]`: the value is what follows the last `=`, unless the `whole` text is what a node is called.
 fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role, Condition), String> {
     let split = text.rsplit_once('=').filter(|_| !whole);
     match option {
@@ -175,7 +172,7 @@ fn parse<'a>(option: &str, text: &'a str, whole: bool) -> Result<(&'a str, Role,
             }
         },
         _ => {
-            let (spec, value) = split.ok_or("expected SPEC=FLOW")?;
+            let (spec, value) = split.ok_or("expected NODE=FLOW")?;
             let flow = Dimension::Flow.parse(value)?;
             Ok((spec, Role::of_flow(flow), Condition::Flow(flow)))
         }

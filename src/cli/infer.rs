@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::{Args, FromArgMatches};
 use serde::Serialize;
 use serde_json::Value;
-use willis::error::{Error, Fault, Result};
+use willis::error::{Error, Result};
 use willis::inference::Params;
 use willis::report::StagedFolder;
 use willis::report::plots::{DEFAULT_DPI, check_dpi};
@@ -88,10 +88,6 @@ impl InferArgs {
         check_dpi(self.dpi)?;
         let inference = Inference { args: &self, rule, runs };
         let input = match expand(&self.inputs)? {
-            Inputs::One(input) if input.is_dir() => {
-                let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
-                return Err(Fault::file("a folder of willis infer", accepted).in_file(&input));
-            }
             Inputs::One(input) => input,
             Inputs::Many(subjects) => return inference.cohort(&subjects, terminal, force),
         };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::Value;
-use willis::error::{Error, Result};
+use willis::error::{Error, Fault, Result};
 use willis::inference::{Keep, Params, ROOT_FACTOR, knows_fragments};
 use willis::network::RadiusRule;
 use willis::report::StagedFolder;
@@ -36,6 +36,10 @@ impl Inference<'_> {
     /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.
     pub fn job(&self, input: &Path, command: String, terminal: Terminal) -> Result<Job> {
         let args = self.args;
+        if input.is_dir() {
+            let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
+            return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
+        }
         let mut loaded = Loaded::read(input, &args.reading, command, terminal)?;
         let scale = args.reading.scale()?;
         if args.circle.is_given() && !args.circle.is_by_landmarks() && loaded.fragments {

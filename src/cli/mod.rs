@@ -84,7 +84,7 @@ struct Common {
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Print more: every boundary condition
+    /// Print more: every boundary condition, every note
     #[arg(short, long, global = true)]
     verbose: bool,
     /// Replace the output of an earlier run

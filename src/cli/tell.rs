@@ -1,4 +1,4 @@
-//! What `willis infer` tells a person: what was built, what came out.
+//! What `willis infer` and `willis candidates` tell a person: what was built, what came out.
 
 use willis::candidates;
 use willis::inference::{Keep, Weight};

@@ -45,11 +45,18 @@ impl Content {
             }
             Self::Vessels(mut network) | Self::Graph(mut network) => {
                 let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
-                if let Some(radius) = default_radius {
-                    for row in &without {
-                        network.vessel_mut(*row).radius = radius;
+                match (default_radius, without.first()) {
+                    (None, None) => {}
+                    (None, Some(row)) => {
+                        let accepted = "expected a positive radius, or --default-radius LENGTH";
+                        return Err(Fault::item(format!("vessel {row}"), "no valid radius", accepted));
                     }
-                    note(without.len(), "vessel", &defaulted);
+                    (Some(radius), _) => {
+                        for row in &without {
+                            network.vessel_mut(*row).radius = radius;
+                        }
+                        note(without.len(), "vessel", &defaulted);
+                    }
                 }
                 (network, None)
             }

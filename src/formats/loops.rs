@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use super::rows::{Rows, columns, uncommented};
+use super::rows::{Rows, uncommented};
 use crate::centerline::Centerlines;
 use crate::error::Fault;
 
@@ -36,7 +36,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
         [a, b]
     } else {
         let [a, b] = rows.header() else {
-            return Err(Fault::line(rows.header_line(), columns(rows.header()), ACCEPTED));
+            return Err(Fault::line(rows.header_line(), format!("\"{}\"", rows.header().join(",")), ACCEPTED));
         };
         link(rows.header_line(), [a, b])?;
         added += 1;

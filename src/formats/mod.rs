@@ -1,4 +1,4 @@
-//! File formats: one file per format over `BufRead` and `Write`, and one place that decides which it is.
+//! File formats: one file per format, from bytes (a stream for SWC and GraphML) to `Write`, and one place that decides which it is.
 
 mod attributes;
 mod beside;

@@ -95,9 +95,10 @@ const VOXELS: &str = "as of voxels; if they are, give --units voxel --spacing S"
 fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {
     match content {
         Content::Centerlines(lines) => (lines.points.clone(), lines.radii.iter().copied().filter(|r| is_radius(*r)).collect()),
-        Content::Vessels(network) | Content::Graph(network) => {
-            (network.nodes().filter_map(|n| n.position).collect(), network.vessels().map(|(_, v)| v.radius).collect())
-        }
+        Content::Vessels(network) | Content::Graph(network) => (
+            network.nodes().filter_map(|n| n.position).collect(),
+            network.vessels().map(|(_, v)| v.radius).filter(|r| is_radius(*r)).collect(),
+        ),
     }
 }
 

@@ -5,8 +5,8 @@ use crate::geometry::{Point, distance};
 use crate::suggestion::did_you_mean;
 use crate::units::{metres, millimetres};
 
-/// A position names no node that lies further off, m.
-const REACH: f64 = 0.02;
+/// A position names nothing that lies further off, m.
+pub const REACH: f64 = 0.02;
 
 /// A node found.
 #[derive(Debug, Clone, Copy, PartialEq)]

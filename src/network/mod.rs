@@ -14,7 +14,7 @@ pub use condition::{Condition, INLET_PRESSURE};
 pub use contract::{Contraction, RadiusRule, contract};
 pub use evidence::{END_ODDS, Evidence};
 pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Called, Located, Nearest, locate, nearest, parse_position};
+pub use locate::{Called, Located, Nearest, REACH, locate, nearest, parse_position};
 pub use naming::vessels_called;
 pub use node::{Node, Role};
 pub use vessel::{Origin, PathPoint, Vessel};

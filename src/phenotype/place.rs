@@ -3,11 +3,9 @@
 use super::landmarks::{Landmark, sites};
 use crate::error::Fault;
 use crate::geometry::{Point, distance, dot, lerp, norm_squared, sub};
-use crate::network::{Nearest, Network, Origin, nearest};
+use crate::network::{Nearest, Network, Origin, REACH, nearest};
 use crate::units::millimetres;
 
-/// Further from any centerline than this, m, a landmark is not one of this network; a free end counts as near within it too.
-const REACH: f64 = 0.02;
 /// A node as near as this, m, is the one that was meant, free end or not.
 const EXACT: f64 = 0.001;
 
@@ -30,7 +28,7 @@ pub(super) fn place(network: &Network, landmark: &Landmark) -> Result<Nearest, F
         return Err(Fault::line(
             landmark.line,
             format!("\"{}\" lies {:.1} mm from the nearest centerline", landmark.label, millimetres(away)),
-            format!("expected a position within {} mm, in the axes and the unit of the network's file", millimetres(REACH)),
+            format!("expected a position within {} mm, in the axes of the network's file", millimetres(REACH)),
         ));
     }
     let nearest = |admit: &dyn Fn(usize) -> bool| nearest(network, at, admit);

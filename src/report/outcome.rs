@@ -117,7 +117,7 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     Ok(sum)
 }
 
-/// Writes a kept graph in every format that can hold it and returns its node columns.
+/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
 fn topology(
     folder: &Path,
     name: &str,
@@ -134,7 +134,10 @@ fn topology(
     let pressure = steady::pressures(&circuit, |_| true)?;
     let mut nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
     nodes.extend(condition_columns(&graph, outcome.boundary));
-    let vessels = select(vessels, &rows);
+    let mut vessels = select(vessels, &rows);
+    for column in vessels.iter_mut().filter(|column| column.name == "kept") {
+        *column = Column::whole("kept", rows.iter().map(|_| 1));
+    }
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
     write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
     if graph.has_positions() {
