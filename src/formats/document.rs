@@ -7,7 +7,7 @@ use super::beside::nodes_beside;
 use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
 use super::npz::unpack_skeleton_npz;
 use super::number::counted;
-use super::sniff::{Format, format_of};
+use super::sniff::{Format, HEAD, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
 use super::unit_check::{check_extent, unit_check};
 use super::vtp::unpack_vtp;
@@ -87,9 +87,6 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256 })
 }
-
-/// Bytes that show whether a file is GraphML.
-const HEAD: u64 = 1 << 16;
 
 /// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
 /// stream.
