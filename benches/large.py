@@ -18,7 +18,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-FIGURES = ["vessels", "on_trial", "solver", "forest", "compile_s", "ms", "worker", "shared", "residual", "peak_mb"]
+FIGURES = ["vessels", "uncertain", "solver", "forest", "compile_s", "ms", "worker", "shared", "residual", "peak_mb"]
 FAMILIES = ["arterial", "capillary"]
 ROUNDS = 3
 # Seconds that a sample of the pipeline may take.

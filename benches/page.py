@@ -152,7 +152,7 @@ def large(path):
         r = rounds[0]
         machines |= {one["cpu"] for one in rounds if one.get("cpu")}
         lines.append(
-            f"| {family} | {int(r['vessels']):,} | {int(r['on_trial']):,} | {r['solver']} | {three(least)} | {three(theirs)} | {r['peer']} "
+            f"| {family} | {int(r['vessels']):,} | {int(r['uncertain']):,} | {r['solver']} | {three(least)} | {three(theirs)} | {r['peer']} "
             f"| {ratio} | {r['worker']} | {r['shared']} | {r['peak_mb']} | {r['residual']} |"
         )
     return "\n".join(lines), "".join(f"{machine}. " for machine in sorted(machines))

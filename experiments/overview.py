@@ -22,7 +22,7 @@ modulation = [r for r in rows("resistance-modulation") if r["reading"] == "incre
 ratio = lambda outlets, key: f"{median(float(r[key]) for r in modulation if r['outlets'] == outlets):.2f}"
 topologies = [r for r in rows("redundant-topologies") if r["extraction"] == "whole"]
 kept = lambda what: f"{100 * sum(int(r[what + '_above']) for r in topologies) / sum(int(r[what]) for r in topologies):.0f} %"
-circles = [r for r in rows("median-circle") if r["choice"] == "base" and r["radius"] == "mean" and r["trial"] == "all"]
+circles = [r for r in rows("median-circle") if r["choice"] == "base" and r["radius"] == "mean" and r["uncertain"] == "all"]
 whole = ["{} of {}".format(sum("0" not in r["ring"] for r in some), len(some)) for some in ([r for r in circles if r["epsilon"] == epsilon] for epsilon in ("0.2", "0.3", "0.5"))]
 speed = [r for r in rows("throughput") if r["threads"] == "1"]
 lines = [

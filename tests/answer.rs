@@ -23,7 +23,7 @@ fn likelihood(figures: &[(f64, f64)]) -> Likelihood {
 }
 
 #[test]
-fn the_median_leaves_out_zeros_and_what_is_not_on_trial_and_keeps_what_lies_above() {
+fn the_median_leaves_out_zeros_and_what_is_certain_and_keeps_what_lies_above() {
     let mut result = likelihood(&[(0.0, 0.0), (1.0, 0.1), (3.0, 0.1), (5.0, 0.1), (7.0, 0.1), (0.0, 0.0), (100.0, 0.1)]);
     result.uncertain[6] = false;
     let answer = decide(Keep::Median, &result);

@@ -4,26 +4,13 @@ mod peers;
 
 use std::path::Path;
 
-use peers::{converted, read_first};
+use peers::{FILES, converted, read_first};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use willis::formats::ReadOptions;
 use willis::formats::convert::Target;
 use willis::phantom::{cerebral, circle_of_willis};
 
-const FILES: [(&str, &str); 11] = [
-    ("swc", "a.swc"),
-    ("vtp", "a.vtp"),
-    ("vtk", "a.vtk"),
-    ("graphml", "a.graphml"),
-    ("csv", "edges.csv"),
-    ("points", "a.csv"),
-    ("voreen", "edges.csv"),
-    ("vesselvio", "edges.csv"),
-    ("markups", "a.json"),
-    ("tre", "a.tre"),
-    ("npz", "a.npz"),
-];
 /// Damages of each kind to each file.
 const TIMES: usize = 12;
 

@@ -54,8 +54,8 @@ fn voreen_is_read_from_either_table_under_the_names_it_has() {
                 if given == nodes { format!("edges are those of {edges}") } else { format!("nodes are those of {nodes}") };
             let notes = [
                 "the radius of 2 edges is sqrt(avgCrossSection/π)",
-                "the radius of 1 edges is avgRadiusAvg, for want of a cross-section",
-                "1 edges without a valid length have the distance between their nodes",
+                "the radius of 1 edge is avgRadiusAvg, for want of a cross-section",
+                "1 edge without a valid length: took the distance between the nodes",
                 &other,
             ];
             assert_eq!(document.notes, notes);
@@ -113,7 +113,7 @@ fn the_header_tells_rows_from_names() {
     assert_eq!(document.format, Format::VesselVio);
     let notes = [
         "edges refer to vertices by row, as VesselVio's do",
-        "1 edges without length have the distance between their vertices",
+        "1 edge without length: took the distance between the vertices",
         "nodes are those of vertices.csv",
     ];
     assert_eq!(document.notes, notes);
@@ -347,7 +347,7 @@ fn graphml_takes_the_names_of_other_programs() {
     ] {
         let (network, notes) = sized(name, value).unwrap();
         assert_eq!(sizes(&network), [([0, 1], String::new(), 5.0, 2.0)], "{name}");
-        assert!(notes.contains(&format!("the radius of 1 edges is {note}")), "{notes:?}");
+        assert!(notes.contains(&format!("the radius of 1 edge is {note}")), "{notes:?}");
     }
     assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), "edge 0 (n0 - n1): avgRadiusAvg -1; expected a positive number");
     let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";

@@ -236,10 +236,10 @@ rows = list(csv.DictReader(open(f"{whole}/edges.csv")))
 assert np.allclose(L, [float(r["likelihood"]) for r in rows], rtol=1e-12)
 count = sum(s["count"].sum(axis=0) for s in z) / 200
 assert np.allclose(count, [float(r["frequency"]) for r in rows], rtol=1e-12)
-trial = [float(r["likelihood"]) for r in rows if r["origin"] == "candidate"]
+uncertain = [float(r["likelihood"]) for r in rows if r["origin"] == "candidate"]
 # 200 samples: three whole steps of the record and one cut short, all in the sums.
 assert sum(len(s["step"]) for s in z) == 4
-assert np.allclose(sum(s["trace"].sum(axis=0) for s in z), trial, rtol=1e-12)
+assert np.allclose(sum(s["trace"].sum(axis=0) for s in z), uncertain, rtol=1e-12)
 "#;
 
 /// Needs `WILLIS_PYTHON`: the sums of shards, added up by NumPy, are the likelihoods of the run.

@@ -137,8 +137,8 @@ fn the_data_are_those_of_the_folder() {
     assert_eq!(numbers(column(table, "uncertain"), 300), candidate);
 
     let mut record: Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
-    assert_eq!(content["trial"]["threshold"], record["threshold"]["value"]);
-    assert_eq!(content["trial"]["median"], record["threshold"]["median"]);
+    assert_eq!(content["threshold"]["cut"], record["threshold"]["value"]);
+    assert_eq!(content["threshold"]["median"], record["threshold"]["median"]);
     let fields = record.as_object_mut().expect("an object");
     let listed = fields.remove("boundary_conditions").expect("conditions");
     fields.remove("time");

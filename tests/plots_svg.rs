@@ -284,8 +284,8 @@ fn the_threshold_of_a_run_ends_on_the_vessel_in_the_middle() {
         panic!("no rows")
     };
     let column = |name: &str| head.iter().position(|h| *h == name).expect("a column");
-    let (likelihood, trial) = (column("likelihood"), column("probability"));
-    let positive = rows.iter().filter(|row| !row[trial].is_empty() && row[likelihood] != "0").count();
+    let (likelihood, probability) = (column("likelihood"), column("probability"));
+    let positive = rows.iter().filter(|row| !row[probability].is_empty() && row[likelihood] != "0").count();
     let mut vessels = [ends(KEPT), ends(PRUNED)].concat();
     vessels.sort_by(f64::total_cmp);
     let [threshold] = ends(INK)[..] else { panic!("one threshold") };

@@ -322,16 +322,18 @@ fn draws_are_explanations_with_their_probabilities() {
 
 #[test]
 fn a_draw_counts_its_steps() {
-    // Two fragments that prefer each other e^10 times: by hand, P(root) (1 + e^10) each.
-    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: 10.0 }, Bridge { child: 1, parent: 0, log_weight: 10.0 }];
-    let forests = Forests::new(vec![0.0, 0.0], bridges).unwrap();
-    let (all, wilson) = (marginals(&forests), Wilson::new(&forests));
-    let x = 10_f64.exp();
-    let expected = 2.0 * (1.0 + x) / (1.0 + 2.0 * x) * (1.0 + x);
-    assert!(near(wilson.expected_steps(&all), expected, 1e-12));
+    const DRAWS: u32 = 20_000;
+    // Two fragments that prefer each other e^2 times to a root. By hand: a walk back and forth takes a further step with
+    // probability q, and where it ends after an odd number the other fragment takes one more. So ten are too few as often as q^10.
+    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: 2.0 }, Bridge { child: 1, parent: 0, log_weight: 2.0 }];
+    let wilson = Wilson::new(&Forests::new(vec![0.0, 0.0], bridges).unwrap());
+    let q = 2_f64.exp() / (1.0 + 2_f64.exp());
     let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let too_few = (0..DRAWS).filter(|_| wilson.draw(&mut rng, 10).is_none()).count() as f64;
+    let mean = f64::from(DRAWS) * q.powi(10);
+    assert!((too_few - mean).abs() < 4.0 * (mean * (1.0 - q.powi(10))).sqrt(), "{too_few} for {mean}");
     assert_eq!(wilson.draw(&mut rng, 1), None);
-    assert!(wilson.draw(&mut rng, 10_000_000).is_some());
+    assert!(wilson.draw(&mut rng, 1_000_000).is_some());
 }
 
 #[test]

@@ -25,8 +25,8 @@ assert dense.dtype == np.float64 and dense.flags["C_CONTIGUOUS"] and dense.shape
 assert (dense == dense.T).all() and (dense == L).all() and (sparse.toarray() == L).all() and L.max() > 0
 
 # The median is that of the candidates with L > 0.
-trial = np.array([float(e["likelihood"]) for e in edges if e["origin"] == "candidate"])
-median = np.median(trial[trial > 0])
+uncertain = np.array([float(e["likelihood"]) for e in edges if e["origin"] == "candidate"])
+median = np.median(uncertain[uncertain > 0])
 for e in edges:
     above = e["origin"] == "observed" or float(e["likelihood"]) > median
     assert above == (e["above_median"] == "1"), e

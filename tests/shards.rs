@@ -170,7 +170,7 @@ fn doubling_keeps_the_convergence_record() {
 /// 2^24 numbers at the most for the record: 128 points up to 131,072 vessels uncertain, then fewer, and one at least.
 #[test]
 fn a_large_graph_has_a_shorter_convergence_record() {
-    let step = |on_trial: usize, samples: u64| Part::new(vec![true; on_trial], samples).step();
+    let step = |uncertain: usize, samples: u64| Part::new(vec![true; uncertain], samples).step();
     assert_eq!([step(0, 64), step(20, 1000), step(1 << 17, 1 << 20)], [1, 1, 128]);
     assert_eq!([step(1 << 18, 1 << 20), step(1 << 20, 1 << 20), step(1 << 25, 1 << 20)], [256, 1024, 16_384]);
 }

@@ -13,7 +13,7 @@ use crate::case::Case;
 pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
     let params = Params { epsilon: 0.75, solver, ..Params::default() };
     let vessels = case.network.vessel_count();
-    let on_trial = params.uncertain.vessels(&case.network).iter().filter(|u| **u).count();
+    let uncertain = params.uncertain.vessels(&case.network).iter().filter(|u| **u).count();
     let start = Instant::now();
     let mut sampler = None;
     let shared = allocation_counter::measure(|| sampler = Some(Sampler::new(&case.network, &case.boundary, &params)));
@@ -37,7 +37,7 @@ pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
     let method = sampler.method();
     let each = |bytes: u64| bytes as f64 / vessels as f64;
     println!(
-        "{vessels},{on_trial},{},{},{compile:.3},{least:.4},{:.0},{:.0},{:.1e},{}",
+        "{vessels},{uncertain},{},{},{compile:.3},{least:.4},{:.0},{:.0},{:.1e},{}",
         method.solver,
         method.forest,
         each(own.bytes_max),

@@ -5,7 +5,7 @@ from networks import ROOT, WORK, write_graphml
 
 EPSILONS = ["0.2", "0.3", "0.5"]
 RADII = {"none": "no candidates", "mean": "mean of the ends", "min": "smaller end", "cap": "smaller end, at most 0.25 mm"}
-TRIALS = {"all": "all", "candidates": "candidates", "ring": "candidates and the ring"}
+UNCERTAIN = {"all": "all", "candidates": "candidates", "ring": "candidates and the ring"}
 GROUND = ["--bc", str(ROOT / "data/outlets-at-ground.csv")]
 # Everything else as it is in the other runs: (spread of the radii, samples, boundary conditions).
 CHOICES = {
@@ -45,25 +45,25 @@ def factors(edges, samples):
 
 def measure(job):
     """All ε of one geometry and setting."""
-    (choice, radius, trial), seed = job
+    (choice, radius, uncertain), seed = job
     _, spread, samples, conditions = CHOICES[choice]
     nodes, vessels = perturbed(*published(), seed, spread=spread)
     false = [] if radius == "none" else candidates(nodes, vessels, radius)
-    origin = lambda row: "candidate" if trial == "ring" and row["label"] in RING else "observed"
+    origin = lambda row: "candidate" if uncertain == "ring" and row["label"] in RING else "observed"
     edges = [(a, b, {**row, "origin": origin(row)}) for a, b, row in vessels]
-    source = WORKING / f"{choice}-{radius}-{trial}-{seed}.graphml"
+    source = WORKING / f"{choice}-{radius}-{uncertain}-{seed}.graphml"
     write_graphml(source, nodes, edges + [(a, b, {**row, "origin": "candidate"}) for a, b, row in false])
     out = source.with_suffix("")
-    on_trial = [] if trial == "all" else ["--uncertain", "candidates"]
-    common.willis("infer", source, "-o", out, "--preset", "paper", *on_trial, "--epsilon", ",".join(EPSILONS), "-n", samples, "--seed", seed, "--dpi", 36, *conditions)
-    shares = flow_shares(source, out / "flow", conditions) if choice == "base" and trial == "all" else {}
+    which = [] if uncertain == "all" else ["--uncertain", "candidates"]
+    common.willis("infer", source, "-o", out, "--preset", "paper", *which, "--epsilon", ",".join(EPSILONS), "-n", samples, "--seed", seed, "--dpi", 36, *conditions)
+    shares = flow_shares(source, out / "flow", conditions) if choice == "base" and uncertain == "all" else {}
     results = []
     for epsilon in EPSILONS:
         found = common.rows(out / f"epsilon-{epsilon}" / "edges.csv")
         above = {e["label"]: e["above_median"] == "1" for e in found}
         true = [row["label"] for _, _, row in vessels]
         results.append({
-            "choice": choice, "radius": radius, "trial": trial, "epsilon": epsilon, "geometry": seed,
+            "choice": choice, "radius": radius, "uncertain": uncertain, "epsilon": epsilon, "geometry": seed,
             "true": len(true), "true_above": sum(above[label] for label in true),
             "false": len(false), "false_above": sum(above[row["label"]] for _, _, row in false),
             "ring": "".join(str(int(above[label])) for label in RING),

@@ -8,7 +8,7 @@ sys.path.insert(0, str(HERE.parent))
 import common
 from circles import RING
 from figure import draw
-from measure import ARTERIES, CHOICES, EPSILONS, RADII, SETTINGS, TRIALS, kind, measure
+from measure import ARTERIES, CHOICES, EPSILONS, RADII, SETTINGS, UNCERTAIN, kind, measure
 
 GEOMETRIES = range(100)
 
@@ -27,19 +27,19 @@ def percent(some, what):
 
 def survival(results):
     """The ring whole, true vessels and false candidates above the median."""
-    for trial in TRIALS:
+    for uncertain in UNCERTAIN:
         for radius in RADII:
             for epsilon in EPSILONS:
-                some = chosen(results, choice="base", trial=trial, radius=radius, epsilon=epsilon)
+                some = chosen(results, choice="base", uncertain=uncertain, radius=radius, epsilon=epsilon)
                 if some:
-                    yield [TRIALS[trial], RADII[radius], epsilon, f"{whole(some)} of {len(some)}", percent(some, "true"), percent(some, "false")]
+                    yield [UNCERTAIN[uncertain], RADII[radius], epsilon, f"{whole(some)} of {len(some)}", percent(some, "true"), percent(some, "false")]
 
 
 def fallen(results):
     """What is missing, most frequent first."""
     for radius in RADII:
         for epsilon in EPSILONS:
-            some = chosen(results, choice="base", trial="all", radius=radius, epsilon=epsilon)
+            some = chosen(results, choice="base", uncertain="all", radius=radius, epsilon=epsilon)
             sets = Counter()
             for r in some:
                 lost = Counter(kind(label) for label, above in zip(RING, r["ring"]) if above == "0")
@@ -51,9 +51,9 @@ def fallen(results):
 
 def why(results, epsilon):
     """Flow with nothing occluded, the two factors of L, and which of them fells each artery of the ring."""
-    bare = {r["geometry"]: r["shares"] for r in chosen(results, choice="base", trial="all", radius="none", epsilon=epsilon)}
+    bare = {r["geometry"]: r["shares"] for r in chosen(results, choice="base", uncertain="all", radius="none", epsilon=epsilon)}
     for radius in RADII:
-        some = chosen(results, choice="base", trial="all", radius=radius, epsilon=epsilon)
+        some = chosen(results, choice="base", uncertain="all", radius=radius, epsilon=epsilon)
         for artery in ARTERIES:
             pairs = [(r, label) for r in some for label in RING if kind(label) == artery]
             middle = lambda figure: common.quantile([figure(r, label) for r, label in pairs], 0.5)
@@ -71,7 +71,7 @@ def sensitivity(results):
     for choice, (name, *_) in CHOICES.items():
         line = [name]
         for epsilon in EPSILONS:
-            some = chosen(results, choice=choice, radius="mean", trial="all", epsilon=epsilon)
+            some = chosen(results, choice=choice, radius="mean", uncertain="all", epsilon=epsilon)
             lost = Counter(kind(label) for r in some for label, above in zip(RING, r["ring"]) if above == "0")
             line.append(f"{whole(some)} of {len(some)}" + (f", {lost.most_common(1)[0][0]}" if lost else ""))
         yield line
@@ -88,7 +88,7 @@ def main():
     }
     for mark, (header, lines) in tables.items():
         common.splice(HERE / "README.md", mark, common.table(header, lines))
-    draw(HERE, chosen(results, choice="base", trial="all"), RADII, EPSILONS)
+    draw(HERE, chosen(results, choice="base", uncertain="all"), RADII, EPSILONS)
 
 
 main()

@@ -41,7 +41,7 @@ impl Model {
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let circuit = Circuit::new(network, &boundary, BLOOD_VISCOSITY)?;
         let program = StarMesh::compile(&circuit, usize::MAX).ok_or(willis::error::Error::Breakdown)?;
-        let on_trial = Uncertain::All.vessels(network);
+        let uncertain = Uncertain::All.vessels(network);
         let vessels = || network.vessels().map(|(_, v)| v).zip(&circuit.conductance);
         let touch = |a: [usize; 2], b: [usize; 2]| a.iter().any(|node| b.contains(node));
         let rows = 0..network.vessel_count();
@@ -52,7 +52,7 @@ impl Model {
             .map(|(row, here)| rows.clone().filter(|other| *other != row && touch(*here, circuit.ends[*other])).collect());
         let model = Self {
             name: name.to_owned(),
-            keep: vessels().zip(on_trial).map(|((v, _), trial)| if trial { (1.0 - epsilon) * v.prior } else { 1.0 }).collect(),
+            keep: vessels().zip(uncertain).map(|((v, _), u)| if u { (1.0 - epsilon) * v.prior } else { 1.0 }).collect(),
             neighbours: neighbours.collect(),
             per_square_drop: vessels().map(|(v, c)| resilience_per_square_drop(*c, v.volume())).collect(),
             circuit: circuit.clone(),

@@ -8,6 +8,7 @@ use std::thread;
 
 use serde_json::Value;
 use willis::error::{Error, Result};
+use willis::phenotype::MM_AWAY;
 use willis::report::StagedFolder;
 use willis::report::cohort::{About, Figures, Row, write_cohort};
 use willis::report::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
@@ -105,7 +106,7 @@ impl Cohort<'_> {
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
         let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
         // Where the landmarks of each lie is told nowhere but there.
-        let notes = notes.filter(|note| !note.ends_with(" mm away"));
+        let notes = notes.filter(|note| !note.ends_with(MM_AWAY));
         say_notes(terminal, &counted(notes), "subject");
         let about = About { command: self.command, line: command_line(), parameters: &self.parameters };
         write_cohort(self.output, &rows, &about)?;

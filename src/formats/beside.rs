@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::document::without_mark;
 use super::rows::Rows;
-use super::sniff::{Format, format_of};
+use super::sniff::{Format, HEAD, format_of};
 use crate::error::Fault;
 
 /// What a table of nodes is called where the table of edges is called `edges`.
@@ -17,8 +17,6 @@ const FIRST_NODE: [&str; 4] = ["node1id", "source id", "source", "node_a"];
 pub(super) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
 /// What iCafe says of the image.
 const IMAGE: &str = "Image_info.txt";
-/// Bytes that show what a file is.
-const HEAD: u64 = 1 << 16;
 
 /// The files that [`read`](super::read) takes beside `path` as the folder is now, in the order of their names.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {

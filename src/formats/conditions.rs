@@ -11,7 +11,7 @@ use crate::suggestion::did_you_mean;
 use crate::units::pascals;
 
 /// The column of the pressure behind a terminal resistance.
-const VENOUS: &str = "venous_pressure_mmHg";
+pub(super) const VENOUS: &str = "venous_pressure_mmHg";
 const ACCEPTED: &str = "expected inlet, ground, pressure, resistance or flow";
 const KINDS: [&str; 5] = ["inlet", "ground", "pressure", "resistance", "flow"];
 

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use super::beside::nodes_beside;
 use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
 use super::npz::unpack_skeleton_npz;
-use super::sniff::{Format, format_of};
+use super::number::counted;
+use super::sniff::{Format, HEAD, format_of};
 use super::tracing::{read_table_of_vessels, read_tracing};
 use super::unit_check::{check_extent, unit_check};
 use super::vtp::unpack_vtp;
@@ -81,14 +82,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         };
         let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
-        notes.push(format!("{added} links are those of {}", loops.display()));
+        notes.push(format!("{} added from {}", counted(added, "link"), loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256 })
 }
-
-/// Bytes that show whether a file is GraphML.
-const HEAD: u64 = 1 << 16;
 
 /// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
 /// stream.

@@ -1,6 +1,7 @@
 //! The columns by which a network is handed on and read again, as GraphML attributes and as tables of nodes and edges.
 
 use super::column::{Column, Values, real};
+use super::conditions::VENOUS;
 use crate::geometry::Point;
 use crate::network::{Condition, Evidence, Network, PathPoint, Role, fragments};
 use crate::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
@@ -42,7 +43,7 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
     let flow = |c| if let Condition::Flow(flow) = c { Some(ml_per_min(flow)) } else { None };
     let mut columns = vec![
         Column::real("resistance_mmHg_s_per_mL", figure(resistance)),
-        Column::real("venous_pressure_mmHg", figure(venous)),
+        Column::real(VENOUS, figure(venous)),
         Column::real("flow_mL_per_min", figure(flow)),
     ];
     columns.retain(|c| matches!(&c.values, Values::Real(v) if v.iter().any(|x| !x.is_nan())));

@@ -1,4 +1,4 @@
-//! A number as programs write it: decimal, or hexadecimal as C prints it (graph-tool does).
+//! Numbers as programs write them, decimal or hexadecimal as C prints them (graph-tool does), and as notes count things.
 
 /// The number that a text is, or what is accepted in its place.
 pub(super) fn number(text: &str) -> Result<f64, &'static str> {
@@ -9,6 +9,11 @@ pub(super) fn number(text: &str) -> Result<f64, &'static str> {
         Ok(_) if text.contains(',') => Err("expected a decimal point, not a comma"),
         _ => Err("expected a number"),
     }
+}
+
+/// So many things: "1 edge", "2 edges".
+pub(super) fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
 /// `[-]0xH.HHHp[+-]D`: the significand in hexadecimal digits, times a power of two.

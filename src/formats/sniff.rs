@@ -7,6 +7,9 @@ use super::rows::delimiter;
 use super::{csv_graph, icafe, xml};
 use crate::error::Fault;
 
+/// Bytes that show what a file is.
+pub(super) const HEAD: u64 = 1 << 16;
+
 /// The formats that are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {

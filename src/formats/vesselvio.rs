@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use super::column::Column;
 use super::document::Content;
 use super::graph_columns::axis;
+use super::number::counted;
 use super::pair::add_straight;
 use super::polyline::positions;
 use super::rows::{Row, Rows};
@@ -107,7 +108,7 @@ pub fn read_vesselvio_edges(
     }
     let mut notes = vec!["edges refer to vertices by row, as VesselVio's do".to_owned()];
     if straight > 0 {
-        notes.push(format!("{straight} edges without length have the distance between their vertices"));
+        notes.push(format!("{} without length: took the distance between the vertices", counted(straight, "edge")));
     }
     Ok((Content::Vessels(network), notes))
 }

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use super::column::Column;
 use super::csv_graph::NodeTable;
 use super::graph_columns::axis;
+use super::number::counted;
 use super::pair::add_straight;
 use super::polyline::positions;
 use super::rows::Rows;
@@ -107,10 +108,10 @@ pub fn read_voreen_edges(
     }
     let mut notes = Vec::new();
     for (edges, means) in [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, for want of a cross-section")] {
-        notes.extend((edges > 0).then(|| format!("the radius of {edges} edges is {means}")));
+        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", counted(edges, "edge"))));
     }
     if straight > 0 {
-        notes.push(format!("{straight} edges without a valid length have the distance between their nodes"));
+        notes.push(format!("{} without a valid length: took the distance between the nodes", counted(straight, "edge")));
     }
     Ok((network, notes))
 }

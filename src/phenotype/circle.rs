@@ -32,6 +32,8 @@ enum Where {
     Nodes(Box<Points>),
 }
 
+/// How a note ends that says where a landmark was found; no other note ends so.
+pub const MM_AWAY: &str = " mm away";
 const EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
 
 impl Circle {
@@ -117,7 +119,7 @@ impl Circle {
                 site.put(&mut points, placed.node);
             }
             let node = &network.node(placed.node).id;
-            notes.push(format!("{} at node {node}, {:.3} mm away", landmark.label, millimetres(placed.distance)));
+            notes.push(format!("{} at node {node}, {:.3}{MM_AWAY}", landmark.label, millimetres(placed.distance)));
         }
         for s in [0, 1] {
             points.a2[s] = points.a2[s].or(points.anterior[s]);

@@ -18,7 +18,7 @@ mod variant;
 mod ways;
 
 pub use artery::{Artery, FENESTRATED, RING, Side};
-pub use circle::Circle;
+pub use circle::{Circle, MM_AWAY};
 pub use collateral::{Collateral, Courses, FEEDERS, TERRITORIES, collaterals};
 pub use counted::counted;
 pub use divide::divide;

@@ -2,7 +2,7 @@
 
 use rand::{Rng, RngExt};
 
-use super::{Forests, Marginals};
+use super::Forests;
 
 /// The walk, ready to be sampled.
 #[derive(Debug, Clone)]
@@ -38,15 +38,9 @@ impl Wilson {
         walk
     }
 
-    /// The number of steps that a draw takes on average: Σ_c P(root c) Σ(w, v)/v. It is vast where fragments strongly prefer one
-    /// another to any root.
-    pub fn expected_steps(&self, marginals: &Marginals) -> f64 {
-        let ends = self.start.windows(2).map(|w| self.sum[w[1] - 1] / self.sum[w[0]]);
-        ends.zip(&marginals.roots).map(|(steps, root)| steps * root).sum()
-    }
-
     /// One explanation: per fragment the bridge it hangs by, `None` for a root. `None` when `limit` steps did not suffice; draws
-    /// that end are then no longer fair, so a limit should be far above [`Wilson::expected_steps`].
+    /// that end are then no longer fair, so a limit should be far above the mean, Σ_c P(root c) Σ(w, v)/v, which is vast where
+    /// fragments strongly prefer one another to any root.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, limit: u64) -> Option<Vec<Option<usize>>> {
         let fragments = self.start.len() - 1;
         let mut settled = vec![false; fragments];

@@ -43,7 +43,7 @@ class Page:
         self.nodes = list(csv.DictReader(open(self.folder / "nodes.csv")))
         self.record = json.load(open(self.folder / "run.json"))
         everything = self.record["parameters"].get("uncertain") == "all"
-        self.on_trial = lambda e: everything or e.get("origin") == "candidate"
+        self.is_uncertain = lambda e: everything or e.get("origin") == "candidate"
 
     def one(self, selector):
         return self.driver.find_element(By.CSS_SELECTOR, selector)
@@ -86,15 +86,15 @@ def recount(page, threshold):
     """Kept, pruned, undecided, components and cycles at a threshold, by the words of the README and run.json."""
     rule = page.record["threshold"]["rule"]
     by_frequency, by_evidence, value = rule.startswith("frequency"), rule.startswith("prob"), rule.startswith("value")
-    trial = [e for e in page.edges if page.on_trial(e)]
+    uncertain = [e for e in page.edges if page.is_uncertain(e)]
     figure = "frequency" if by_frequency else "probability" if by_evidence else "likelihood"
     passes = lambda e: float(e[figure]) >= threshold if by_frequency or by_evidence else float(e[figure]) > threshold
-    kept = [e for e in trial if passes(e)]
+    kept = [e for e in uncertain if passes(e)]
     graph = nx.MultiGraph()
     graph.add_nodes_from(range(len(page.nodes)))
-    graph.add_edges_from((int(e["node_a"]), int(e["node_b"])) for e in kept + [e for e in page.edges if not page.on_trial(e)])
+    graph.add_edges_from((int(e["node_a"]), int(e["node_b"])) for e in kept + [e for e in page.edges if not page.is_uncertain(e)])
     components = nx.number_connected_components(graph)
-    positive = [float(e["likelihood"]) for e in trial if float(e["likelihood"]) > 0]
+    positive = [float(e["likelihood"]) for e in uncertain if float(e["likelihood"]) > 0]
     if by_frequency or by_evidence or value:
         flip = threshold
     else:
@@ -103,10 +103,10 @@ def recount(page, threshold):
     n = page.record["parameters"]["samples"]
     error = lambda e: math.sqrt(float(e[figure]) * (1 - float(e[figure])) / n) if by_frequency else float(e["std_error"])
     near = lambda e: page.record["convergence"]["within_probability"] if by_evidence else 2 * error(e)
-    undecided = [e for e in trial if flip is not None and not abs(float(e[figure]) - flip) >= near(e)]
+    undecided = [e for e in uncertain if flip is not None and not abs(float(e[figure]) - flip) >= near(e)]
     return {
         "kept": len(kept),
-        "pruned": len(trial) - len(kept),
+        "pruned": len(uncertain) - len(kept),
         "undecided": len(undecided),
         "components": components,
         "cycles": graph.number_of_edges() - len(page.nodes) + components,
@@ -123,10 +123,10 @@ def check_threshold(page):
     }, (start, topology)
     cut = page.record["threshold"]["value"]
     assert page.threshold() == cut
-    assert start["kept"] == sum(page.on_trial(e) and e["kept"] == "1" for e in page.edges)
+    assert start["kept"] == sum(page.is_uncertain(e) and e["kept"] == "1" for e in page.edges)
     if cut is None:
         # The most probable forest has no threshold.
-        near = [e for e in page.edges if page.on_trial(e) and abs(float(e["probability"]) - 0.5) < 0.2]
+        near = [e for e in page.edges if page.is_uncertain(e) and abs(float(e["probability"]) - 0.5) < 0.2]
         assert start["undecided"] == len(near), start
     else:
         assert start == recount(page, cut)
@@ -159,7 +159,7 @@ def check_toggles(page):
     for name in names:
         page.click(f"#show-{name}")
         now = page.picture()
-        none = page.counts()["undecided"] == 0 if name == "undecided" else name == "observed" and all(map(page.on_trial, page.edges))
+        none = page.counts()["undecided"] == 0 if name == "undecided" else name == "observed" and all(map(page.is_uncertain, page.edges))
         assert now != last or none, name
         last = now
     ink = """const c = document.getElementById('canvas'), t = document.createElement('canvas'); [t.width, t.height] = [c.width, c.height];

@@ -37,8 +37,8 @@ fn index(weight: Weight) -> usize {
 /// λA of every vessel uncertain, one for the others.
 pub fn keep(network: &Network, epsilon: f64, uncertain: Uncertain) -> Vec<f64> {
     let keep = network.vessels().map(|(_, v)| {
-        let on_trial = !v.certain && (uncertain == Uncertain::All || v.origin == Origin::Candidate);
-        if on_trial { (1.0 - epsilon) * v.prior } else { 1.0 }
+        let is_uncertain = !v.certain && (uncertain == Uncertain::All || v.origin == Origin::Candidate);
+        if is_uncertain { (1.0 - epsilon) * v.prior } else { 1.0 }
     });
     keep.collect()
 }

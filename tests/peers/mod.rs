@@ -11,6 +11,21 @@ use willis::formats::{Content, Document, ReadOptions, read, write_loops};
 use willis::network::{Network, RadiusRule, contract};
 use willis::units::millimetres;
 
+/// Every word for a format that is written, with the name of a file of it.
+pub const FILES: [(&str, &str); 11] = [
+    ("swc", "a.swc"),
+    ("vtp", "a.vtp"),
+    ("vtk", "a.vtk"),
+    ("graphml", "a.graphml"),
+    ("csv", "edges.csv"),
+    ("points", "a.csv"),
+    ("voreen", "edges.csv"),
+    ("vesselvio", "edges.csv"),
+    ("markups", "a.mrk.json"),
+    ("tre", "a.tre"),
+    ("npz", "a.npz"),
+];
+
 /// Runs a script with a python that has the peers' packages; `None` where there is none.
 pub fn python(script: &str, arguments: &[&Path]) -> Option<String> {
     let Ok(python) = std::env::var("WILLIS_PYTHON") else {

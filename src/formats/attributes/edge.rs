@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::super::number::counted;
 use super::{AREA, Item, Name, RESISTANCE, Records};
 use crate::centerline::is_radius;
 use crate::error::Fault;
@@ -86,7 +87,7 @@ pub(in super::super) fn vessels(
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
     if straight > 0 {
-        notes.push(format!("{straight} edges without length_mm have the distance between their nodes"));
+        notes.push(format!("{} without length_mm: took the distance between the nodes", counted(straight, "edge")));
     }
     for (name, edges) in names {
         let means = match name {
@@ -94,10 +95,10 @@ pub(in super::super) fn vessels(
             "diameter" | "d" => format!("half of {name}"),
             name => name.to_owned(),
         };
-        notes.push(format!("the radius of {edges} edges is {means}"));
+        notes.push(format!("the radius of {} is {means}", counted(edges, "edge")));
     }
     if from_nodes > 0 {
-        notes.push(format!("{from_nodes} edges without radius_mm have the smaller radius of their nodes"));
+        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", counted(from_nodes, "edge")));
     }
     Ok(notes)
 }

@@ -1,5 +1,6 @@
 //! Nodes of a ready graph: position, radius, label, role and boundary condition.
 
+use super::super::conditions::VENOUS;
 use super::super::graph_columns::PLACE;
 use super::super::number::number;
 use super::{Item, Name, RESISTANCE, Records};
@@ -12,7 +13,7 @@ use crate::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cu
 /// Where a node may say that it is; the first is in mm, the others are in the unit of the file.
 pub(super) const POSITIONS: [[&str; 3]; 4] = [PLACE, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// What else a node is asked for.
-pub(super) const ASKED: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", "venous_pressure_mmHg", FLOW];
+pub(super) const ASKED: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
 const FLOW: &str = "flow_mL_per_min";
 
 /// The nodes of records, each with its id, which must be unique.
@@ -76,7 +77,7 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
 fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
     let pressure = item.finite("pressure_mmHg")?;
     let resistance = item.finite(RESISTANCE)?;
-    let venous = item.finite("venous_pressure_mmHg")?;
+    let venous = item.finite(VENOUS)?;
     let flow = item.finite(FLOW)?;
     if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
         return Ok(None);

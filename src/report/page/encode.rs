@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::{Colouring, Page, Scale, Scene, Table, Trial};
+use super::{Colouring, Page, Scale, Scene, Table, Threshold};
 use crate::formats::{Column, Values};
 use crate::report::plots::colour;
 
@@ -24,16 +24,16 @@ pub fn page(page: &Page) -> io::Result<Value> {
         "no_scene": page.scene.as_ref().err(),
         "colours": (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect::<Vec<_>>(),
         "colourings": page.colourings.iter().map(colouring).collect::<Vec<_>>(),
-        "trial": page.trial.as_ref().map(trial),
+        "threshold": page.threshold.as_ref().map(threshold),
         "figures": page.figures.iter().map(|f| json!({ "title": f.title, "says": f.says, "source": f.source() })).collect::<Vec<_>>(),
         "tables": page.tables.iter().map(table).collect::<io::Result<Vec<_>>>()?,
     }))
 }
 
-fn trial(t: &Trial) -> Value {
+fn threshold(t: &Threshold) -> Value {
     json!({
         "figure": t.figure, "name": t.name, "unit": t.unit, "error": t.error, "samples": t.samples, "at_least": t.at_least,
-        "midway": t.midway, "within": t.within, "threshold": t.threshold, "median": t.median, "uncertain": t.uncertain,
+        "midway": t.midway, "within": t.within, "cut": t.cut, "median": t.median, "uncertain": t.uncertain,
         "nodes": t.nodes, "kept": t.kept, "middle": t.middle, "band": t.band,
     })
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::list::conditions;
-use super::{Colouring, Fact, Figure, Page, Scale, Table, Trial, record, scene, take, title};
+use super::{Colouring, Fact, Figure, Page, Scale, Table, Threshold, record, scene, take, title};
 use crate::formats::{Column, END_PLACES};
 use crate::inference::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::report::outcome::Outcome;
@@ -34,7 +34,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         record,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(unit, evidence),
-        trial: Some(trial(outcome, unit)),
+        threshold: Some(threshold(outcome, unit)),
         figures,
         tables: [Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
@@ -85,7 +85,7 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     all
 }
 
-fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
+fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
     let rule = outcome.rule;
     let (figure, name) = match rule {
         Keep::Probability(_) | Keep::Probable(_) => ("probability", "probability P"),
@@ -94,7 +94,7 @@ fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
     };
     let of_likelihood = figure == "likelihood";
     let no_threshold = matches!(rule, Keep::Probable(_));
-    Trial {
+    Threshold {
         figure,
         name,
         unit: if of_likelihood { unit } else { "" },
@@ -103,7 +103,7 @@ fn trial(outcome: &Outcome<'_>, unit: &'static str) -> Trial {
         at_least: !of_likelihood,
         midway: of_likelihood && !matches!(rule, Keep::Value(_)),
         within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
-        threshold: outcome.answer.threshold,
+        cut: outcome.answer.threshold,
         median: outcome.answer.median.filter(|_| of_likelihood),
         kept: no_threshold.then_some("kept"),
         middle: no_threshold.then_some(0.5),

@@ -36,7 +36,7 @@ pub struct Page {
     /// By what the vessels of the scene can be coloured; the first one is shown at the start.
     pub colourings: Vec<Colouring>,
     /// A threshold that the reader can move.
-    pub trial: Option<Trial>,
+    pub threshold: Option<Threshold>,
     /// The pictures.
     pub figures: Vec<Figure>,
     /// The tables.
@@ -102,7 +102,7 @@ pub struct Colouring {
 
 /// A threshold on a column of the first table.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub struct Threshold {
     /// The column that is compared.
     pub figure: &'static str,
     /// What the figure is called.
@@ -120,7 +120,7 @@ pub struct Trial {
     /// How many standard errors from there a decision counts as decided.
     pub within: f64,
     /// The threshold of the run.
-    pub threshold: Option<f64>,
+    pub cut: Option<f64>,
     /// The median of the positive figures of uncertain vessels, where it is one of this figure.
     pub median: Option<f64>,
     /// The column that is 1 where the run kept a vessel, where its rule is no threshold on the figure ...
@@ -152,7 +152,7 @@ const RUN: Template = Template {
         include_str!("assets/canvas.js"),
         include_str!("assets/scene.js"),
         include_str!("assets/gestures.js"),
-        include_str!("assets/trial.js"),
+        include_str!("assets/threshold.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),
         include_str!("assets/page.js"),

@@ -58,7 +58,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
         facts,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(&classes),
-        trial: None,
+        threshold: None,
         figures,
         tables: all,
     }

@@ -44,7 +44,7 @@ pub fn page(
         facts,
         scene: scene(simulated.network, simulated.boundary),
         colourings: colourings(perturbed),
-        trial: None,
+        threshold: None,
         figures,
         tables: [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))]
             .into_iter()

@@ -4,12 +4,11 @@ use super::axis::{Label, Tick};
 use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
 use super::linear::LinearRange;
-use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
+use super::sheet::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
 use crate::report::names::FLOW_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
-const POINTS_PER_INCH: f64 = 72.0;
 /// Above the bars with and without a legend, points.
 const TOP: [f64; 2] = [50.0, 31.0];
 /// Below the bars, points.

@@ -3,7 +3,7 @@
 use super::axis::{Label, LogRange, count_ticks, grouped};
 use super::colour::{INK, MAP, Rgb, ZERO, colour};
 use super::figure::Figure;
-use super::sheet::{Align, HAIR, Image, Run, Sheet, TEXT, TITLE};
+use super::sheet::{Align, HAIR, Image, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
 use crate::error::{Error, Result};
 use crate::inference::Weight;
 use crate::report::names::LIKELIHOOD_PICTURE;
@@ -190,5 +190,5 @@ fn bar(sheet: &mut Sheet<'_>, range: LogRange, unit: &str) -> Result<()> {
         sheet.text(&label, [right + TICK + 3.0, y], TEXT, Align::Begin, Run::Right)?;
     }
     let name = Label::plain(format!("L ({unit})"));
-    sheet.text(&name, [INCHES[0] * 72.0 - 9.0, top + height / 2.0], TEXT, Align::Middle, Run::Up)
+    sheet.text(&name, [INCHES[0] * POINTS_PER_INCH - 9.0, top + height / 2.0], TEXT, Align::Middle, Run::Up)
 }

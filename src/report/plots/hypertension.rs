@@ -4,16 +4,12 @@ use super::axis::Label;
 use super::colour::{EACH, GRID, INK, PRUNED};
 use super::figure::Figure;
 use super::linear::LinearRange;
-use super::sheet::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
+use super::modulation::{SIDES, TOP, WIDTH_INCHES};
+use super::sheet::{Align, HAIR, POINTS_PER_INCH, Place, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
 use crate::report::names::HYPERTENSION_PICTURE;
 use crate::stats::gamma::Gamma;
 
-const WIDTH_INCHES: f64 = 6.4;
-/// Left and right of the axes, points.
-const SIDES: [f64; 2] = [62.0, 448.0];
-/// Top of the first panel's heading, points.
-const TOP: f64 = 54.0;
 /// Height of a heading, of a panel and of the gap below it, points.
 const HEADING: f64 = 18.0;
 const HEIGHT: f64 = 100.0;
@@ -50,7 +46,7 @@ pub struct Histograms {
 /// Draws the histograms one above the other on common axes, 6.4 inches wide.
 pub fn hypertension(histograms: Histograms) -> Figure {
     let points = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
-    Figure::new(HYPERTENSION_PICTURE, [WIDTH_INCHES, points / 72.0], move |sheet| draw(sheet, &histograms, points))
+    Figure::new(HYPERTENSION_PICTURE, [WIDTH_INCHES, points / POINTS_PER_INCH], move |sheet| draw(sheet, &histograms, points))
 }
 
 fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {

@@ -4,15 +4,17 @@ use super::axis::Label;
 use super::colour::{EACH, GRID, INK, Rgb, WHOLE};
 use super::figure::Figure;
 use super::linear::LinearRange;
-use super::sheet::{Align, HAIR, Run, Sheet, TEXT, TITLE};
+use super::sheet::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
 use crate::error::Result;
 use crate::report::names::MODULATION_PICTURE;
 
-const WIDTH_INCHES: f64 = 6.4;
-/// Left and right of the axes, points.
-const SIDES: [f64; 2] = [62.0, 448.0];
-/// Top of the first panel, height of each and the gap between two, points.
-const TOP: f64 = 54.0;
+/// Width of this picture and that of hypertension.
+pub(super) const WIDTH_INCHES: f64 = 6.4;
+/// Left and right of the axes in both, points.
+pub(super) const SIDES: [f64; 2] = [62.0, 448.0];
+/// Where the panels begin in both, points.
+pub(super) const TOP: f64 = 54.0;
+/// Height of each panel and the gap between two, points.
 const HEIGHT: f64 = 132.0;
 const GAP: f64 = 14.0;
 /// Bottom of the last panel, points.
@@ -57,7 +59,7 @@ pub fn modulation(classes: Vec<String>, panels: [Panel; 3]) -> Figure {
     let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
     let rows = ((digits * NAMES[1] + NAMES[2]) / room(&classes)).ceil().max(1.0) as usize;
     let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
-    let inches = [WIDTH_INCHES, (foot + FOOT[1]) / 72.0];
+    let inches = [WIDTH_INCHES, (foot + FOOT[1]) / POINTS_PER_INCH];
     Figure::new(MODULATION_PICTURE, inches, move |sheet| draw(sheet, &classes, &panels, rows, foot))
 }
 

@@ -7,7 +7,8 @@ use super::colour::{INK, Rgb};
 use super::font;
 use crate::error::{Error, Result};
 
-const POINTS_PER_INCH: f64 = 72.0;
+/// Places and lengths on a page are in points.
+pub const POINTS_PER_INCH: f64 = 72.0;
 /// Height of text, points.
 pub const TEXT: f64 = 10.0;
 /// Height of a title, points.

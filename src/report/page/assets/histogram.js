@@ -1,11 +1,11 @@
 // How the figure of the uncertain vessels is distributed, with the median and the threshold: of its logarithm, or of a share itself.
 class Histogram {
-  constructor(trial) {
-    this.trial = trial;
-    const log = !trial.at_least;
+  constructor(threshold) {
+    this.threshold = threshold;
+    const log = !threshold.at_least;
     this.of = log ? Math.log10 : x => x;
-    const counted = log ? trial.positive : trial.trial;
-    this.zeros = trial.trial.length - counted.length;
+    const counted = log ? threshold.positive : threshold.sorted;
+    this.zeros = threshold.sorted.length - counted.length;
     let [low, high] = log ? [this.of(counted[0]), this.of(counted.at(-1))] : [0, 1];
     if (log && low < high - DECADES) low = high - DECADES;
     if (!(high - low > 0.5) && log) [low, high] = [(low + high) / 2 - 0.5, (low + high) / 2 + 0.5];
@@ -17,7 +17,7 @@ class Histogram {
 
   // Kept and pruned in each bin; figures below the range are in the first.
   heights() {
-    const [low, high] = this.range, { known, values, kept } = this.trial;
+    const [low, high] = this.range, { known, values, kept } = this.threshold;
     const heights = Array.from({ length: this.bins }, () => [0, 0]);
     for (const row of known) {
       const x = values[row];
@@ -29,9 +29,9 @@ class Histogram {
   }
 
   show(place) {
-    const { trial, range: [low, high] } = this;
+    const { threshold, range: [low, high] } = this;
     if (!this.counted.length) {
-      place.replaceChildren(make("p", { class: "quiet", text: `No uncertain vessel has a ${trial.name} above zero.` }));
+      place.replaceChildren(make("p", { class: "quiet", text: `No uncertain vessel has a ${threshold.name} above zero.` }));
       return;
     }
     const [left, right, top, base] = [30, 312, 34, 150], heights = this.heights();
@@ -59,19 +59,19 @@ class Histogram {
         draw("text", { x: x(t), y: base + 15, "text-anchor": "middle", text: this.log ? power(t) : shown(t) }));
     }
     const pairs = [];
-    if (trial.median !== null) pairs.push(line(trial.median, "median", "4 3", 26));
-    if (trial.now !== null && (!this.log || trial.now > 0)) pairs.push(line(trial.now, "threshold", null, 12));
+    if (threshold.median !== null) pairs.push(line(threshold.median, "median", "4 3", 26));
+    if (threshold.now !== null && (!this.log || threshold.now > 0)) pairs.push(line(threshold.now, "threshold", null, 12));
     // Words stand over the lines.
     const marks = [...pairs.map(([mark]) => mark), ...pairs.map(([, text]) => text)];
     const hatch = draw("pattern", { id: "hatch", width: 4, height: 4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       draw("line", { x1: 0, x2: 0, y1: 0, y2: 4, stroke: "var(--pruned)", "stroke-width": 1.6 }));
-    const name = withUnit(trial.name, trial.unit && `(${trial.unit})`);
+    const name = withUnit(threshold.name, threshold.unit && `(${threshold.unit})`);
     const says = `Histogram of ${name} of the ${this.counted.length} uncertain vessels${this.log ? " with L above zero" : ""}: solid kept, hatched pruned.`;
     place.replaceChildren(
       draw("svg", { viewBox: "0 0 320 186", role: "img", "aria-label": says }, draw("defs", {}, hatch), ...bars,
         draw("line", { x1: left, x2: right, y1: base, y2: base, stroke: "var(--ink)" }),
         draw("text", { x: left - 4, y: y(most) + 4, "text-anchor": "end", text: shown(most) }), draw("text", { x: left - 4, y: base, "text-anchor": "end", text: "0" }),
         ...ticks, ...marks, draw("text", { x: (left + right) / 2, y: 182, "text-anchor": "middle", text: name })),
-      make("p", { class: "quiet", id: "histogram-note", text: "Solid: kept. Hatched: pruned." + (this.log ? ` ${shown(this.zeros)} of ${shown(trial.trial.length)} uncertain vessels have L = 0 and are not drawn.` : "") }));
+      make("p", { class: "quiet", id: "histogram-note", text: "Solid: kept. Hatched: pruned." + (this.log ? ` ${shown(this.zeros)} of ${shown(threshold.sorted.length)} uncertain vessels have L = 0 and are not drawn.` : "") }));
   }
 }

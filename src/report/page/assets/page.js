@@ -1,9 +1,9 @@
 // Puts the page together.
 const tables = data.tables.map(table);
 const vessels = tables[0];
-const trial = data.trial && vessels.rows > 0 ? new Trial(data.trial, vessels) : null;
-const histogram = trial && new Histogram(trial);
-const live = trial ? [{ name: "state", text: true, at: row => trial.state(row) }] : [];
+const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels) : null;
+const histogram = threshold && new Histogram(threshold);
+const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
 let scene = null, sheet = null, picked = -1;
 
 function pairs(entries) {
@@ -107,7 +107,7 @@ function colouring() {
   const choose = () => {
     const chosen = usable[by.value || 0];
     if (!chosen) return;
-    const grey = row => chosen.uncertain_only && trial && !trial.tried[row];
+    const grey = row => chosen.uncertain_only && threshold && !threshold.uncertain[row];
     const each = chosen.variants.map(([, at, name]) => tables[at].find(name).values);
     const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))));
     showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
@@ -138,10 +138,10 @@ function colouring() {
 
 const shownState = { kept: byId("show-kept"), pruned: byId("show-pruned"), undecided: byId("show-undecided"), observed: byId("show-observed") };
 function look(row) {
-  if (!trial) return 0;
-  if (!trial.tried[row]) return shownState.observed.checked ? 0 : LOOK.hidden;
-  const of = trial.open[row] ? "undecided" : trial.kept[row] ? "kept" : "pruned";
-  return (shownState[of].checked ? 0 : LOOK.hidden) | (trial.kept[row] ? 0 : LOOK.pruned) | (trial.open[row] ? LOOK.undecided : 0);
+  if (!threshold) return 0;
+  if (!threshold.uncertain[row]) return shownState.observed.checked ? 0 : LOOK.hidden;
+  const of = threshold.open[row] ? "undecided" : threshold.kept[row] ? "kept" : "pruned";
+  return (shownState[of].checked ? 0 : LOOK.hidden) | (threshold.kept[row] ? 0 : LOOK.pruned) | (threshold.open[row] ? LOOK.undecided : 0);
 }
 
 let colourOf = () => GREY;
@@ -149,21 +149,21 @@ function dress() {
   if (scene) scene.dress(row => colourOf(row), look);
 }
 
-function showTrial() {
-  byId("threshold").hidden = !trial;
-  if (!trial) return;
+function showThreshold() {
+  byId("threshold").hidden = !threshold;
+  if (!threshold) return;
   const slider = byId("slider"), number = byId("number");
-  byId("rule").textContent = `${trial.name} ${trial.at_least ? "≥" : ">"} threshold`;
-  byId("unit").textContent = trial.unit;
-  slider.max = Math.max(trial.stops.length - 1, 0);
-  slider.disabled = trial.stops.length < 2;
+  byId("rule").textContent = `${threshold.name} ${threshold.at_least ? "≥" : ">"} threshold`;
+  byId("unit").textContent = threshold.unit;
+  slider.max = Math.max(threshold.stops.length - 1, 0);
+  slider.disabled = threshold.stops.length < 2;
   let waiting = 0;
   const show = () => {
-    const { counts } = trial, value = trial.asRun ? "as the run decided" : trial.now === null ? "none" : withUnit(shown(trial.now), trial.unit);
+    const { counts } = threshold, value = threshold.asRun ? "as the run decided" : threshold.now === null ? "none" : withUnit(shown(threshold.now), threshold.unit);
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
-    slider.value = trial.stop();
+    slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = trial.now ?? "";
+    number.value = threshold.now ?? "";
     histogram.show(byId("histogram"));
     dress();
     // Said, and set in the table, once the slider rests.
@@ -174,12 +174,12 @@ function showTrial() {
       if (picked >= 0) pick(picked, false);
     }, 250);
   };
-  const set = threshold => { trial.set(threshold); show(); };
-  slider.addEventListener("input", () => set(trial.stops[slider.value]));
+  const set = cut => { threshold.set(cut); show(); };
+  slider.addEventListener("input", () => set(threshold.stops[slider.value]));
   number.addEventListener("change", () => { if (number.value !== "" && Number.isFinite(Number(number.value))) set(Number(number.value)); else show(); });
-  byId("to-run").addEventListener("click", () => { trial.toRun(); show(); });
-  byId("to-median").hidden = trial.median === null;
-  byId("to-median").addEventListener("click", () => set(trial.median));
+  byId("to-run").addEventListener("click", () => { threshold.toRun(); show(); });
+  byId("to-median").hidden = threshold.median === null;
+  byId("to-median").addEventListener("click", () => set(threshold.median));
   for (const box of Object.values(shownState)) box.addEventListener("change", dress);
   show();
 }
@@ -204,4 +204,4 @@ function showScene() {
   dress();
 }
 
-showAll(showFacts, showTables, showScene, showTrial, showFigures, showRun);
+showAll(showFacts, showTables, showScene, showThreshold, showFigures, showRun);

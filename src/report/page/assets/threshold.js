@@ -1,22 +1,22 @@
 // The threshold: which vessels it keeps, which decisions are open, and what the kept graph looks like.
-class Trial {
+class Threshold {
   constructor(source, vessels) {
     Object.assign(this, source);
     const values = name => vessels.find(name).values;
     this.rows = vessels.rows;
     this.values = values(source.figure);
-    this.tried = values(source.uncertain);
+    this.uncertain = values(source.uncertain);
     this.ends = [values("node_a"), values("node_b")];
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
-    this.known = [...Array(this.rows).keys()].filter(row => this.tried[row] && !Number.isNaN(this.values[row]));
-    this.trial = Float64Array.from(this.known, row => this.values[row]).sort();
-    this.positive = this.trial.filter(x => x > 0);
+    this.known = [...Array(this.rows).keys()].filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
+    this.sorted = Float64Array.from(this.known, row => this.values[row]).sort();
+    this.positive = this.sorted.filter(x => x > 0);
     // Every threshold that keeps other vessels than its neighbours, rising.
-    this.stops = [...new Set(this.trial)];
+    this.stops = [...new Set(this.sorted)];
     if (this.at_least) this.stops.push(...(this.stops.at(-1) < 1 ? [1] : []));
     else if (this.stops[0] > 0) this.stops.unshift(0);
     this.kept = new Uint8Array(this.rows);
@@ -26,7 +26,7 @@ class Trial {
 
   // As the run decided: at its threshold, or vessel by vessel where its rule has none.
   toRun() {
-    this.set(this.threshold, this.asKept !== null);
+    this.set(this.cut, this.asKept !== null);
   }
 
   // The stop that keeps the same vessels as the threshold.
@@ -47,18 +47,18 @@ class Trial {
   }
 
   // Without a threshold no uncertain vessel is kept, unless vessel by vessel as in the run.
-  set(threshold, asRun = false) {
-    this.now = threshold;
+  set(cut, asRun = false) {
+    this.now = cut;
     this.asRun = asRun;
     const flip = this.flip();
     this.counts = { kept: 0, pruned: 0, undecided: 0, vessels: 0 };
     for (let row = 0; row < this.rows; row++) {
       const x = this.values[row];
-      const passes = asRun ? this.asKept[row] : threshold !== null && (this.at_least ? x >= threshold : x > threshold);
-      this.kept[row] = !this.tried[row] || passes ? 1 : 0;
-      this.open[row] = this.tried[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
+      const passes = asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut);
+      this.kept[row] = !this.uncertain[row] || passes ? 1 : 0;
+      this.open[row] = this.uncertain[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
       this.counts.vessels += this.kept[row];
-      if (this.tried[row]) this.counts[passes ? "kept" : "pruned"] += 1;
+      if (this.uncertain[row]) this.counts[passes ? "kept" : "pruned"] += 1;
       this.counts.undecided += this.open[row];
     }
     this.counts.components = this.components();
@@ -82,7 +82,7 @@ class Trial {
   }
 
   state(row) {
-    if (!this.tried[row]) return "certain";
+    if (!this.uncertain[row]) return "certain";
     return (this.kept[row] ? "kept" : "pruned") + (this.open[row] ? ", undecided" : "");
   }
 }
