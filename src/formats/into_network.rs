@@ -1,6 +1,7 @@
 //! What was read becomes a network: centerlines are welded and contracted, vessels without a radius take the default.
 
 use super::document::Content;
+use super::number::counted;
 use crate::centerline::{Centerlines, WELD_TOLERANCE};
 use crate::error::Fault;
 use crate::network::{Network, RadiusRule, contract};
@@ -27,7 +28,7 @@ impl Content {
         let mut notes = Vec::new();
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
-                notes.push(format!("{count} {noun}{} {what}", if count == 1 { "" } else { "s" }));
+                notes.push(format!("{} {what}", counted(count, noun)));
             }
         };
         let defaulted = format!(

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::number::number;
+use super::number::{counted, number};
 use super::table::unplain;
 use crate::error::Fault;
 
@@ -169,11 +169,9 @@ fn line_of(position: &csv::Position, text: &[u8]) -> usize {
 fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
     let line = error.position().map_or(1, |p| line_of(p, text)) + skipped;
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => Fault::line(
-            line,
-            format!("{len} column{}", if *len == 1 { "" } else { "s" }),
-            format!("expected {expected_len}, as in the header"),
-        ),
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            Fault::line(line, counted(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
+        }
         csv::ErrorKind::Utf8 { err, .. } => {
             Fault::line(line, format!("column {} is not UTF-8", err.field() + 1), "expected UTF-8 text")
         }

@@ -4,6 +4,7 @@ use std::collections::{HashMap, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
 use super::column::real;
+use super::number::counted;
 use super::polyline::{between, node_points};
 use super::swc_labels::{TypeCodes, TypeNames, code, name_links};
 use crate::centerline::{Centerlines, is_radius};
@@ -46,7 +47,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
-            return Err(Fault::line(at, columns(words.len()), ROW));
+            return Err(Fault::line(at, counted(words.len(), "column"), ROW));
         };
         if words.len() > COLUMNS.len() {
             wide.get_or_insert((at, words.len()));
@@ -220,9 +221,4 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
     }
     out.flush()?;
     Ok(loops)
-}
-
-/// `1 column`, `2 columns`.
-fn columns(n: usize) -> String {
-    format!("{n} column{}", if n == 1 { "" } else { "s" })
 }
