@@ -1,0 +1,17 @@
+//! The command as a person or a script runs it.
+
+#[path = "../support/command.rs"]
+mod command;
+#[path = "../support/refused.rs"]
+mod refused;
+
+mod checkpoint;
+mod cohort;
+mod commands;
+mod merge;
+mod modulation_folder;
+mod real_data;
+mod refusals;
+mod separate_runs;
+mod simulate;
+mod terminal;

@@ -1,0 +1,263 @@
+//! `willis simulate` as a person runs it: its files, their columns, what it says, and what it refuses.
+
+use std::fs;
+use std::path::Path;
+
+use crate::command::{data, folder, stderr, willis};
+use crate::refused::{contents, refused};
+
+/// A wide and a narrow way from a to d, of two vessels each; both vessels of the narrow one are called "thin".
+const EDGES: &[u8] = b"node_a,node_b,label,length_mm,radius_mm
+a,b,L-ICA I,20,2
+b,d,wide,20,2
+a,c,thin,20,1
+c,d,thin,20,1
+";
+const ENDS: [&str; 4] = ["--inlet", "a", "--outlet", "d"];
+
+/// A run on [`EDGES`] that ends with status 0; what it said.
+fn run(here: &Path, extra: &[&str]) -> String {
+    fs::write(here.join("a.csv"), EDGES).expect("written");
+    let arguments = [&["simulate", "a.csv", "-o", "out", "--force"], &ENDS[..], extra].concat();
+    let output = willis(here, &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    stderr(&output)
+}
+
+/// The header of a table, and the values of a column.
+fn table(here: &Path, name: &str) -> (String, impl Fn(&str) -> Vec<String>) {
+    let text = fs::read_to_string(here.join("out").join(name)).expect("a table");
+    let header = text.lines().next().expect("a header").to_owned();
+    let columns: Vec<String> = header.split(',').map(str::to_owned).collect();
+    let column = move |name: &str| {
+        let at = columns.iter().position(|c| c == name).unwrap_or_else(|| panic!("no column {name}"));
+        text.lines().skip(1).map(|line| line.split(',').nth(at).expect("a field").to_owned()).collect()
+    };
+    (header, column)
+}
+
+fn record(here: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(here.join("out/run.json")).expect("a record")).expect("JSON")
+}
+
+const FLOW: &str =
+    "resistance_mmHg_s_per_mL,drop_mmHg,flow_mL_per_min,velocity_mm_per_s,wall_shear_Pa,reynolds,resilience_W_per_m3,diffused";
+
+#[test]
+fn the_tables_have_the_documented_columns() {
+    let here = folder();
+    run(here.path(), &[]);
+    let places = "edge,node_a,node_b,label,length_mm,radius_mm";
+    assert_eq!(table(here.path(), "edges.csv").0, format!("{places},{FLOW}"));
+    let nodes = "node,id,x_mm,y_mm,z_mm,label,role,pressure_mmHg";
+    assert_eq!(table(here.path(), "nodes.csv").0, nodes);
+    assert!(record(here.path()).get("rho_G_W_per_m3_perturbed").is_none());
+
+    run(here.path(), &["--occlude", "wide"]);
+    let perturbed = FLOW.split(',').map(|name| format!("{name}_perturbed")).collect::<Vec<_>>().join(",");
+    assert_eq!(table(here.path(), "edges.csv").0, format!("{places},{FLOW},{perturbed},flow_change"));
+    assert_eq!(table(here.path(), "nodes.csv").0, format!("{nodes},pressure_mmHg_perturbed"));
+}
+
+/// The wide way carries 2⁴ times the flow of the narrow one, and each vessel drops half of the pressure.
+#[test]
+fn an_occluded_vessel_keeps_its_row_without_flow() {
+    let here = folder();
+    let said = run(here.path(), &["--occlude", "wide"]);
+    let (_, edges) = table(here.path(), "edges.csv");
+    let number = |name: &str, row: usize| edges(name)[row].parse::<f64>().expect("a number");
+    assert!((number("drop_mmHg", 1) - 50.0).abs() < 1e-9);
+    assert!((number("flow_mL_per_min", 1) / number("flow_mL_per_min", 3) - 16.0).abs() < 1e-9);
+    for (name, expected) in [("resistance_mmHg_s_per_mL", "inf"), ("drop_mmHg", "0"), ("flow_mL_per_min", "0")] {
+        assert_eq!(edges(&format!("{name}_perturbed"))[1], expected);
+    }
+    assert_eq!(edges("diffused_perturbed"), ["0", "0", "1", "1"]);
+    assert!((number("flow_change", 1) + number("flow_mL_per_min", 1)).abs() < 1e-9);
+    // Four vessels before, three after; the thin ones are the same in both.
+    let rho: f64 = (0..4).map(|row| number("resilience_W_per_m3", row)).sum();
+    let of = record(here.path());
+    let figure = |key: &str| of[key].as_f64().expect("a number");
+    assert!((figure("rho_G_W_per_m3") / (rho / 4.0) - 1.0).abs() < 1e-9);
+    let rho: f64 = (2..4).map(|row| number("resilience_W_per_m3", row)).sum();
+    assert!((figure("rho_G_W_per_m3_perturbed") / (rho / 3.0) - 1.0).abs() < 1e-9);
+    let inflow = figure("total_inflow_mL_per_min_perturbed");
+    assert!((inflow / number("flow_mL_per_min", 3) - 1.0).abs() < 1e-9);
+    assert!(said.contains("wide: occluded") && said.contains("Reynolds number above 2,000"), "{said}");
+}
+
+#[test]
+fn what_an_occlusion_cuts_off_is_said() {
+    let here = folder();
+    fs::write(here.path().join("a.csv"), EDGES).expect("written");
+    let arguments = ["simulate", "a.csv", "-o", "out", "--flow", "a=100", "--outlet", "d", "--occlude", "wide,thin"];
+    let output = willis(here.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("fixed flow at a has no way on") && said.contains("3 nodes, joined to no pressure"), "{said}");
+    assert_eq!(table(here.path(), "nodes.csv").1("pressure_mmHg_perturbed"), ["", "", "0", ""]);
+}
+
+#[test]
+fn a_vessel_is_named_by_label_or_row_and_a_label_means_all_that_carry_it() {
+    let here = folder();
+    for (extra, rows) in [
+        (&["--occlude", "thin"][..], &[2, 3][..]),
+        (&["--occlude", "edge:2,3"], &[2, 3]),
+        (&["--stenosis", "L-ICA I=area:75%@mid:10mm,1=30%", "--tortuosity", "thin=1.3"], &[0, 1, 2, 3]),
+    ] {
+        run(here.path(), extra);
+        let of = record(here.path());
+        let changed: Vec<u64> =
+            of["perturbations"].as_array().expect("a list").iter().map(|p| p["edge"].as_u64().expect("a row")).collect();
+        assert_eq!(changed, rows);
+    }
+    let first = &record(here.path())["perturbations"][0];
+    assert_eq!((first["kind"].as_str(), first["open_diameter_share"].as_f64()), (Some("stenosis"), Some(0.5)));
+    assert_eq!(first["stretch_mm"].as_f64(), Some(10.0));
+    let resistances = table(here.path(), "edges.csv").1;
+    let ratio = |row: usize| {
+        let of = |name: &str| resistances(name)[row].parse::<f64>().expect("a number");
+        of("resistance_mmHg_s_per_mL_perturbed") / of("resistance_mmHg_s_per_mL")
+    };
+    for (row, expected) in [(0, 8.5), (1, 0.7_f64.powi(-4)), (2, 1.3)] {
+        assert!((ratio(row) - expected).abs() < 1e-9, "{row}: {}", ratio(row));
+    }
+}
+
+#[test]
+fn the_same_command_gives_the_same_files_and_prints_run_json() {
+    let here = folder();
+    let circle = willis(here.path(), &["phantom", "cerebral", "-o", "circle.graphml", "-q"]);
+    assert!(circle.status.success());
+    let arguments = ["simulate", "circle.graphml", "--stenosis", "L-ICA I=70%", "--occlude", "L-PComm", "--json", "-q", "-o"];
+    let mut first = None;
+    for (out, threads) in [("one", "1"), ("two", "2")] {
+        let output = willis(here.path(), &[&arguments[..], &[out, "--threads", threads]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let files = contents(&here.path().join(out));
+        let names: Vec<String> = files.iter().map(|(name, _)| name.display().to_string()).collect();
+        assert_eq!(names, ["edges.csv", "flow.png", "flow.svg", "nodes.csv", "report.html", "run.json", "topology.vtp"]);
+        assert_eq!(first.get_or_insert_with(|| files.clone()), &files);
+        let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(printed["willis"], env!("CARGO_PKG_VERSION"));
+        assert_eq!(printed["input"]["sha256"].as_str().map(str::len), Some(64));
+        assert_eq!(printed["collaterals"].as_array().map(Vec::len), Some(5));
+        assert_eq!(printed["collaterals"][0]["label"], "AComm");
+        assert!(printed["reversed"].as_array().is_some_and(|r| r.iter().any(|v| v["label"] == "L-A1")));
+        assert_eq!(printed["boundary_conditions"].as_array().map(Vec::len), Some(10));
+    }
+}
+
+/// Centerlines are simulated as they are, without candidates, and outlets that are found are at ground.
+#[test]
+fn centerlines_are_taken_without_candidates() {
+    let here = folder();
+    let output = willis(here.path(), &["simulate", &data("broken-circle-of-willis.swc"), "-o", "out"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = stderr(&output);
+    let vessels = table(here.path(), "edges.csv").1("edge").len();
+    assert!(said.contains(&format!("{vessels} vessels")) && said.contains("(ground)"), "{said}");
+    assert_eq!(record(here.path())["parameters"]["outlets_found"], "ground");
+}
+
+/// The tables handed back are the same network under the same conditions.
+#[test]
+fn an_output_is_an_input_with_the_same_flows() {
+    let here = folder();
+    assert!(willis(here.path(), &["phantom", "cerebral", "-o", "circle.graphml", "-q"]).status.success());
+    assert!(willis(here.path(), &["simulate", "circle.graphml", "-o", "out", "-q"]).status.success());
+    let flows = || table(here.path(), "edges.csv").1("flow_mL_per_min");
+    let before = flows();
+    fs::rename(here.path().join("out"), here.path().join("first")).expect("renamed");
+    let again = willis(here.path(), &["simulate", "first/edges.csv", "-o", "out", "-q"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    for (a, b) in before.iter().zip(&flows()) {
+        let [a, b] = [a, b].map(|x| x.parse::<f64>().expect("a number"));
+        assert!((a - b).abs() < 1e-9, "{a} and {b}");
+    }
+}
+
+#[test]
+fn bad_perturbations_are_refused_by_option_value_and_accepted_form() {
+    let cases: [(&[&str], &[&str]); 20] = [
+        (&["--occlude", "L-ICA 1"], &["--occlude", "\"L-ICA 1\"", "\"L-ICA I\"", "edge:0 to edge:3"]),
+        (&["--occlude", "THICK"], &["--occlude", "THICK", "\"thin\""]),
+        (&["--occlude", "edge:4"], &["--occlude", "edge:4", "edge:0 to edge:3"]),
+        (&["--stenosis", "tin=50%"], &["--stenosis", "tin", "\"thin\""]),
+        (&["--stenosis", "wide=100%"], &["--stenosis", "wide=100%", "--occlude"]),
+        (&["--stenosis", "wide=area:120%"], &["--stenosis", "area:120%", "--occlude"]),
+        (&["--stenosis", "wide=-5%"], &["--stenosis", "-5%", "0%"]),
+        (&["--stenosis", "wide=nan%"], &["--stenosis", "nan%", "0%"]),
+        (&["--stenosis", "wide=0.5"], &["--stenosis", "wide=0.5", "VESSEL=70%"]),
+        (&["--stenosis", "wide"], &["--stenosis", "wide", "VESSEL=70%"]),
+        (&["--stenosis", "wide=50%@top:3mm"], &["--stenosis", "top:3mm", "@mid:10mm"]),
+        (&["--stenosis", "wide=50%@mid:3mmHg"], &["--stenosis", "3mmHg", "mm"]),
+        (&["--stenosis", "wide=50%@mid:0mm"], &["--stenosis", "0mm", "positive length"]),
+        (&["--stenosis", "wide=50%@mid:21mm"], &["--stenosis", "21 mm", "wide", "20 mm"]),
+        (&["--stenosis", "wide=50%,edge:1=40%"], &["--stenosis", "wide", "twice"]),
+        (&["--occlude", "wide", "--occlude", "wide"], &["--occlude", "wide", "twice"]),
+        (&["--tortuosity", "wide=0.8"], &["--tortuosity", "wide=0.8", "at least 1"]),
+        (&["--tortuosity", "wide=inf"], &["--tortuosity", "wide=inf", "at least 1"]),
+        (&["--stenosis-model", "young-tsai"], &["--stenosis-model", "young-tsai", "not modelled", "poiseuille"]),
+        (&["--stenosis-model", "magic"], &["--stenosis-model", "magic", "poiseuille"]),
+    ];
+    for (extra, words) in cases {
+        let arguments = [&["simulate", "a.csv", "-o", "out"], &ENDS[..], extra].concat();
+        refused(&[("a.csv", EDGES)], &arguments, words);
+    }
+}
+
+#[test]
+fn conditions_that_drive_no_flow_are_refused() {
+    let simulate = |extra: &[&'static str]| [&["simulate", "a.csv", "-o", "out"], extra].concat();
+    let input = [("a.csv", EDGES)];
+    let same = simulate(&["--inlet", "a=80mmHg", "--outlet", "d=80mmHg"]);
+    refused(&input, &same, &["boundary conditions", "drive no flow", "inlet", "outlet"]);
+    refused(
+        &input,
+        &simulate(&["--inlet", "a", "--outlet", "d", "--outlet", "d=5mmHg"]),
+        &["--outlet", "d=5mmHg", "one condition"],
+    );
+    refused(&input, &simulate(&["--inlet", "a", "--outlet", "d", "--viscosity", "0"]), &["--viscosity", "0", "positive"]);
+    for command in ["simulate", "modulate"] {
+        refused(&input, &[command, "a.csv", "-o", "out", "--observed"], &["--observed", command]);
+    }
+    refused(&input, &simulate(&["--dpi", "7"]), &["--dpi", "7"]);
+    // Two parts, the inlet in one and the outlet in the other.
+    let apart = b"node_a,node_b,length_mm,radius_mm\na,b,20,2\nc,d,20,2\n";
+    for command in ["simulate", "modulate"] {
+        let arguments = [command, "a.csv", "-o", "out", "--inlet", "a", "--outlet", "d"];
+        refused(&[("a.csv", apart)], &arguments, &["drive no flow", "one connected part"]);
+    }
+}
+
+/// 90 mmHg over 30 and 60 mmHg·s/mL in series drive 1 mL/s, whatever Poiseuille's law would say of the sizes.
+#[test]
+fn a_stated_resistance_stands_in_the_place_of_poiseuilles_law() {
+    let here = folder();
+    let csv = "node_a,node_b,length_mm,radius_mm,resistance_mmHg_s_per_mL\na,b,10,1,30\nb,c,99,0.2,60\n";
+    let graphml = "<graphml>\
+        <key id=\"l\" for=\"edge\" attr.name=\"length_mm\" attr.type=\"double\"/>\
+        <key id=\"r\" for=\"edge\" attr.name=\"radius_mm\" attr.type=\"double\"/>\
+        <key id=\"z\" for=\"edge\" attr.name=\"resistance_mmHg_s_per_mL\" attr.type=\"double\"/>\
+        <graph><node id=\"a\"/><node id=\"b\"/><node id=\"c\"/>\
+        <edge source=\"a\" target=\"b\"><data key=\"l\">10</data><data key=\"r\">1</data><data key=\"z\">30</data></edge>\
+        <edge source=\"b\" target=\"c\"><data key=\"l\">99</data><data key=\"r\">0.2</data><data key=\"z\">60</data></edge>\
+        </graph></graphml>";
+    for (name, content) in [("g.csv", csv), ("g.graphml", graphml)] {
+        std::fs::write(here.path().join(name), content).expect("written");
+        let arguments = ["simulate", name, "-o", "out", "--force", "-q", "--inlet", "a=90mmHg", "--outlet", "c=ground"];
+        let output = willis(here.path(), &arguments);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+        let mut edges = csv::Reader::from_path(here.path().join("out/edges.csv")).expect("edges.csv");
+        let column = edges.headers().expect("a header").iter().position(|h| h == "flow_mL_per_min").expect("flows");
+        let flows: Vec<f64> = edges.records().map(|r| r.expect("a row")[column].parse().expect("a flow")).collect();
+        assert!(flows.len() == 2 && flows.iter().all(|q| (q - 60.0).abs() < 1e-9), "{name}: {flows:?}");
+    }
+    let broken = csv.replace(",30\n", ",-30\n");
+    refused(
+        &[("g.csv", broken.as_bytes())],
+        &["simulate", "g.csv", "-o", "out"],
+        &["g.csv:2", "resistance_mmHg_s_per_mL -30", "positive"],
+    );
+}

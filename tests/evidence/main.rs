@@ -1,0 +1,20 @@
+//! Candidates, their evidence, and the prior that is trained on it.
+
+#[path = "../support/command.rs"]
+mod command;
+#[path = "../support/draw.rs"]
+mod draw;
+#[path = "../support/refused.rs"]
+mod refused;
+#[path = "../support/shuffle.rs"]
+mod shuffle;
+#[path = "../support/vessels.rs"]
+mod vessels;
+
+mod candidates;
+mod features;
+mod prior;
+mod prior_command;
+mod reference;
+mod train_command;
+mod training;

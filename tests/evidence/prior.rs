@@ -1,0 +1,168 @@
+//! The prior: weights as files, and what they make of fragments, solved by hand.
+
+use willis::candidates::evidence::{Extraction, FEATURES, ROOT_FEATURES, Search, search};
+use willis::candidates::prior::{CLOSURE_FEATURES, Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
+use willis::centerline::Centerlines;
+use willis::network::{Network, RadiusRule, contract};
+
+/// Straight tubes along x, a point a millimetre: from, to (mm), radius (mm).
+fn tubes(tubes: &[(u32, u32, f64)]) -> Network {
+    let mut lines = Centerlines::default();
+    for (from, to, radius) in tubes {
+        for x in *from..=*to {
+            let point = lines.points.len() as u32;
+            lines.add_point([f64::from(x) * 1e-3, 0.0, 0.0], radius * 1e-3, u64::from(point) + 1, 0);
+            if x > *from {
+                lines.add_link([point - 1, point], "");
+            }
+        }
+    }
+    contract(&lines, RadiusRule::Mean, None).expect("vessels").network
+}
+
+/// Weights of one pass that are zero but for those named.
+fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
+    let fill = |names: Vec<&str>, given: &[(&str, f64)]| {
+        assert!(given.iter().all(|(name, _)| names.contains(name)));
+        names.iter().map(|n| given.iter().find(|(name, _)| name == n).map_or(0.0, |(_, w)| *w)).collect()
+    };
+    let pass = Pass {
+        bridge: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
+        root: fill(ROOT_FEATURES.iter().map(|(n, _)| *n).collect(), root),
+    };
+    Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], closure: Vec::new(), provenance: Provenance::default() }
+}
+
+/// Two fragments in a line: no hanging, one on the other, or the other way round, so Z = v² + v Σ w. A bridge weighs exp(-d/D) by
+/// a weight of -1 on d/D, at most 10, a root 3 by ln 3 on the constant; D = 2r + h.
+#[test]
+fn two_fragments_in_a_line_as_by_hand() {
+    let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
+    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let bridges = search(&extraction, &Search::default()).unwrap();
+    let belief = believe(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
+    let weight = |row: usize| {
+        let ends = [extraction.ends[belief.bridges[row].end].point, belief.bridges[row].point].map(|p| extraction.position[p][0]);
+        (-((ends[0] - ends[1]).abs() * 1e3 / 3.0).min(10.0)).exp()
+    };
+    let rows = 0..belief.bridges.len();
+    let total = 9.0 + 3.0 * rows.clone().map(weight).sum::<f64>();
+    let facing = |row: &usize| (weight(*row) - (-4.0_f64 / 3.0).exp()).abs() < 1e-9;
+    assert_eq!(rows.clone().filter(facing).count(), 2, "the facing ends see each other");
+    for row in rows.clone() {
+        let same: f64 = rows.clone().filter(|r| belief.link[*r] == belief.link[row]).map(weight).sum();
+        assert!((belief.marginals.bridges[row] - 3.0 * weight(row) / total).abs() < 1e-12);
+        assert!((belief.probability[row] - 3.0 * same / total).abs() < 1e-11, "one probability for both directions");
+    }
+    let calibrated = Weights { calibration: [1.0, 2.0, 0.0], ..weights(&[("gap", -1.0)], &[("one", 3_f64.ln())]) };
+    let again = believe(&extraction, &bridges, &calibrated).expect("weights");
+    assert_eq!(again.marginals, belief.marginals);
+    for (p, q) in belief.probability.iter().zip(&again.probability) {
+        assert!((q / (1.0 - q) - 1_f64.exp() * (p / (1.0 - p)).powi(2)).abs() < 1e-9);
+    }
+}
+
+/// e⁷⁰ cannot be: log weights end at ±25.
+#[test]
+fn log_weights_are_cut() {
+    let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
+    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let bridges = search(&extraction, &Search::default()).unwrap();
+    let belief = believe(&extraction, &bridges, &weights(&[("is_end", 70.0)], &[("one", -70.0)])).expect("weights");
+    assert!(belief.forests.log_roots().iter().all(|w| *w == -25.0));
+    assert!(belief.forests.bridges().iter().all(|b| [0.0, 25.0].contains(&b.log_weight)));
+}
+
+/// Numbers that a decimal notation with few digits would lose.
+fn odd() -> Weights {
+    let figures = Figures {
+        of: "a \"set\"\\of\u{7f}".into(),
+        cases: 3,
+        subjects: 2,
+        average_precision: Some(1.0 / 3.0),
+        calibration_error: None,
+        log_likelihood: -12.5,
+    };
+    let pass = |number: usize| Pass {
+        bridge: Pass::bridge_features(number)
+            .enumerate()
+            .map(|(i, _)| (i as f64 + 0.1).sin() * 10_f64.powi(i as i32 % 9 - 6))
+            .collect(),
+        root: Pass::root_features().enumerate().map(|(i, _)| -(i as f64) / 7.0).collect(),
+    };
+    Weights {
+        passes: (0..3).map(pass).collect(),
+        calibration: [0.1, 1.0 + f64::EPSILON, -1e-300],
+        closure: (0..CLOSURE_FEATURES.len()).map(|i| 0.3 * i as f64 - 1.0).collect(),
+        provenance: Provenance {
+            cases: 3,
+            subjects: 2,
+            made_by: "willis train 'a\tb' -o \"w\"".into(),
+            held_out: vec!["A".into(), "B".into()],
+            figures: vec![figures.clone()],
+            folds: vec![Fold { held_out: vec!["C".into()], figures: vec![figures.clone(), figures] }, Fold::default()],
+        },
+    }
+}
+
+fn written(weights: &Weights) -> String {
+    let mut out = Vec::new();
+    weights.write(&mut out).expect("memory");
+    String::from_utf8(out).expect("text")
+}
+
+#[test]
+fn weights_are_read_back_to_the_last_bit() {
+    let weights = odd();
+    assert_eq!(Weights::read(&written(&weights)), Ok(weights));
+}
+
+#[test]
+fn the_shipped_weights_are_whole() {
+    let shipped = Weights::shipped().expect("the file in the program");
+    assert!(shipped.provenance.cases > 0 && !shipped.provenance.made_by.is_empty());
+    // Near, straight and end to end is more probable than far, bent and sideways.
+    let at = |name: &str| FEATURES.iter().position(|(n, _)| *n == name).expect(name);
+    assert!(shipped.passes[0].bridge[at("is_end")] > 0.0);
+    assert!(Calibration(shipped.calibration).apply(0.9) > Calibration(shipped.calibration).apply(0.1));
+}
+
+#[test]
+fn a_wrong_name_or_number_is_named() {
+    let good = written(&odd());
+    let fails = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        let fault = Weights::read(&good.replacen(from, to, 1)).expect_err(to);
+        let said = fault.in_file("w.toml".as_ref()).to_string();
+        assert!(!said.contains('\n'), "{said}");
+        said
+    };
+    let line = |name: &str| good.lines().find(|l| l.starts_with(&format!("{name} = "))).expect(name).to_owned();
+    let gap = line("gap");
+    let says = |said: String, words: &[&str]| assert!(words.iter().all(|w| said.contains(w)), "{said}");
+    says(fails(&gap, "gapp = 1.0"), &["w.toml: pass 1 bridge", "gap;"]);
+    says(fails(&gap, &format!("{gap}\ngapp = 1.0")), &["pass 1 bridge", "\"gapp\"", "did you mean \"gap\"?"]);
+    says(fails(&gap, &format!("{gap}\n{gap}")), &["w.toml:", "duplicate key"]);
+    says(fails(&gap, "gap = nan"), &["pass 1 bridge gap NaN"]);
+    says(fails(&gap, "gap = 1e9"), &["pass 1 bridge gap 1000000000"]);
+    says(fails(&gap, "gap = \"wide\""), &["w.toml:", "wide"]);
+    says(fails(&line("one"), "two = 1.0"), &["pass 1 root", "one"]);
+    says(fails("calibration = [0.1,", "calibration = [inf,"), &["calibration inf"]);
+    says(fails("calibration = [0.1,", "calibration = ["), &["w.toml:"]);
+    says(fails("[provenance]", "[origin]"), &["origin"]);
+    says(Weights::read("calibration = [0.0, 1.0, 0.0]\npass = []").expect_err("no pass").found, &["no pass"]);
+    says(Weights::read("\u{1}").expect_err("not TOML").found, &[]);
+}
+
+#[test]
+fn weights_of_other_features_are_no_panic() {
+    let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
+    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let bridges = search(&extraction, &Search::default()).unwrap();
+    let mut short = weights(&[], &[]);
+    short.passes[0].bridge.pop();
+    let said = believe(&extraction, &bridges, &short).expect_err("too few").to_string();
+    assert!(said.starts_with("pass 1 bridge has ") && said.ends_with(&format!("expected {}", FEATURES.len())), "{said}");
+    short.passes.clear();
+    assert!(believe(&extraction, &bridges, &short).is_err());
+}

@@ -1,0 +1,279 @@
+//! The rules of boundary conditions, each on a network made for it.
+
+use crate::networks::{MMHG, pressure};
+use crate::vessels::{network, tube};
+use willis::geometry::distance;
+use willis::hemodynamics::boundary::{Total, stated};
+use willis::hemodynamics::{Boundary, FoundOutlets, Given};
+use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+
+/// Stars side by side, one per slice: node by node the free ends with these radii (mm), then the center. A star of two is a
+/// vessel with a joint in its middle.
+fn stars(radii: &[&[f64]]) -> Network {
+    let mut vessels = Vec::new();
+    let mut nodes = 0;
+    for star in radii {
+        let center = nodes + star.len();
+        vessels.extend(star.iter().enumerate().map(|(i, r)| ([nodes + i, center], tube(10.0, *r))));
+        nodes = center + 1;
+    }
+    network(nodes, vessels)
+}
+
+fn resolve(network: &Network, given: &[Given]) -> Boundary {
+    Boundary::resolve(network, given, FoundOutlets::Ground).unwrap()
+}
+
+fn inlet(node: usize) -> Given {
+    Given { node, role: Role::Inlet, condition: pressure(100.0) }
+}
+
+fn outlet(node: usize) -> Given {
+    Given { node, role: Role::Outlet, condition: pressure(0.0) }
+}
+
+/// Roles, conditions and the two lists tell one story, in node order.
+fn consistent(boundary: &Boundary) {
+    assert!(boundary.conditions.windows(2).all(|w| w[0].0 < w[1].0));
+    for (node, role) in boundary.roles.iter().enumerate() {
+        assert_eq!(boundary.condition(node).is_some(), *role != Role::Inner, "node {node}");
+    }
+    assert!(boundary.found_inlets.iter().all(|n| boundary.condition(*n) == Some(pressure(100.0))));
+}
+
+#[test]
+fn the_three_widest_ends_are_inlets_and_all_others_outlets() {
+    let boundary = resolve(&stars(&[&[1.0, 3.0, 2.0, 5.0, 4.0]]), &[]);
+    assert_eq!((&boundary.found_inlets[..], &boundary.found_outlets[..]), (&[1, 3, 4][..], &[0, 2][..]));
+    assert_eq!(boundary.condition(0), Some(Condition::Pressure(0.0)));
+    assert_eq!(boundary.roles[5], Role::Inner);
+    consistent(&boundary);
+}
+
+#[test]
+fn equal_ends_come_in_node_order() {
+    let boundary = resolve(&stars(&[&[1.0, 1.0, 1.0, 1.0, 1.0]]), &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 1, 2], vec![3, 4]));
+    let boundary = resolve(&stars(&[&[1.0, 2.0, 1.0, 2.0, 2.0, 2.0]]), &[]);
+    assert_eq!(boundary.found_inlets, [1, 3, 4]);
+}
+
+/// Stars of nodes 0-2, 4-6, 8-10, 12-14 and 16-17. The three widest ends lie in the first two; every other star gets its own.
+#[test]
+fn every_component_with_two_free_ends_has_an_inlet() {
+    let network = stars(&[&[9.0, 8.0, 1.0], &[1.0, 7.0, 1.0], &[2.0, 3.0, 1.0], &[1.0, 1.0, 1.0], &[0.5, 0.6]]);
+    let boundary = resolve(&network, &[]);
+    assert_eq!(boundary.found_inlets, [0, 1, 5, 9, 12, 17]);
+    assert_eq!(boundary.found_outlets, [2, 4, 6, 8, 10, 13, 14, 16]);
+    consistent(&boundary);
+}
+
+/// However wide they are, each component keeps an outlet when outlets are to be found.
+#[test]
+fn every_component_keeps_an_outlet() {
+    let boundary = resolve(&stars(&[&[9.0, 8.0], &[1.0, 0.9, 0.8]]), &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 3, 4], vec![1, 5]));
+    let boundary = resolve(&stars(&[&[9.0, 8.0]]), &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0], vec![1]));
+}
+
+/// Two rings with a tail each: every component has one free end. The wider is the inlet, the other the outlet.
+#[test]
+fn two_free_ends_are_enough_wherever_they_are() {
+    let rings = [([0, 1], 1.0), ([1, 1], 1.0), ([2, 3], 2.0), ([3, 3], 1.0)];
+    let network = network(4, rings.map(|(ends, r)| (ends, tube(10.0, r))));
+    let boundary = resolve(&network, &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![2], vec![0]));
+}
+
+#[test]
+fn given_inlets_stay_exactly_those() {
+    let network = stars(&[&[9.0, 1.0, 8.0], &[7.0, 6.0]]);
+    let boundary = resolve(&network, &[inlet(1)]);
+    assert!(boundary.found_inlets.is_empty());
+    assert_eq!(boundary.found_outlets, [0, 2, 4, 5]);
+    assert_eq!(boundary.count(Role::Inlet), 1);
+    let at_a_junction = resolve(&network, &[inlet(3)]);
+    assert_eq!(at_a_junction.found_outlets, [0, 1, 2, 4, 5]);
+    consistent(&at_a_junction);
+}
+
+#[test]
+fn with_outlets_alone_inlets_are_found_and_no_further_outlet() {
+    let boundary = resolve(&stars(&[&[9.0, 1.0, 8.0, 7.0, 6.0]]), &[outlet(0), outlet(1)]);
+    assert_eq!((&boundary.found_inlets[..], boundary.found_outlets.len()), (&[2, 3, 4][..], 0));
+    // No end needs to be spared for an outlet: one is given.
+    let boundary = resolve(&stars(&[&[9.0, 8.0]]), &[outlet(0)]);
+    assert_eq!(boundary.found_inlets, [1]);
+    consistent(&boundary);
+}
+
+#[test]
+fn nothing_is_added_to_a_source_and_a_sink() {
+    let network = stars(&[&[9.0, 1.0, 8.0], &[7.0, 6.0]]);
+    let boundary = resolve(&network, &[outlet(2), inlet(0)]);
+    assert_eq!(boundary.conditions, [(0, pressure(100.0)), (2, pressure(0.0))]);
+    assert_eq!(boundary, resolve(&network, &[inlet(0), outlet(2)]));
+    let flow = Given { node: 1, role: Role::Inlet, condition: Condition::Flow(1e-6) };
+    assert_eq!(resolve(&network, &[flow, outlet(2)]).conditions.len(), 2);
+}
+
+/// The error names the option to give and counts the free ends.
+#[test]
+fn no_free_end_to_find_is_an_error_that_names_the_option() {
+    let message = |network: &Network, given: &[Given]| {
+        let error = Boundary::resolve(network, given, FoundOutlets::Ground).unwrap_err();
+        assert!(error.is_usage());
+        error.to_string()
+    };
+    let ring = network(2, [([0, 1], tube(10.0, 1.0)), ([1, 0], tube(20.0, 1.0))]);
+    let neither = message(&ring, &[]);
+    assert!(
+        neither.contains("--inlet NODE") && neither.contains("--outlet NODE") && neither.contains("0 free ends"),
+        "{neither}"
+    );
+    let no_outlet = message(&ring, &[inlet(0)]);
+    assert!(
+        no_outlet.contains("no outlet") && no_outlet.contains("--outlet NODE") && !no_outlet.contains("--inlet"),
+        "{no_outlet}"
+    );
+    let no_inlet = message(&ring, &[outlet(0)]);
+    assert!(no_inlet.contains("no inlet") && no_inlet.contains("--inlet NODE") && !no_inlet.contains("--outlet"), "{no_inlet}");
+    let tail = network(2, [([0, 1], tube(10.0, 1.0)), ([1, 1], tube(20.0, 1.0))]);
+    assert!(message(&tail, &[]).contains("1 free ends"));
+    assert_eq!(resolve(&tail, &[outlet(1)]).found_inlets, [0]);
+}
+
+/// Free ends are those of the observed vessels: a candidate at an end leaves it free, and makes none of its own.
+#[test]
+fn candidates_make_and_hide_no_free_end() {
+    let mut network = stars(&[&[3.0, 2.0], &[1.0, 1.0]]);
+    let end = network.add_node(Node { id: "loose".into(), ..Node::default() });
+    for ends in [[0, 3], [4, end]] {
+        network.add_vessel(ends, Vessel { origin: Origin::Candidate, ..tube(5.0, 9.0) });
+    }
+    let boundary = resolve(&network, &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 3], vec![1, 4]));
+}
+
+/// In a graph of candidates alone every vessel counts.
+#[test]
+fn without_observed_vessels_all_count() {
+    let mut network = stars(&[&[3.0, 2.0, 1.0]]);
+    for row in 0..3 {
+        network.vessel_mut(row).origin = Origin::Candidate;
+    }
+    let boundary = resolve(&network, &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 1], vec![2]));
+}
+
+/// 12 points, radii 1 to 12 mm from the first: the last ten mean 7.5 at the far end and 5.5 at the near one, both more
+/// than the 5 of a plain vessel, the wide end less than the 8 of another.
+#[test]
+fn the_radius_of_an_end_is_the_mean_of_its_last_ten_points() {
+    let points =
+        (1..=12_u32).map(|i| PathPoint { position: [f64::from(i) * 1e-3, 0.0, 0.0], radius: f64::from(i) * 1e-3, id: None });
+    let tapering = Vessel::along(points.collect(), RadiusRule::Mean);
+    assert!((tapering.end_radius(true) - 7.5e-3).abs() < 1e-15 && (tapering.end_radius(false) - 5.5e-3).abs() < 1e-15);
+    assert!((tapering.length - distance([1e-3, 0.0, 0.0], [12e-3, 0.0, 0.0])).abs() < 1e-15);
+    let all = [([0, 1], tapering), ([2, 3], tube(10.0, 5.4)), ([4, 5], tube(10.0, 7.6)), ([6, 7], tube(10.0, 7.4))];
+    let boundary = resolve(&network(8, all), &[]);
+    // By width: 4 and 5 (7.6), 1 (7.5), 6 and 7 (7.4), 0 (5.5); one outlet is left in each, one inlet started in each.
+    assert_eq!(boundary.found_inlets, [1, 2, 4, 6]);
+}
+
+/// Murray: R goes as 1/r³, and with every terminal at the inlet pressure 700 mL/min leave in all. 1e-14: a few roundings.
+#[test]
+fn found_terminal_resistances_obey_murray_and_sum_to_the_flow() {
+    let flow = 700.0 / 6e7;
+    let network = stars(&[&[5.0, 1.0, 2.0, 1.5], &[0.5, 0.25]]);
+    for given in [vec![], vec![inlet(0)], vec![Given { condition: pressure(85.0), ..inlet(0) }]] {
+        let boundary = Boundary::resolve(&network, &given, FoundOutlets::Murray(Total::Flow(flow))).unwrap();
+        let inlet_pressure = given.first().map_or(100.0 * MMHG, |g| match g.condition {
+            Condition::Pressure(p) => p,
+            _ => unreachable!(),
+        });
+        let mut total = 0.0;
+        let mut products = Vec::new();
+        for node in &boundary.found_outlets {
+            let Some(Condition::Resistance { resistance, venous }) = boundary.condition(*node) else { panic!("node {node}") };
+            assert_eq!(venous, 0.0);
+            total += inlet_pressure / resistance;
+            let row = (0..network.vessel_count()).find(|row| network.ends(*row)[0] == *node).unwrap();
+            products.push(resistance * network.vessel(row).radius.powi(3));
+        }
+        assert!(products.len() >= 2);
+        assert!((total / flow - 1.0).abs() < 1e-14, "{total}");
+        assert!(products.iter().all(|p| (p / products[0] - 1.0).abs() < 1e-14), "{products:?}");
+    }
+}
+
+/// Side by side the terminals are one resistor of the resistance asked for, whatever the inlet pressure. 1e-14: a few roundings.
+#[test]
+fn found_terminal_resistances_come_to_the_total() {
+    let total = 8.0 * MMHG * 1e6;
+    let network = stars(&[&[5.0, 1.0, 2.0, 1.5], &[0.5, 0.25]]);
+    for given in [vec![], vec![Given { condition: pressure(85.0), ..inlet(0) }]] {
+        let boundary = Boundary::resolve(&network, &given, FoundOutlets::Murray(Total::Resistance(total))).unwrap();
+        let conductance = |node: &usize| match boundary.condition(*node) {
+            Some(Condition::Resistance { resistance, venous: 0.0 }) => 1.0 / resistance,
+            other => panic!("node {node}: {other:?}"),
+        };
+        let all: f64 = boundary.found_outlets.iter().map(conductance).sum();
+        assert!(boundary.found_outlets.len() >= 2 && (all * total - 1.0).abs() < 1e-14, "{all}");
+    }
+}
+
+/// With a flow for inlet no pressure is stated: the terminals are scaled at 100 mmHg.
+#[test]
+fn murray_without_a_stated_pressure_takes_the_default() {
+    let flow = 300.0 / 6e7;
+    let injected = Given { node: 0, role: Role::Inlet, condition: Condition::Flow(5e-6) };
+    let boundary = Boundary::resolve(&stars(&[&[2.0, 1.0, 1.0]]), &[injected], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
+    for node in [1, 2] {
+        let Some(Condition::Resistance { resistance, .. }) = boundary.condition(node) else { panic!() };
+        assert!((resistance / (100.0 * MMHG / (0.5 * flow)) - 1.0).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn more_nodes_are_inner() {
+    let boundary = resolve(&stars(&[&[3.0, 2.0]]), &[]).extended_to(10);
+    assert_eq!((boundary.roles.len(), boundary.roles[9], boundary.conditions.len()), (10, Role::Inner, 2));
+}
+
+/// Roles of conditions that a file states without one.
+#[test]
+fn stated_conditions_get_their_roles() {
+    let roles = |conditions: &[Condition]| {
+        let mut network = network(conditions.len(), []);
+        for (node, condition) in conditions.iter().enumerate() {
+            network.node_mut(node).condition = Some(*condition);
+        }
+        stated(&network).iter().map(|g| g.role == Role::Inlet).collect::<Vec<_>>()
+    };
+    let resistance = Condition::Resistance { resistance: 1e9, venous: 80.0 * MMHG };
+    assert_eq!(roles(&[pressure(0.0), pressure(100.0), pressure(93.0), pressure(0.0)]), [false, true, true, false]);
+    assert_eq!(roles(&[pressure(100.0), pressure(49.0)]), [true, false]);
+    assert_eq!(roles(&[pressure(100.0), pressure(61.0), pressure(59.0), pressure(20.0)]), [true, true, false, false]);
+    assert_eq!(roles(&[pressure(90.0), pressure(90.0)]), [true, true]);
+    assert_eq!(roles(&[pressure(0.0), pressure(0.0)]), [false, false]);
+    assert_eq!(roles(&[Condition::Flow(1e-6), Condition::Flow(-1e-6), resistance]), [true, false, false]);
+    assert_eq!(roles(&[]), [false; 0]);
+}
+
+#[test]
+fn a_stated_role_stands_and_inner_is_none() {
+    let mut network = network(4, []);
+    let all = [(Role::Outlet, 100.0), (Role::Inlet, 0.0), (Role::Inner, 100.0)];
+    for (node, (role, mmhg)) in all.into_iter().enumerate() {
+        network.node_mut(node).role = Some(role);
+        network.node_mut(node).condition = Some(pressure(mmhg));
+    }
+    network.node_mut(3).role = Some(Role::Inlet);
+    let given = stated(&network);
+    assert_eq!(
+        given.iter().map(|g| (g.node, g.role)).collect::<Vec<_>>(),
+        [(0, Role::Outlet), (1, Role::Inlet), (2, Role::Inlet)]
+    );
+}

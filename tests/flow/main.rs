@@ -1,0 +1,22 @@
+//! Blood flow: boundary conditions, solvers, simulation and modulation.
+
+#[path = "../support/draw.rs"]
+mod draw;
+#[path = "../support/figure.rs"]
+mod figure;
+#[path = "../support/networks.rs"]
+mod networks;
+#[path = "../support/shuffle.rs"]
+mod shuffle;
+#[path = "../support/vessels.rs"]
+mod vessels;
+
+mod accuracy;
+mod boundary;
+mod circle_flow;
+mod circuits;
+mod modulation;
+mod peel;
+mod properties;
+mod simulate;
+mod svzerod;

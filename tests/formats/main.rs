@@ -1,0 +1,28 @@
+//! Readers, writers and conversion of every file format, and files that are damaged or hostile.
+
+#[path = "../support/command.rs"]
+mod command;
+#[path = "../support/draw.rs"]
+mod draw;
+#[path = "../support/refused.rs"]
+mod refused;
+#[path = "../support/shuffle.rs"]
+mod shuffle;
+
+mod arrays;
+mod by_hand;
+mod conditions;
+mod convert;
+mod damaged;
+mod hostile;
+mod hostile_outputs;
+mod icafe;
+mod peer_files;
+mod peers;
+mod polylines;
+mod polylines_round_trip;
+mod round_trip;
+mod tables;
+mod tubes;
+mod vmtk_lines;
+mod vtk;

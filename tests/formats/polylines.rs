@@ -1,0 +1,208 @@
+//! Slicer markups, CSV of points and labels of SWC: files typed by hand, one test for each kind of fault.
+
+// Equal means equal to the last bit here.
+#![allow(clippy::float_cmp)]
+
+use std::path::Path;
+
+use crate::peers::document;
+use willis::centerline::Centerlines;
+use willis::formats::{Format, RadiusArray, read_markups, read_points, read_swc};
+use willis::network::{Network, RadiusRule, contract, cycles, fragments};
+use willis::units::{LengthUnit, Scale, millimetres};
+
+fn mm() -> Scale {
+    Scale::default()
+}
+
+fn markups(text: &str) -> Result<(Centerlines, Vec<String>), String> {
+    read_markups(text.as_bytes(), &mm(), RadiusArray::Usual).map_err(|f| f.in_file(Path::new("m")).to_string())
+}
+
+fn points(text: &str) -> Result<(Centerlines, Vec<String>), String> {
+    read_points(text.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("p")).to_string())
+}
+
+fn network_of(mut lines: Centerlines) -> Network {
+    lines.weld(1e-6);
+    contract(&lines, RadiusRule::Mean, None).unwrap().network
+}
+
+/// Positions in mm and radii in mm.
+fn in_mm(lines: &Centerlines) -> Vec<[f64; 4]> {
+    lines.points.iter().zip(&lines.radii).map(|(p, r)| [p[0], p[1], p[2], *r].map(millimetres)).collect()
+}
+
+/// As SlicerVMTK's ExtractCenterline leaves curves, and what else a person may put in the file.
+const CURVES: &str = r#"{"@schema": "x", "markups": [
+{"type": "Curve", "name": "L-M1", "coordinateSystem": "LPS", "coordinateUnits": "mm", "controlPoints": [
+ {"id": "1", "label": "a", "position": [1.0, 2.0, 3.0], "orientation": [1,0,0,0,1,0,0,0,1], "positionStatus": "defined"},
+ {"position": [0,0,0], "positionStatus": "undefined"},
+ {"position": [2.0, 2.0, 3.5]}],
+ "measurements": [{"name": "length", "value": 7.5}, {"name": "Radius", "units": "mm", "controlPointValues": [0.5, 9, null]}]},
+{"type": "ClosedCurve", "coordinateSystem": "RAS", "coordinateUnits": ["um", "UCUM", "micrometer"], "controlPoints": [
+ {"position": [-2000, -2000, 3500]}, {"position": [0, 0, 0]}, {"position": [0, 1, 0]}],
+ "measurements": [{"name": "radius", "controlPointValues": [1000, 2000, 3000]}]},
+{"type": "Fiducial", "controlPoints": [{"position": [0,0,0]}]}
+]}"#;
+
+#[test]
+fn curves_are_read_in_lps_and_mm() {
+    let (lines, notes) = markups(CURVES).unwrap();
+    let found = in_mm(&lines);
+    assert_eq!(found[0], [1.0, 2.0, 3.0, 0.5]);
+    assert!(found[1][..3] == [2.0, 2.0, 3.5] && found[1][3].is_nan());
+    assert_eq!(found[2..], [[2.0, 2.0, 3.5, 1.0], [0.0, 0.0, 0.0, 2.0], [0.0, -0.001, 0.0, 3.0]]);
+    assert_eq!(lines.links, [[0, 1], [2, 3], [3, 4], [4, 2]]);
+    assert_eq!([lines.labels.of(0), lines.labels.of(1)], ["L-M1", ""]);
+    assert_eq!(
+        notes,
+        [
+            "markups in RAS, whose x and y changed sign because positions are kept in LPS: 1",
+            "control points without a defined position, left out: 1",
+            "markups that are no curves, left out: 1"
+        ]
+    );
+    assert_eq!(document("a.json", CURVES.as_bytes()).unwrap().format, Format::Markups);
+    // The two curves meet at (2, 2, 3.5): a vessel that hangs on a ring.
+    let network = network_of(lines);
+    assert_eq!((network.vessel_count(), cycles(&network), fragments(&network, |_, _| true).count), (2, 1, 1));
+}
+
+#[test]
+fn markups_faults_name_the_markup_and_the_value() {
+    let curve = |rest: &str| format!("{{\"markups\": [{{\"type\": \"Curve\", \"name\": \"c\", {rest}}}]}}");
+    let one = "\"controlPoints\": [{\"position\": [1,2,3]}]";
+    for (text, message) in [
+        ("{\"a\": 1}".into(), "m: JSON without \"markups\"; expected 3D Slicer markups"),
+        ("{\"markups\": []}".into(), "m: no markups; expected markups of type Curve, ClosedCurve or Line"),
+        (
+            "{\"markups\": [{\"type\": \"Fiducial\", \"controlPoints\": [{\"position\": [1,2,3]}]}]}".into(),
+            "m: markups of type Fiducial, which are landmarks and no centerlines; expected markups of type Curve, ClosedCurve or Line",
+        ),
+        ("{\"markups\": [".into(), "m:1: column 13: EOF while parsing a list; expected JSON of 3D Slicer markups"),
+        (
+            curve("\"controlPoints\": [{\"position\": [1,NaN,3]}]"),
+            "m:1: column 79: expected value; expected JSON of 3D Slicer markups",
+        ),
+        (
+            curve("\"controlPoints\": 3"),
+            "m:1: column 62: invalid type: integer `3`, expected a sequence; expected JSON of 3D Slicer markups",
+        ),
+        (
+            curve(
+                "\"controlPoints\": [{\"position\": [1,2]}], \"measurements\": [{\"name\": \"Radius\", \"controlPointValues\": [1]}]",
+            ),
+            "m: markup 0 \"c\": control point 0 without a position; expected three finite numbers",
+        ),
+        (
+            curve(one),
+            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give --default-radius",
+        ),
+        (
+            curve(&format!("{one}, \"measurements\": [{{\"name\": \"Radius\", \"controlPointValues\": [1, 2]}}]")),
+            "m: markup 0 \"c\": 2 values of Radius for 1 points; expected one for each control point",
+        ),
+        (curve(&format!("{one}, \"coordinateSystem\": \"IJK\"")), "m: markup 0 \"c\": coordinateSystem IJK; expected LPS or RAS"),
+        (
+            curve(&format!("{one}, \"coordinateUnits\": \"inch\"")),
+            "m: markup 0 \"c\": coordinateUnits inch; expected mm, um, cm or m",
+        ),
+        (
+            curve("\"controlPoints\": []"),
+            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give --default-radius",
+        ),
+    ] {
+        assert_eq!(markups(&text).unwrap_err(), message);
+    }
+    let bare = curve(one);
+    let read = |radius| read_markups(bare.as_bytes(), &mm(), radius);
+    assert!(read(RadiusArray::Optional).unwrap().0.radii[0].is_nan());
+    assert_eq!(
+        read(RadiusArray::Named("thickness")).unwrap_err().in_file(Path::new("m")).to_string(),
+        "m: markup 0 \"c\": no measurement thickness at its control points; expected it, as --radius-array says"
+    );
+    let wide: Vec<u8> = [0xfeff].into_iter().chain(CURVES.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+    assert_eq!(document("a.mrk.json", &wide).unwrap_err(), "a.mrk.json: the text is UTF-16; expected UTF-8; save it so");
+    let marked = [b"\xef\xbb\xbf", CURVES.replacen('\n', "\r\n", 5).as_bytes()].concat();
+    assert_eq!(document("a.mrk.json", &marked).unwrap().format, Format::Markups);
+}
+
+#[test]
+fn points_in_any_order_of_columns_and_rows() {
+    let expected =
+        points("fragment,x,y,z,radius,label\n1,0,0,0,1,\n1,1,0,0,2,BA\n2,5,0,0,,\n2,6,0,0,3,\"a, b\"\n1,2,0,0,3,BA\n").unwrap().0;
+    assert_eq!(expected.links, [[0, 1], [2, 3], [1, 4]]);
+    assert_eq!([expected.labels.of(0), expected.labels.of(1), expected.labels.of(2)], ["BA", "a, b", "BA"]);
+    assert!(expected.radii[2].is_nan() && expected.strand == [0, 0, 1, 1, 0]);
+    let other = "Label\tradius_mm\tz_mm\ty_mm\tx_mm\tFragment\tnote\n\t1\t0\t0\t0\t1\t\r\nBA\t2\t0\t0\t1\t1\tq\n\n\t\t0\t0\t5\t2\t\na, b\t3\t0\t0\t6\t2\t\nBA\t3\t0\t0\t2\t1\t";
+    let found = points(other).unwrap().0;
+    assert_eq!((&found.points, &found.links, &found.labels), (&expected.points, &expected.links, &expected.labels));
+    let numbered = points("id;fragment;x;y;z;r\n7;a;0;0;0;1\n3;a;1;0;0;1\n").unwrap().0;
+    assert_eq!((numbered.ids, numbered.links), (vec![7, 3], vec![[0, 1]]));
+    let named = document("a.txt", "\u{feff}fragment,x,y,z,radius\nBA,0,0,0,1\nBA,1,0,0,1\n".as_bytes()).unwrap();
+    assert_eq!((named.format, named.notes.len()), (Format::Points, 0));
+}
+
+#[test]
+fn points_faults_name_line_and_value() {
+    let head = "fragment,x,y,z,radius\n";
+    let columns = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
+    for (text, message) in [
+        ("fragment,x,y,radius\n1,0,0,1\n".into(), format!("p:1: columns fragment,x,y,radius; {columns}")),
+        ("fragment,x,y,z\n1,0,0,1\n".into(), "p:1: no column radius; expected one, or give --default-radius".into()),
+        ("fragment,x,y,z,x\n".into(), "p:1: column \"x\" comes twice; expected every column once".into()),
+        (head.into(), "p: no points; expected a row for every point".into()),
+        (format!("{head}1,0,0,zero,1\n"), "p:2: z \"zero\"; expected a number".into()),
+        (format!("{head}1,0,NaN,0,1\n"), "p:2: y \"NaN\"; expected a finite number".into()),
+        (format!("{head}1,0,0,0,wide\n"), "p:2: radius \"wide\"; expected a number".into()),
+        (format!("{head}1,0,0,0,1\n,0,0,0,1\n"), "p:3: no fragment; expected the name or number of the polyline".into()),
+        ("fragment,x,y,z,r\r\n1,0,0,0,1\r\n\r\n1,0,0,q,1\r\n".into(), "p:4: z \"q\"; expected a number".into()),
+        (format!("{head}1,0,0\n"), "p:2: 3 columns; expected 5, as in the header".into()),
+        ("fragment,x,y,z,r,id\n1,0,0,0,1,a\n".into(), "p:2: id \"a\"; expected a whole number from 0 on".into()),
+        (
+            "fragment,x,y,z,r,id\n1,0,0,0,1,4\n1,0,0,1,1,4\n".into(),
+            "p:3: id 4 is that of line 2 too; expected every id once".into(),
+        ),
+    ] {
+        assert_eq!(points(&text).unwrap_err(), message);
+    }
+    let wide: Vec<u8> = [0xfeff].into_iter().chain(head.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(document("a.csv", b"fragment,x,y\n").unwrap_err(), format!("a.csv:1: columns fragment,x,y; {columns}"));
+    assert!(read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &mm(), true).unwrap().0.radii[0].is_nan());
+}
+
+/// A column called `_mm` is in mm whatever the unit of the others, axis by axis.
+#[test]
+fn columns_in_mm_are_not_scaled_by_the_unit() {
+    let voxels = Scale { unit: LengthUnit::Voxel, spacing: Some([0.5, 0.25, 2.0]) };
+    let read = |text: &str| {
+        let lines = read_points(text.as_bytes(), &voxels, false).unwrap().0;
+        (lines.points[1].map(millimetres), millimetres(lines.radii[1]))
+    };
+    assert_eq!(read("fragment,x_mm,y_mm,z_mm,radius_mm\n1,0,0,0,1\n1,2,4,8,1\n"), ([2.0, 4.0, 8.0], 1.0));
+    assert_eq!(read("fragment,x,y,z,radius\n1,0,0,0,1\n1,2,4,8,1\n"), ([1.0, 1.0, 16.0], 0.25));
+    assert_eq!(read("fragment,x,y,Z_MM,r_mm\n1,0,0,0,1\n1,2,4,8,1\n"), ([1.0, 1.0, 8.0], 1.0));
+}
+
+#[test]
+fn types_of_swc_are_labels() {
+    let labels = |text: &str| {
+        let lines = read_swc(text.as_bytes(), &mm()).unwrap().0;
+        (0..lines.links.len()).map(|row| lines.labels.of(row).to_owned()).collect::<Vec<_>>()
+    };
+    let body = "1 9 0 0 0 1 -1\n2 2 1 0 0 1 1\n3 0 2 0 0 1 2\n4 3.0 3 0 0 1 3\n5 3 4 0 0 1 4\n";
+    assert_eq!(labels(body), ["2", "", "3", "3"]);
+    assert_eq!(
+        labels(&format!("# label 3 R-P1\n#label x y\n# label 2\n{body}#  label 2  Ba silaris \n")),
+        ["Ba silaris", "", "R-P1", "R-P1"]
+    );
+    // All the same say nothing, unless they are named.
+    let same = "1 1 0 0 0 1 -1\n2 3 1 0 0 1 1\n3 3 2 0 0 1 2\n";
+    assert_eq!(labels(same), ["", ""]);
+    assert_eq!(labels(&format!("# label 3 BA\n{same}")), ["BA", "BA"]);
+    // Landmarks at the ends of trees say nothing of vessels.
+    assert_eq!(labels("1 4 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 6 2 0 0 1 2\n"), ["", ""]);
+    assert_eq!(labels("1 4 0 0 0 1 -1\n2 6 1 0 0 1 1\n3 7 2 0 0 1 1\n"), ["6", "7"]);
+}

@@ -1,0 +1,78 @@
+//! The exact expectation of a run: all 2^E subgraphs of a small network, each with its probability.
+
+use willis::inference::{Uncertain, Weight};
+use willis::network::{Condition, Network, Origin};
+
+use crate::textbook::{Sample, best_of_all_forests};
+
+/// Mean and variance of one sample's contribution, per vessel.
+#[derive(Clone, Default)]
+pub struct Moments {
+    pub mean: Vec<f64>,
+    pub variance: Vec<f64>,
+}
+
+/// What infinitely many samples would say.
+pub struct Exact {
+    moments: [Moments; 3],
+    pub frequency: Vec<f64>,
+    /// Mean and variance of ρ_G.
+    pub network_resilience: [f64; 2],
+}
+
+impl Exact {
+    pub fn moments(&self, weight: Weight) -> &Moments {
+        &self.moments[index(weight)]
+    }
+}
+
+fn index(weight: Weight) -> usize {
+    match weight {
+        Weight::Resilience => 0,
+        Weight::Count => 1,
+        Weight::Global => 2,
+    }
+}
+
+/// λA of every vessel uncertain, one for the others.
+pub fn keep(network: &Network, epsilon: f64, uncertain: Uncertain) -> Vec<f64> {
+    let keep = network.vessels().map(|(_, v)| {
+        let is_uncertain = !v.certain && (uncertain == Uncertain::All || v.origin == Origin::Candidate);
+        if is_uncertain { (1.0 - epsilon) * v.prior } else { 1.0 }
+    });
+    keep.collect()
+}
+
+/// Enumerates the subgraphs.
+pub fn enumerate(network: &Network, conditions: &[(usize, Condition)], keep: &[f64]) -> Exact {
+    let vessels = keep.len();
+    let zero = Moments { mean: vec![0.0; vessels], variance: vec![0.0; vessels] };
+    let mut exact =
+        Exact { moments: [zero.clone(), zero.clone(), zero], frequency: vec![0.0; vessels], network_resilience: [0.0; 2] };
+    for mask in 0_u32..1 << vessels {
+        let open: Vec<bool> = (0..vessels).map(|row| mask >> row & 1 == 1).collect();
+        let probability: f64 = open.iter().zip(keep).map(|(open, k)| if *open { *k } else { 1.0 - k }).product();
+        if probability == 0.0 {
+            continue;
+        }
+        let present = mask.count_ones();
+        let diffused = Sample { network, conditions, open }.resiliences();
+        let total: f64 = diffused.iter().map(|(_, x)| x).sum();
+        let global = if present > 0 { total / f64::from(present) } else { 0.0 };
+        exact.network_resilience[0] += probability * global;
+        exact.network_resilience[1] += probability * global * global;
+        for row in best_of_all_forests(network, &diffused) {
+            let own = diffused.iter().find(|(r, _)| *r == row).unwrap().1;
+            exact.frequency[row] += probability;
+            for (moments, x) in exact.moments.iter_mut().zip([own, 1.0, global]) {
+                moments.mean[row] += probability * x;
+                moments.variance[row] += probability * x * x;
+            }
+        }
+    }
+    for moments in &mut exact.moments {
+        moments.variance.iter_mut().zip(&moments.mean).for_each(|(v, m)| *v -= m * m);
+    }
+    exact.network_resilience[1] -= exact.network_resilience[0].powi(2);
+    exact
+}

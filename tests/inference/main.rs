@@ -1,0 +1,28 @@
+//! Sampling, likelihoods, the posterior and the answer.
+
+#[path = "../support/draw.rs"]
+mod draw;
+#[path = "../support/figure.rs"]
+mod figure;
+#[path = "../support/networks.rs"]
+mod networks;
+#[path = "../support/shuffle.rs"]
+mod shuffle;
+#[path = "../support/vessels.rs"]
+mod vessels;
+
+mod answer;
+mod determinism;
+mod exact;
+mod instruction_sets;
+mod invariants;
+mod large;
+mod oracle;
+mod oracle_script;
+mod posterior;
+mod probable;
+mod shards;
+mod solvers;
+mod statistics;
+mod textbook;
+mod topologies;

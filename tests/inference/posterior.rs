@@ -1,0 +1,348 @@
+//! The posterior over forests of fragments, against the list of all explanations, exact marginals to 400 digits
+//! (tests/inference/posterior/reference.py), NetworkX, and invariants.
+//!
+//! Largest relative error of a marginal over the references (`--nocapture` prints it by name), ε = 2⁻⁵² = 2.2e-16, beside
+//! that of w (G_cc - G_pc) with NumPy's inverse:
+//!
+//! | family | smallest marginal | here | G_cc - G_pc |
+//! |---|---|---|---|
+//! | wide | 4e-57 | 4.7e-16 | 2e22 |
+//! | mutual | 2e-45 | 6.9e-16 | 7e8, and one of 5 is singular |
+//! | grid | 1e-69 | 5.8e-16 | 4e26 |
+//! | hub | 2e-73 | 4.1e-16 | 1e24 |
+
+mod listed;
+mod networkx;
+
+use crate::draw::Draw;
+use crate::figure::Figure;
+use listed::{Listed, random};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+use willis::posterior::{Bridge, Forests, Wilson, arborescence, log_likelihood, marginals, rooted_in};
+
+/// Relative error that a marginal may have: 36 ε.
+const TOLERANCE: f64 = 8e-15;
+
+fn near(a: f64, b: f64, relative: f64) -> bool {
+    (a - b).abs() <= relative * b.abs()
+}
+
+#[derive(Deserialize)]
+struct Reference {
+    name: String,
+    log_total: Figure,
+    /// Log weight, probability.
+    roots: Vec<(Figure, Figure)>,
+    /// Child, parent, log weight, probability.
+    bridges: Vec<(usize, usize, Figure, Figure)>,
+}
+
+#[test]
+fn every_marginal_is_right_in_its_own_digits() {
+    let all: Vec<Reference> = serde_json::from_str(include_str!("posterior/reference.json")).expect("reference.json");
+    assert_eq!(all.len(), 12);
+    for Reference { name, log_total, roots, bridges } in all {
+        let bridge = |b: &(usize, usize, Figure, Figure)| Bridge { child: b.0, parent: b.1, log_weight: b.2.0 };
+        let forests = Forests::new(roots.iter().map(|r| r.0.0).collect(), bridges.iter().map(bridge).collect()).unwrap();
+        let got = marginals(&forests);
+        let pairs = got.bridges.iter().zip(bridges.iter().map(|b| b.3.0));
+        let mut worst = 0.0_f64;
+        for (got, exact) in pairs.chain(got.roots.iter().zip(roots.iter().map(|r| r.1.0))) {
+            worst = worst.max((got - exact).abs() / exact);
+            assert!(near(*got, exact, TOLERANCE), "{name}: {got:e} for {exact:e}");
+        }
+        println!("{name} {worst:.1e}");
+        assert!(near(got.log_total, log_total.0, TOLERANCE), "{name}: {} for {}", got.log_total, log_total.0);
+    }
+}
+
+/// Up to five fragments with parallel bridges: the sums over the list of all explanations.
+#[test]
+fn marginals_are_sums_over_all_explanations() {
+    let mut draw = Draw::new(1);
+    for _ in 0..400 {
+        let forests = random(&mut draw, 5, 4.0);
+        let (listed, got) = (Listed::new(&forests), marginals(&forests));
+        for (got, sum) in got.bridges.iter().chain(&got.roots).zip(listed.bridges().iter().chain(&listed.roots())) {
+            assert!(near(*got, *sum, 1e-12), "{forests:?}: {got} for {sum}");
+        }
+        assert!((got.log_total - listed.total().ln()).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn where_a_tree_is_rooted_is_a_sum_over_all_explanations() {
+    let mut draw = Draw::new(9);
+    for _ in 0..400 {
+        let forests = random(&mut draw, 5, 4.0);
+        let marked: Vec<bool> = (0..forests.fragments()).map(|_| draw.below(2) == 0).collect();
+        for (got, sum) in rooted_in(&forests, &marked).iter().zip(Listed::new(&forests).rooted_in(&forests, &marked)) {
+            assert!(near(*got, sum, 1e-12), "{forests:?} {marked:?}: {got} for {sum}");
+        }
+    }
+}
+
+/// A tree that a fragment is in is rooted in it when it is the root; every tree is rooted somewhere.
+#[test]
+fn where_trees_are_rooted_agrees_with_the_marginals() {
+    let mut draw = Draw::new(10);
+    for fragments in [2, 3, 30, 150] {
+        let forests = ring(&mut draw, fragments);
+        let all = marginals(&forests);
+        let mut sums = vec![0.0; forests.fragments()];
+        for root in 0..forests.fragments() {
+            let marked: Vec<bool> = (0..forests.fragments()).map(|fragment| fragment == root).collect();
+            let rooted = rooted_in(&forests, &marked);
+            assert!(near(rooted[root], all.roots[root], 1e-12), "{} for {}", rooted[root], all.roots[root]);
+            sums.iter_mut().zip(&rooted).for_each(|(sum, p)| *sum += p);
+        }
+        assert!(sums.iter().all(|sum| near(*sum, 1.0, 1e-12)), "{sums:?}");
+        assert!(rooted_in(&forests, &vec![false; forests.fragments()]).iter().all(|p| *p == 0.0));
+    }
+}
+
+/// e^-200 in its own digits, by hand: fragment 0 almost surely stays alone, else hangs on the marked one.
+#[test]
+fn an_improbable_root_keeps_its_digits() {
+    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: -100.0 }];
+    let forests = Forests::new(vec![100.0, 0.0], bridges).unwrap();
+    assert!(near(rooted_in(&forests, &[false, true])[0], (-200.0_f64).exp(), 1e-13));
+}
+
+#[test]
+fn the_log_likelihood_and_its_gradient_are_those_of_the_list() {
+    let mut draw = Draw::new(2);
+    let mut none_allowed = 0;
+    for _ in 0..200 {
+        let forests = random(&mut draw, 5, 3.0);
+        // Allowed bridges lead to lower fragments: no cycle.
+        let mark = |b: &Bridge| b.parent < b.child && draw.below(2) == 0;
+        let allowed: Vec<bool> = forests.bridges().iter().map(mark).collect();
+        none_allowed += usize::from(!allowed.contains(&true));
+        let of_list = |forests: &Forests| Listed::new(forests).log_likelihood(forests, &allowed);
+        let (value, gradient) = log_likelihood(&forests, &marginals(&forests), &allowed);
+        assert!((value - of_list(&forests)).abs() < 1e-11, "{value} for {}", of_list(&forests));
+        let step = 1e-4;
+        let moved = |at: usize, by: f64| {
+            let (mut roots, mut bridges) = (forests.log_roots().to_vec(), forests.bridges().to_vec());
+            match at.checked_sub(roots.len()) {
+                None => roots[at] += by,
+                Some(bridge) => bridges[bridge].log_weight += by,
+            }
+            of_list(&Forests::new(roots, bridges).unwrap())
+        };
+        for (at, slope) in gradient.roots.iter().chain(&gradient.bridges).enumerate() {
+            let difference = (moved(at, step) - moved(at, -step)) / (2.0 * step);
+            assert!((slope - difference).abs() < 1e-7, "{slope} for {difference}");
+        }
+    }
+    assert!((1..100).contains(&none_allowed));
+}
+
+#[test]
+fn the_gradient_is_right_far_from_balance() {
+    let bridges =
+        vec![Bridge { child: 0, parent: 1, log_weight: -90.0 }, Bridge { child: 0, parent: 1, log_weight: f64::NEG_INFINITY }];
+    let forests = Forests::new(vec![90.0, 0.0], bridges).unwrap();
+    let all = marginals(&forests);
+    assert!(near(all.bridges[0], (-180.0_f64).exp(), 1e-13) && all.bridges[1] == 0.0);
+    let (value, gradient) = log_likelihood(&forests, &all, &[true, true]);
+    assert!(near(value, -180.0, 1e-14));
+    assert_eq!((gradient.bridges, gradient.roots), (vec![1.0 - all.bridges[0], 0.0], vec![-1.0, 0.0]));
+    let (value, gradient) = log_likelihood(&forests, &all, &[false, true]);
+    assert_eq!(value, f64::NEG_INFINITY);
+    assert!(gradient.bridges.iter().chain(&gradient.roots).all(|slope| slope.is_finite()));
+}
+
+#[test]
+fn a_fragment_without_bridges_is_a_root() {
+    let forests = Forests::new(vec![-100.0, 3.0, 100.0], Vec::new()).unwrap();
+    let all = marginals(&forests);
+    assert_eq!((all.roots, all.bridges.len()), (vec![1.0; 3], 0));
+    assert!(near(all.log_total, 3.0, 1e-15));
+    assert_eq!(marginals(&Forests::new(Vec::new(), Vec::new()).unwrap()).log_total, 0.0);
+}
+
+/// Both ends of the range at once: what the weights may be never becomes 0, infinite or no number.
+#[test]
+fn the_whole_range_stays_finite() {
+    let mut draw = Draw::new(3);
+    for _ in 0..200 {
+        let fragments = 2 + draw.below(40);
+        let mut extreme = || if draw.below(2) == 0 { -100.0 } else { 100.0 };
+        let roots = (0..fragments).map(|_| extreme()).collect();
+        let bridges: Vec<Bridge> = (0..4 * fragments)
+            .map(|row| Bridge {
+                child: row % fragments,
+                parent: (row % fragments + 1 + row / fragments) % fragments,
+                log_weight: extreme(),
+            })
+            .filter(|b| b.child != b.parent)
+            .collect();
+        let all = marginals(&Forests::new(roots, bridges).unwrap());
+        assert!(all.log_total.is_finite());
+        assert!(all.bridges.iter().chain(&all.roots).all(|p| *p > 0.0 && *p <= 1.0));
+    }
+}
+
+/// Sparse, so that cliques exchange messages: scaling a fragment's weights, moving the numbers of fragments and the order of
+/// bridges, and putting two problems side by side change nothing.
+#[test]
+fn scaling_renumbering_and_company_change_nothing() {
+    let mut draw = Draw::new(4);
+    for fragments in [3, 30, 300] {
+        let forests = ring(&mut draw, fragments);
+        let all = marginals(&forests);
+        for fragment in 0..fragments {
+            let own = forests.bridges().iter().zip(&all.bridges).filter(|(b, _)| b.child == fragment).map(|(_, p)| p);
+            assert!((own.sum::<f64>() + all.roots[fragment] - 1.0).abs() < 1e-14);
+        }
+        let shift: Vec<f64> = (0..fragments).map(|_| draw.within(-30.0, 30.0)).collect();
+        let mut number: Vec<usize> = (0..fragments).collect();
+        draw.shuffle(&mut number);
+        let mut order: Vec<usize> = (0..forests.bridges().len()).collect();
+        draw.shuffle(&mut order);
+        // Another problem takes the numbers behind.
+        let other = ring(&mut draw, 20);
+        let mut roots = vec![0.0; fragments];
+        for (old, new) in number.iter().enumerate() {
+            roots[*new] = forests.log_roots()[old] + shift[old];
+        }
+        roots.extend(other.log_roots());
+        let moved = |row: &usize| {
+            let Bridge { child, parent, log_weight } = forests.bridges()[*row];
+            Bridge { child: number[child], parent: number[parent], log_weight: log_weight + shift[child] }
+        };
+        let behind = other.bridges().iter().map(|b| Bridge { child: b.child + fragments, parent: b.parent + fragments, ..*b });
+        let both = marginals(&Forests::new(roots, order.iter().map(moved).chain(behind).collect()).unwrap());
+        for (at, row) in order.iter().enumerate() {
+            assert!(near(both.bridges[at], all.bridges[*row], 1e-12));
+        }
+        for (old, new) in number.iter().enumerate() {
+            assert!(near(both.roots[*new], all.roots[old], 1e-12));
+        }
+        let totals = all.log_total + marginals(&other).log_total + shift.iter().sum::<f64>();
+        assert!((both.log_total - totals).abs() < 1e-9);
+    }
+}
+
+/// Fragments on a ring with bridges to those near, and some across.
+fn ring(draw: &mut Draw, fragments: usize) -> Forests {
+    let roots = (0..fragments).map(|_| draw.within(-6.0, 3.0)).collect();
+    let mut bridges = Vec::new();
+    for child in 0..fragments {
+        for _ in 0..5 {
+            let far = if draw.below(40) == 0 { fragments } else { 4.min(fragments) };
+            let parent = (child + 1 + draw.below(far)) % fragments;
+            if parent != child {
+                let turned = draw.below(2) == 0;
+                let [child, parent] = if turned { [parent, child] } else { [child, parent] };
+                bridges.push(Bridge { child, parent, log_weight: draw.within(-5.0, 5.0) });
+            }
+        }
+    }
+    Forests::new(roots, bridges).unwrap()
+}
+
+#[test]
+fn the_arborescence_is_the_best_of_all_explanations() {
+    let mut draw = Draw::new(5);
+    for round in 0..600 {
+        let forests = random(&mut draw, 5, 1.0);
+        // Every second time whole numbers, so that many explanations tie.
+        let mut score = || if round % 2 == 0 { draw.within(-3.0, 3.0) } else { draw.below(4) as f64 - 1.0 };
+        let bridges: Vec<f64> = forests.bridges().iter().map(|_| score()).collect();
+        let roots: Vec<f64> = forests.log_roots().iter().map(|_| score()).collect();
+        let got = arborescence(&forests, &bridges, &roots);
+        let (value, rows) = Listed::new(&forests).figure(&got, &bridges, &roots).expect("no cycle");
+        let (best, least) = Listed::new(&forests).best(&bridges, &roots);
+        assert!((value - best).abs() < 1e-12, "{value} for {best}");
+        assert_eq!(rows, least);
+    }
+}
+
+/// Frequencies over many draws: z-scores have mean square one and none is far out.
+#[test]
+fn frequencies_of_draws_are_the_marginals() {
+    const DRAWS: u64 = 20_000;
+    let mut draw = Draw::new(7);
+    let (mut squares, mut scores) = (0.0, 0.0);
+    for seed in 0..12 {
+        let forests = if seed % 2 == 0 { ring(&mut draw, 40) } else { random(&mut draw, 5, 2.0) };
+        let (all, wilson) = (marginals(&forests), Wilson::new(&forests));
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (mut bridges, mut roots) = (vec![0_u32; all.bridges.len()], vec![0_u32; all.roots.len()]);
+        for _ in 0..DRAWS {
+            for (fragment, choice) in wilson.draw(&mut rng, 1_000_000_000).expect("ends").into_iter().enumerate() {
+                *choice.map_or(&mut roots[fragment], |bridge| &mut bridges[bridge]) += 1;
+            }
+        }
+        let pairs = bridges.iter().chain(&roots).zip(all.bridges.iter().chain(&all.roots));
+        for (count, p) in pairs.filter(|(_, p)| **p > 1e-3 && **p < 0.999) {
+            let z = (f64::from(*count) - DRAWS as f64 * p) / (DRAWS as f64 * p * (1.0 - p)).sqrt();
+            assert!(z.abs() < 5.0, "{z} at {p}");
+            squares += z * z;
+            scores += 1.0;
+        }
+    }
+    let mean = squares / scores;
+    assert!(scores > 1000.0 && (0.85..1.15).contains(&mean), "{mean} over {scores}");
+}
+
+/// Whole explanations, not only their parts: χ² against the list.
+#[test]
+fn draws_are_explanations_with_their_probabilities() {
+    const DRAWS: u32 = 50_000;
+    let mut draw = Draw::new(8);
+    let (mut excess, mut freedom) = (0.0, 0.0);
+    for seed in 0..10 {
+        let forests = random(&mut draw, 4, 1.0);
+        let (listed, wilson) = (Listed::new(&forests), Wilson::new(&forests));
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut counts = vec![0_u32; listed.explanations.len()];
+        for _ in 0..DRAWS {
+            let drawn = wilson.draw(&mut rng, 1_000_000).expect("ends");
+            counts[listed.explanations.iter().position(|(choices, _)| *choices == drawn).expect("an explanation")] += 1;
+        }
+        for (count, (_, weight)) in counts.iter().zip(&listed.explanations) {
+            let mean = f64::from(DRAWS) * weight / listed.total();
+            excess += (f64::from(*count) - mean).powi(2) / mean;
+        }
+        freedom += listed.explanations.len() as f64 - 1.0;
+    }
+    // χ² has variance twice its freedom.
+    let z = (excess - freedom) / (2.0 * freedom).sqrt();
+    assert!(freedom > 100.0 && z.abs() < 4.0, "{z} at {freedom}");
+}
+
+#[test]
+fn a_draw_counts_its_steps() {
+    const DRAWS: u32 = 20_000;
+    // Two fragments that prefer each other e^2 times to a root. By hand: a walk back and forth takes a further step with
+    // probability q, and where it ends after an odd number the other fragment takes one more. So ten are too few as often as q^10.
+    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: 2.0 }, Bridge { child: 1, parent: 0, log_weight: 2.0 }];
+    let wilson = Wilson::new(&Forests::new(vec![0.0, 0.0], bridges).unwrap());
+    let q = 2_f64.exp() / (1.0 + 2_f64.exp());
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let too_few = (0..DRAWS).filter(|_| wilson.draw(&mut rng, 10).is_none()).count() as f64;
+    let mean = f64::from(DRAWS) * q.powi(10);
+    assert!((too_few - mean).abs() < 4.0 * (mean * (1.0 - q.powi(10))).sqrt(), "{too_few} for {mean}");
+    assert_eq!(wilson.draw(&mut rng, 1), None);
+    assert!(wilson.draw(&mut rng, 1_000_000).is_some());
+}
+
+#[test]
+fn what_is_no_problem_is_refused_by_name() {
+    let bridge = |child, parent, log_weight| Bridge { child, parent, log_weight };
+    let refused = |roots: &[f64], bridges: &[Bridge]| Forests::new(roots.to_vec(), bridges.to_vec()).unwrap_err().to_string();
+    assert_eq!(refused(&[0.0, f64::NAN], &[]), "log weight of root 1 NaN: a number from -100 to 100");
+    assert_eq!(refused(&[f64::NEG_INFINITY], &[]), "log weight of root 0 -inf: a number from -100 to 100");
+    assert_eq!(refused(&[0.0; 2], &[bridge(0, 1, 100.5)]), "log weight of bridge 0 100.5: a number from -100 to 100, or -inf");
+    assert_eq!(refused(&[0.0; 2], &[bridge(1, 1, 0.0)]), "ends of bridge 0 1, 1: two different fragments below 2");
+    assert_eq!(
+        refused(&[0.0; 2], &[bridge(0, 1, 0.0), bridge(0, 2, 0.0)]),
+        "ends of bridge 1 0, 2: two different fragments below 2"
+    );
+}

@@ -1,0 +1,178 @@
+//! Decisions by evidence: the most probable forest against enumeration of all forests, and small graphs worked out by hand.
+
+use crate::draw::Draw;
+use crate::vessels;
+use crate::vessels::tube;
+use willis::inference::{
+    Answer, Keep, Likelihood, ROOT_FACTOR, decide, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+};
+use willis::network::{Evidence, Network, Origin, Vessel};
+
+/// A fragment between nodes 2i and 2i + 1 for each i.
+fn fragments(count: usize) -> Network {
+    vessels::network(2 * count, (0..count).map(|i| ([2 * i, 2 * i + 1], tube(5.0, 1.0))))
+}
+
+fn candidate(probability: f64, hangs: [f64; 2]) -> Vessel {
+    let evidence = Some(Evidence { hangs, ..Evidence::undirected(probability) });
+    Vessel { origin: Origin::Candidate, prior: probability, evidence, ..tube(1.0, 1.0) }
+}
+
+/// The largest sum of scores over all forests, by trying every choice of every fragment.
+fn best(parts: usize, arcs: &[(usize, usize, f64)], roots: &[f64]) -> f64 {
+    let choices: Vec<Vec<(Option<usize>, f64)>> = (0..parts)
+        .map(|c| {
+            let mut own = vec![(None, roots[c])];
+            own.extend(arcs.iter().filter(|a| a.0 == c).map(|a| (Some(a.1), a.2)));
+            own
+        })
+        .collect();
+    let mut at = vec![0; parts];
+    let mut most = f64::NEG_INFINITY;
+    loop {
+        let is_forest = (0..parts).all(|start| {
+            let (mut here, mut steps) = (start, 0);
+            while let Some(next) = choices[here][at[here]].0 {
+                (here, steps) = (next, steps + 1);
+                if steps > parts {
+                    return false;
+                }
+            }
+            true
+        });
+        if is_forest {
+            most = most.max((0..parts).map(|c| choices[c][at[c]].1).sum());
+        }
+        let Some(turn) = (0..parts).find(|c| at[*c] + 1 < choices[*c].len()) else { return most };
+        at[..turn].fill(0);
+        at[turn] += 1;
+    }
+}
+
+#[test]
+fn the_most_probable_forest_is_the_best_of_all_forests() {
+    let mut random = Draw::new(3);
+    let mut draw = || random.within(0.0, 1.0);
+    let mut wide = 0;
+    for case in 0..60 {
+        let parts = 3 + case % 3;
+        let mut network = fragments(parts);
+        let (mut arcs, mut left) = (Vec::new(), vec![1.0; parts]);
+        for a in 0..parts {
+            for b in a + 1..parts {
+                if draw() < 0.8 {
+                    let hangs = [0.4 * draw(), 0.4 * draw()];
+                    network.add_vessel([2 * a + 1, 2 * b], candidate((hangs[0] + hangs[1]).min(1.0), hangs));
+                    arcs.extend([(a, b, hangs[0]), (b, a, hangs[1])]);
+                    left[a] -= hangs[0];
+                    left[b] -= hangs[1];
+                }
+            }
+        }
+        let factor = [0.3, 1.0, 2.0][case % 3];
+        let alone: Vec<f64> = left.iter().map(|l| l.max(0.0)).collect();
+        let roots: Vec<f64> = alone.iter().map(|p| factor * p).collect();
+        let kept = probable(&network, factor).unwrap();
+        let chosen: Vec<usize> = (parts..network.vessel_count()).filter(|row| kept[*row]).collect();
+        wide += usize::from(chosen.len() > 1);
+        // What was kept is a forest that scores as the best does: its edges, each in its better direction, tried alone.
+        let own: Vec<(usize, usize, f64)> =
+            chosen.iter().flat_map(|row| [arcs[2 * (row - parts)], arcs[2 * (row - parts) + 1]]).collect();
+        let (all, these) = (best(parts, &arcs, &roots), best(parts, &own, &roots));
+        assert!((all - these).abs() < 1e-12, "case {case}: {these} of {all}");
+        assert!(chosen.len() < parts);
+        assert!(kept[..parts].iter().all(|k| *k), "observed vessels stay");
+    }
+    assert!(wide > 10, "some forests have several bridges");
+}
+
+/// Two fragments: the bridge speaks with 0.3 + 0.1, what is left is 0.7 and 0.9. Together 0.3 + 0.9 f against (0.7 + 0.9) f,
+/// so the bridge stays where f < 3/7.
+#[test]
+fn the_root_factor_decides_how_readily_fragments_stay_alone() {
+    let mut network = fragments(2);
+    network.add_vessel([1, 2], candidate(0.4, [0.3, 0.1]));
+    assert_eq!(probable(&network, 0.42).unwrap(), [true, true, true]);
+    assert_eq!(probable(&network, 0.43).unwrap(), [true, true, false]);
+    // The node's own word: 0.2 + 0.9 f < 0.3 + 0.9 f holds for every f up to 3/2.
+    assert!(!knows_fragments(&network));
+    network.node_mut(0).alone = Some(0.2);
+    network.node_mut(2).alone = Some(0.9);
+    assert!(knows_fragments(&network) && has_evidence(&network));
+    assert_eq!(probable(&network, 1.4).unwrap(), [true, true, true]);
+    assert_eq!(probable(&network, 1.6).unwrap(), [true, true, false]);
+}
+
+/// A bridge marked certain joins its fragments, so a second one between them closes a loop; one within a fragment does.
+#[test]
+fn loops_are_closed_by_their_probability_and_certain_bridges_join() {
+    let mut network = fragments(2);
+    network.add_vessel([1, 2], Vessel { certain: true, ..candidate(0.01, [0.0, 0.01]) });
+    network.add_vessel([0, 3], candidate(0.19, [0.1, 0.09]));
+    network.add_vessel([0, 2], candidate(0.2, [0.1, 0.1]));
+    network.add_vessel([0, 1], candidate(0.5, [0.0; 2]));
+    network.add_vessel([0, 3], Vessel { evidence: None, ..candidate(0.0, [0.0; 2]) });
+    assert_eq!(probable(&network, 1.0).unwrap(), [true, true, true, false, true, true, false]);
+    let p = probabilities(&network);
+    assert_eq!(p, [Some(1.0), Some(1.0), Some(1.0), Some(0.19), Some(0.2), Some(0.5), None]);
+}
+
+fn decided(rule: Keep, network: &Network) -> Answer {
+    let n = network.vessel_count();
+    let likelihood = Likelihood {
+        likelihood: vec![0.0; n],
+        std_error: vec![0.0; n],
+        frequency: vec![0.0; n],
+        uncertain: network.vessels().map(|(_, v)| v.origin == Origin::Candidate && !v.certain).collect(),
+        network_resilience: 0.0,
+        residual: 0.0,
+        samples: 64,
+        trace: Vec::new(),
+    };
+    decide(rule, network, &likelihood).unwrap()
+}
+
+#[test]
+fn what_lies_near_the_cut_is_undecided_and_errors_are_expected() {
+    let mut network = fragments(4);
+    network.add_vessel([1, 2], candidate(0.9, [0.6, 0.3]));
+    network.add_vessel([3, 4], candidate(0.6, [0.6, 0.0]));
+    network.add_vessel([1, 3], candidate(0.05, [0.05, 0.0]));
+    network.add_vessel([5, 6], candidate(0.35, [0.2, 0.15]));
+    let answer = decided(Keep::Probability(0.55), &network);
+    assert_eq!((answer.threshold, &answer.kept[4..]), (Some(0.55), &[true, true, false, false][..]));
+    assert_eq!(answer.undecided, [5], "0.35 is a fifth away");
+    let answer = decided(Keep::Probable(1.0), &network);
+    assert_eq!((answer.threshold, &answer.kept[4..]), (None, &[true, true, false, false][..]));
+    assert_eq!(answer.undecided, [5, 7]);
+    // Kept 0.9 and 0.6: 0.1 + 0.4 wrong. Not kept 0.2 + 0.15; the 0.05 is another place of the first.
+    let errors = expected_errors(&network, &answer.kept).unwrap();
+    assert!((errors.wrong - 0.5).abs() < 1e-12 && (errors.missed - 0.35).abs() < 1e-12, "{errors:?}");
+    let plain = fragments(2);
+    assert_eq!(expected_errors(&plain, &[true; 2]), None);
+}
+
+#[test]
+fn rules_on_evidence_ask_for_it_and_have_their_ranges() {
+    let network = fragments(2);
+    let likelihood = Likelihood {
+        likelihood: vec![0.0; 2],
+        std_error: vec![0.0; 2],
+        frequency: vec![0.0; 2],
+        uncertain: vec![false; 2],
+        network_resilience: 0.0,
+        residual: 0.0,
+        samples: 64,
+        trace: Vec::new(),
+    };
+    for (rule, name) in [(Keep::Probable(ROOT_FACTOR), "probable"), (Keep::Probability(0.5), "probability")] {
+        let said = decide(rule, &network, &likelihood).unwrap_err().to_string();
+        assert!(said.starts_with(&format!("--keep {name}: asks for probabilities")), "{said}");
+    }
+    for rule in [Keep::Probable(-0.1), Keep::Probable(f64::NAN), Keep::Probable(1001.0), Keep::Probability(1.1)] {
+        assert!(rule.validate().is_err(), "{rule:?}");
+    }
+    for rule in [Keep::Probable(0.0), Keep::Probable(1000.0), Keep::Probability(0.0), Keep::Probability(1.0)] {
+        assert!(rule.validate().is_ok(), "{rule:?}");
+    }
+}

@@ -1,0 +1,221 @@
+//! Any parts of a run make the run, bit for bit: shards, what a stop leaves, both of them through their file.
+
+use std::io::Cursor;
+
+use crate::draw::Draw;
+use crate::networks::{boundary, radii, random_conditions, random_network};
+use proptest::prelude::*;
+use willis::error::Error;
+use willis::hemodynamics::Boundary;
+use willis::inference::{Keep, Likelihood, Params, Part, Progress, Sampling, Uncertain, infer};
+use willis::network::Network;
+use willis::report::{read_part, write_part};
+
+fn graph() -> (Network, Boundary) {
+    let mut draw = Draw::new(7);
+    let network = random_network(&mut draw, 12, 20, radii(0.3, 2.0));
+    let conditions = random_conditions(&mut draw, 12);
+    let boundary = boundary(&network, &conditions);
+    (network, boundary)
+}
+
+fn params(samples: u64) -> Params {
+    Params { samples, seed: 3, uncertain: Uncertain::All, ..Params::default() }
+}
+
+/// Everything, as bits.
+fn bits(l: &Likelihood) -> Vec<Vec<u64>> {
+    let of = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    let mut all = vec![of(&l.likelihood), of(&l.std_error), of(&l.frequency), of(&[l.network_resilience]), vec![l.samples]];
+    all.extend(l.trace.iter().flat_map(|s| [vec![s.samples], of(&s.likelihood)]));
+    all
+}
+
+fn through_a_file(part: &Part) -> Part {
+    let mut file = Cursor::new(Vec::new());
+    write_part(&mut file, part).unwrap();
+    read_part(file.get_ref(), part.uncertain().to_vec()).unwrap()
+}
+
+/// The run of `samples` from shards cut at `cuts` of its blocks and joined in another order.
+fn merged(samples: u64, cuts: &[u64], turn: usize) -> Likelihood {
+    let (network, boundary) = graph();
+    let sampling = Sampling::new(&network, &boundary, &params(samples)).unwrap();
+    let mut borders: Vec<u64> = cuts.iter().map(|cut| cut % sampling.blocks()).chain([0, sampling.blocks()]).collect();
+    borders.sort_unstable();
+    borders.dedup();
+    let mut shards: Vec<Part> = Vec::new();
+    for range in borders.windows(2) {
+        let mut part = sampling.part();
+        sampling.sample(&mut part, range[0]..range[1], &mut |_: u64, _: u64| true).unwrap();
+        shards.push(through_a_file(&part));
+    }
+    let middle = turn % shards.len();
+    shards.rotate_left(middle);
+    let mut whole = sampling.part();
+    assert!(shards.into_iter().all(|shard| whole.join(shard)));
+    sampling.likelihood(&whole)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// 20,050 samples are 314 blocks: points of the convergence record are two blocks apart, so that shards cut them, and the
+    /// last block is cut short; 33,000 are 516 blocks, points four apart, the last step not whole.
+    #[test]
+    fn shards_make_the_run(
+        samples in prop::sample::select(vec![1_u64, 64, 1000, 20_050, 33_000]),
+        cuts in prop::collection::vec(0_u64..10_000, 0..8),
+        turn in 0_usize..8,
+    ) {
+        let (network, boundary) = graph();
+        let whole = infer(&network, &boundary, &params(samples), &mut |_: u64, _: u64| true).unwrap().0;
+        prop_assert_eq!(bits(&merged(samples, &cuts, turn)), bits(&whole));
+    }
+}
+
+/// One block a shard, and 17 shards.
+#[test]
+fn many_shards_make_the_run() {
+    let (network, boundary) = graph();
+    let whole = infer(&network, &boundary, &params(20_050), &mut |_: u64, _: u64| true).unwrap().0;
+    assert!(whole.trace.len() > 100);
+    for shards in [1, 3, 17, 314] {
+        let cuts: Vec<u64> = (0..shards).map(|at| at * 314 / shards).collect();
+        assert_eq!(bits(&merged(20_050, &cuts, 5)), bits(&whole), "{shards} shards");
+    }
+}
+
+/// Stops after so many reports, and keeps what was finished when it was last told.
+struct StopAfter {
+    reports: usize,
+    kept: Option<Part>,
+}
+
+impl Progress for StopAfter {
+    fn report(&mut self, _: u64, _: u64) -> bool {
+        self.reports = self.reports.saturating_sub(1);
+        self.reports > 0
+    }
+
+    fn finished(&mut self, part: &Part) {
+        self.kept = Some(part.clone());
+    }
+}
+
+/// A run that is stopped again and again: each time it goes on from what was kept, through a file, on other threads.
+#[test]
+fn a_run_that_is_stopped_goes_on_to_the_same_bits() {
+    let (network, boundary) = graph();
+    let whole = infer(&network, &boundary, &params(33_000), &mut |_: u64, _: u64| true).unwrap().0;
+    let sampling = Sampling::new(&network, &boundary, &params(33_000)).unwrap();
+    let mut part = sampling.part();
+    let mut stops = 0;
+    for threads in [1, 2, 8].into_iter().cycle() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut progress = StopAfter { reports: 20, kept: None };
+        match pool.install(|| sampling.sample(&mut part, 0..sampling.blocks(), &mut progress)) {
+            Ok(()) => break,
+            Err(Error::Stopped { done, total }) => {
+                assert_eq!((done, total), (part.done(), 33_000));
+                stops += 1;
+            }
+            Err(error) => panic!("{error}"),
+        }
+        let kept = progress.kept.unwrap();
+        assert!(kept.done() <= part.done());
+        part = through_a_file(&kept);
+    }
+    assert!(stops > 3, "{stops} stops");
+    assert_eq!(bits(&sampling.likelihood(&part)), bits(&whole));
+}
+
+/// A run until stable takes up its samples when it doubles them, with the bits of a run of as many; stopped and gone on with too.
+#[test]
+fn a_run_until_stable_is_the_run_of_as_many_samples() {
+    let (network, boundary) = graph();
+    let rule = Keep::Quantile(0.45);
+    for samples in [1 << 10, 1 << 15] {
+        let doubled = Params { samples, ..params(1) };
+        let mut part = Sampling::new(&network, &boundary, &doubled).unwrap().part();
+        let mut sampling = Sampling::new(&network, &boundary, &params(1 << 10)).unwrap();
+        let error = sampling.until_stable(&mut part, &network, rule, &mut |done: u64, total: u64| done < total / 2);
+        assert!(matches!(error, Err(Error::Stopped { .. })));
+        let mut part = through_a_file(&part);
+        let mut again = Sampling::new(&network, &boundary, &params(1 << 10)).unwrap();
+        let result = again.until_stable(&mut part, &network, rule, &mut |_: u64, _: u64| true).unwrap();
+        let whole = infer(&network, &boundary, &params(result.samples), &mut |_: u64, _: u64| true).unwrap().0;
+        assert!(result.samples >= samples);
+        assert_eq!(bits(&result), bits(&whole));
+    }
+}
+
+/// From one point every block to one every four: what was recorded in small steps is put together into large ones.
+#[test]
+fn doubling_keeps_the_convergence_record() {
+    let (network, boundary) = graph();
+    let mut sampling = Sampling::new(&network, &boundary, &params(1 << 13)).unwrap();
+    let mut part = sampling.part();
+    for samples in [1 << 13, 1 << 14, 1 << 15, 1 << 16] {
+        sampling = Sampling::new(&network, &boundary, &params(samples)).unwrap();
+        assert_eq!(part.samples(), samples);
+        sampling.sample(&mut part, 0..sampling.blocks(), &mut |_: u64, _: u64| true).unwrap();
+        let whole = infer(&network, &boundary, &params(samples), &mut |_: u64, _: u64| true).unwrap().0;
+        assert_eq!(bits(&sampling.likelihood(&part)), bits(&whole), "{samples}");
+        part.double();
+    }
+}
+
+/// 2^24 numbers at the most for the record: 128 points up to 131,072 vessels uncertain, then fewer, and one at least.
+#[test]
+fn a_large_graph_has_a_shorter_convergence_record() {
+    let step = |uncertain: usize, samples: u64| Part::new(vec![true; uncertain], samples).step();
+    assert_eq!([step(0, 64), step(20, 1000), step(1 << 17, 1 << 20)], [1, 1, 128]);
+    assert_eq!([step(1 << 18, 1 << 20), step(1 << 20, 1 << 20), step(1 << 25, 1 << 20)], [256, 1024, 16_384]);
+}
+
+#[test]
+fn what_does_not_belong_together_is_not_joined() {
+    let (network, boundary) = graph();
+    let sampling = Sampling::new(&network, &boundary, &params(1000)).unwrap();
+    let shard = |blocks: std::ops::Range<u64>| {
+        let mut part = sampling.part();
+        sampling.sample(&mut part, blocks, &mut |_: u64, _: u64| true).unwrap();
+        part
+    };
+    let mut part = shard(0..5);
+    for blocks in [0..16, 4..5, 4..8, 2..3] {
+        let before = part.clone();
+        assert!(!part.join(shard(blocks)));
+        assert_eq!(part, before);
+    }
+    assert!(part.join(shard(9..16)));
+    assert_eq!(part.gaps(0..16).first(), Some(&(5..9)));
+    assert_eq!(part.done(), 320 + 424);
+    assert!(!part.takes(16, 1) && !part.takes(5, 2) && part.takes(6, 2));
+}
+
+/// A file that is cut, or of another network, is refused, whatever byte is wrong first.
+#[test]
+fn a_damaged_file_is_refused() {
+    let (network, boundary) = graph();
+    let sampling = Sampling::new(&network, &boundary, &params(1000)).unwrap();
+    let mut part = sampling.part();
+    sampling.sample(&mut part, 0..7, &mut |_: u64, _: u64| true).unwrap();
+    let mut file = Cursor::new(Vec::new());
+    write_part(&mut file, &part).unwrap();
+    let bytes = file.into_inner();
+    assert_eq!(read_part(&bytes, part.uncertain().to_vec()).unwrap(), part);
+    assert!(read_part(&bytes, vec![true; 19]).is_err());
+    for end in (0..bytes.len()).step_by(97) {
+        assert!(read_part(&bytes[..end], part.uncertain().to_vec()).is_err(), "{end}");
+    }
+    // Every value has its checksum in the archive: what is read is what was written, or nothing.
+    for at in (0..bytes.len()).step_by(7) {
+        let mut other = bytes.clone();
+        other[at] ^= 0x10;
+        if let Ok(read) = read_part(&other, part.uncertain().to_vec()) {
+            assert_eq!(read, part, "{at}");
+        }
+    }
+}

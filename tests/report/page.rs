@@ -1,0 +1,231 @@
+//! report.html as a file: its data are those of the tables, labels stay text, nothing is asked of the network, its size.
+
+use std::fs;
+use std::path::Path;
+
+use crate::command::{data, folder, stderr, willis};
+use crate::grown::grown;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+
+const LABELS: [&str; 7] =
+    ["<script>alert(1)</script>", "\"&'", "</script>", "a\u{2028}b\u{2029}c", "A. cerebri média 中 🧠", "{{scripts}}", "<!--"];
+
+fn run(here: &Path, arguments: &[&str]) {
+    let output = willis(here, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+}
+
+fn page(here: &Path, out: &str) -> String {
+    fs::read_to_string(here.join(out).join("report.html")).expect("a page")
+}
+
+/// The data of a page, cut out as a browser does: up to the first end of a script.
+fn content(page: &str) -> Value {
+    let (_, rest) = page.split_once("<script type=\"application/json\" id=\"data\">").expect("a block of data");
+    let (json, _) = rest.split_once("</script").expect("its end");
+    serde_json::from_str(json).expect("JSON")
+}
+
+fn column<'a>(table: &'a Value, name: &str) -> &'a Value {
+    table["columns"].as_array().expect("columns").iter().find(|c| c["name"] == name).unwrap_or(&Value::Null)
+}
+
+/// A column of numbers by its kind.
+fn numbers(column: &Value, rows: usize) -> Vec<f64> {
+    let kind = column["kind"].as_str().expect("a kind");
+    if kind == "row" {
+        return (0..rows).map(|row| row as f64).collect();
+    }
+    let bytes = STANDARD.decode(column["data"].as_str().expect("data")).expect("base64");
+    let width = kind[1..].parse::<usize>().expect("bits") / 8;
+    let one = |b: &[u8]| match kind {
+        "f64" => f64::from_le_bytes(b.try_into().expect("8")),
+        "f32" => f64::from(f32::from_le_bytes(b.try_into().expect("4"))),
+        _ => b.iter().rev().fold(0.0, |sum, byte| 256.0 * sum + f64::from(*byte)),
+    };
+    bytes.chunks_exact(width).map(one).collect()
+}
+
+fn words(column: &Value, rows: usize) -> Vec<String> {
+    numbers(&column["rows"], rows).into_iter().map(|at| column["words"][at as usize].as_str().expect("text").to_owned()).collect()
+}
+
+/// The columns of a CSV file by name.
+fn csv(path: &Path) -> impl Fn(&str) -> Vec<String> + use<> {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let names = reader.headers().expect("names").clone();
+    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    move |name: &str| {
+        let at = names.iter().position(|n| n == name).expect("a column");
+        rows.iter().map(|r| r[at].to_owned()).collect()
+    }
+}
+
+fn reals(texts: &[String]) -> Vec<f64> {
+    texts.iter().map(|t| t.parse().expect("a number")).collect()
+}
+
+/// A page holds two scripts of its own, and fetches nothing: every address in it is within it.
+fn is_closed(page: &str) {
+    assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (2, 2));
+    assert!(page.contains("default-src 'none'"));
+    let without_names = page.replace("http://www.w3.org/2000/svg", "");
+    for word in
+        ["http://", "https://", "fetch(", "XMLHttpRequest", "WebSocket", "import(", "@import", "<link", "<iframe", "innerHTML"]
+    {
+        assert!(!without_names.contains(word), "{word}");
+    }
+    for opening in ["src=\"", "href=\"", "url("] {
+        for (at, _) in page.match_indices(opening) {
+            let address = &page[at + opening.len()..];
+            assert!(address.starts_with('#') || address.starts_with("data:"), "{opening}{}", &address[..30.min(address.len())]);
+        }
+    }
+}
+
+#[test]
+fn labels_are_text_whatever_they_say() {
+    let here = folder();
+    let long = "x".repeat(3_000);
+    let labels: Vec<&str> = LABELS.iter().copied().chain([long.as_str()]).collect();
+    let (nodes, edges) = grown(30, &labels);
+    fs::write(here.path().join("nodes.csv"), nodes).expect("written");
+    fs::write(here.path().join("<b>&\"x.csv"), edges).expect("written");
+    run(here.path(), &["infer", "<b>&\"x.csv", "-o", "infer", "-n", "64", "-q"]);
+    run(here.path(), &["simulate", "<b>&\"x.csv", "-o", "simulate", "--occlude", "</script>", "-q"]);
+    run(here.path(), &["modulate", "<b>&\"x.csv", "-o", "modulate", "-n", "8", "--vessels", "<script>alert(1)</script>", "-q"]);
+    for command in ["infer", "simulate", "modulate"] {
+        let html = page(here.path(), command);
+        is_closed(&html);
+        assert!(html.contains(&format!("<title>willis {command}: &lt;b&gt;&amp;&quot;x.csv</title>")), "{command}");
+        let content = content(&html);
+        let table = &content["tables"][0];
+        let found = words(column(table, "label"), 30);
+        assert_eq!(found[..labels.len()], labels, "{command}");
+        assert!(found[labels.len()..].iter().all(String::is_empty));
+    }
+    let record = content(&page(here.path(), "simulate"))["record"].clone();
+    assert_eq!(record["command"], "willis simulate '<b>&\"x.csv' --occlude '</script>'");
+}
+
+/// Columns, threshold and record against the other files of the folder; coordinates against the input, to a step of their grid.
+#[test]
+fn the_data_are_those_of_the_folder() {
+    let here = folder();
+    let (nodes, edges) = grown(300, &[]);
+    fs::write(here.path().join("nodes.csv"), nodes).expect("written");
+    fs::write(here.path().join("edges.csv"), edges).expect("written");
+    run(here.path(), &["infer", "edges.csv", "-o", "out", "-n", "200", "-q"]);
+    let html = page(here.path(), "out");
+    is_closed(&html);
+    let content = content(&html);
+    let (table, edges) = (&content["tables"][0], csv(&here.path().join("out/edges.csv")));
+    for name in ["likelihood", "std_error", "frequency", "kept", "above_median", "node_a", "node_b", "edge"] {
+        let found: Vec<u64> = numbers(column(table, name), 300).into_iter().map(f64::to_bits).collect();
+        assert_eq!(found, reals(&edges(name)).into_iter().map(f64::to_bits).collect::<Vec<_>>(), "{name}");
+    }
+    for name in ["length_mm", "radius_mm"] {
+        let pairs = numbers(column(table, name), 300).into_iter().zip(reals(&edges(name)));
+        assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() <= 1e-7 * b), "{name}");
+    }
+    let candidate: Vec<f64> = edges("origin").iter().map(|o| f64::from(u8::from(o == "candidate"))).collect();
+    assert_eq!(numbers(column(table, "uncertain"), 300), candidate);
+
+    let mut record: Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
+    assert_eq!(content["threshold"]["cut"], record["threshold"]["value"]);
+    assert_eq!(content["threshold"]["median"], record["threshold"]["median"]);
+    let fields = record.as_object_mut().expect("an object");
+    let listed = fields.remove("boundary_conditions").expect("conditions");
+    fields.remove("time");
+    fields["convergence"].as_object_mut().expect("an object").remove("undecided_edges");
+    let mut shown = content["record"].clone();
+    assert_eq!(shown.as_object_mut().expect("an object").remove("boundary_conditions"), Some(Value::Null));
+    assert_eq!(shown, record);
+    let conditions = content["tables"].as_array().expect("tables").last().expect("one");
+    assert_eq!(conditions["rows"].as_u64(), listed.as_array().map(|l| l.len() as u64));
+
+    let scene = &content["scene"];
+    let bytes = STANDARD.decode(scene["points"].as_str().expect("points")).expect("base64");
+    let whole: Vec<f64> = bytes.chunks_exact(2).map(|b| f64::from(u16::from_le_bytes([b[0], b[1]]))).collect();
+    let counts = numbers(&scene["counts"], 300);
+    assert!(counts.iter().all(|n| *n == 2.0));
+    let (step, radius_step) = (scene["steps"][0].as_f64().expect("mm"), scene["steps"][1].as_f64().expect("mm"));
+    for (axis, names) in [["ax_mm", "bx_mm"], ["ay_mm", "by_mm"], ["az_mm", "bz_mm"]].into_iter().enumerate() {
+        let corner = scene["corner"][axis].as_f64().expect("mm");
+        for (end, name) in names.into_iter().enumerate() {
+            for (row, truth) in reals(&edges(name)).into_iter().enumerate() {
+                let found = corner + step * whole[8 * row + 4 * end + axis];
+                assert!((found - truth).abs() <= 0.51 * step, "{name} of {row}: {found} for {truth}");
+            }
+        }
+    }
+    for (row, truth) in reals(&edges("radius_mm")).into_iter().enumerate() {
+        assert!((radius_step * whole[8 * row + 3] - truth).abs() <= 0.51 * radius_step);
+    }
+}
+
+#[test]
+fn a_graph_without_coordinates_has_a_page_that_says_so() {
+    let here = folder();
+    let edges = "node_a,node_b,length_mm,radius_mm,origin\na,b,10,1,observed\nb,c,10,1,candidate\nb,d,10,0.5,candidate\n";
+    fs::write(here.path().join("edges.csv"), edges).expect("written");
+    run(here.path(), &["infer", "edges.csv", "-o", "out", "--inlet", "a", "--outlet", "c", "--outlet", "d", "-q"]);
+    let content = content(&page(here.path(), "out"));
+    assert!(content["scene"].is_null() && content["no_scene"].as_str().is_some_and(|why| why.contains("no coordinates")));
+    assert_eq!(content["tables"][0]["rows"], 3);
+}
+
+#[test]
+fn several_occlusion_probabilities_have_a_page_each() {
+    let here = folder();
+    run(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "out", "--epsilon", "0.2,0.5", "-n", "64", "-q"]);
+    for epsilon in [0.2, 0.5] {
+        let content = content(&page(here.path(), &format!("out/epsilon-{epsilon}")));
+        assert_eq!(content["record"]["parameters"]["epsilon"], epsilon);
+    }
+}
+
+/// Each class of a modulation is a table of its vessels, with the figures of edges.csv.
+#[test]
+fn a_modulation_has_a_table_of_vessels_for_each_class() {
+    let here = folder();
+    let circle = data("circle-of-willis/complete.graphml");
+    run(here.path(), &["modulate", &circle, "-o", "out", "-n", "20", "-q"]);
+    let content = content(&page(here.path(), "out"));
+    let edges = csv(&here.path().join("out/edges.csv"));
+    let (classes, quantities, rows) = (edges("class"), edges("quantity"), edges("edge"));
+    for (at, class) in ["0:0.2", "0.2:0.3", "0.3:0.5"].into_iter().enumerate() {
+        let table = &content["tables"][at];
+        assert!(table["title"].as_str().is_some_and(|title| title.ends_with(class)));
+        let vessels = table["rows"].as_u64().expect("rows") as usize;
+        for quantity in ["flow_mL_per_min", "drop_mmHg", "resilience_W_per_m3", "hypertension_mmHg_per_mm2"] {
+            for figure in ["mean", "std", "unperturbed"] {
+                let found = numbers(column(table, &format!("{quantity}_{figure}")), vessels);
+                let of_file = reals(&edges(figure));
+                let mut compared = 0;
+                for row in (0..rows.len()).filter(|row| classes[*row] == class && quantities[*row] == quantity) {
+                    let (here, there) = (found[rows[row].parse::<usize>().expect("a row")], of_file[row]);
+                    assert!((here - there).abs() <= 1e-7 * there.abs(), "{class} {quantity} {figure} {}", rows[row]);
+                    compared += 1;
+                }
+                assert_eq!(compared, vessels);
+            }
+        }
+    }
+    assert_eq!(content["figures"].as_array().map(Vec::len), Some(2));
+}
+
+/// The largest picture a page is made for: 20,000 vessels stay sendable by mail.
+#[test]
+fn a_page_of_twenty_thousand_vessels_is_below_four_megabytes() {
+    let here = folder();
+    let (nodes, edges) = grown(20_000, &[]);
+    fs::write(here.path().join("nodes.csv"), nodes).expect("written");
+    fs::write(here.path().join("edges.csv"), edges).expect("written");
+    run(here.path(), &["infer", "edges.csv", "-o", "out", "-n", "64", "-q"]);
+    let html = page(here.path(), "out");
+    assert!(html.len() < 4_000_000, "{} bytes", html.len());
+    assert_eq!(content(&html)["tables"][0]["rows"], 20_000);
+}

@@ -1,0 +1,53 @@
+//! report.html in a browser: counts at every threshold against NetworkX, switches, sorting, picking, keys, no error. Needs
+//! `WILLIS_CHROMIUM` (with chromedriver beside it or on the path) and `WILLIS_PYTHON`.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::command::{data, folder, stderr, willis};
+use crate::grown::grown;
+
+const LABELS: [&str; 5] = ["<script>alert(1)</script>", "\"&'", "</script>", "cerebri média 中", "<img src=x onerror=alert(2)>"];
+
+fn run(here: &Path, arguments: &[&str]) {
+    let output = willis(here, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+}
+
+#[test]
+fn pages_work_in_chromium() {
+    let (Ok(python), Ok(chromium)) = (std::env::var("WILLIS_PYTHON"), std::env::var("WILLIS_CHROMIUM")) else {
+        eprintln!("skipped: WILLIS_CHROMIUM names no Chromium, or WILLIS_PYTHON no Python with tests/requirements.txt");
+        return;
+    };
+    let here = folder();
+    for vessels in [500, 20_000] {
+        let (nodes, edges) = grown(vessels, &LABELS);
+        let graph = here.path().join(format!("graph{vessels}"));
+        fs::create_dir(&graph).expect("made");
+        fs::write(graph.join("nodes.csv"), nodes).expect("written");
+        fs::write(graph.join("edges.csv"), edges).expect("written");
+    }
+    let small = "graph500/edges.csv";
+    run(here.path(), &["phantom", "tree", "--break", "--seed", "3", "-o", "tree.swc", "-q"]);
+    let runs: [(&str, &[&str]); 9] = [
+        ("median", &["infer", small, "-n", "300"]),
+        ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
+        ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
+        ("all", &["infer", small, "-n", "300", "--uncertain", "all", "--keep", "value=1e6"]),
+        ("probable", &["infer", "tree.swc", "-n", "64"]),
+        ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
+        ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
+        ("simulate", &["simulate", small, "--occlude", "</script>"]),
+        ("modulate", &["modulate", &data("circle-of-willis/complete.graphml"), "-n", "64"]),
+    ];
+    for (out, arguments) in runs {
+        run(here.path(), &[arguments, &["-o", out, "-q"]].concat());
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/report/drive.py");
+    let mut driver = Command::new(python);
+    let output = driver.arg(script).arg(chromium).args(runs.map(|(out, _)| out)).current_dir(here.path()).output().expect("runs");
+    let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{}{}", said(&output.stdout), said(&output.stderr));
+}

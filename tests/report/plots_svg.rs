@@ -1,0 +1,308 @@
+//! The pictures as SVG: read back with an XML parser, against places worked out by hand and against the PNG of the same figure.
+
+use crate::command;
+use base64::Engine;
+use roxmltree::{Document, Node};
+use willis::inference::Weight;
+use willis::report::plots::{
+    Boxes, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map, hypertension,
+    modulation,
+};
+use willis::stats::gamma::Gamma;
+
+const KEPT: &str = "#0072b2";
+const PRUNED: &str = "#d55e00";
+const INK: &str = "#1a1a1a";
+/// Points from the page's corner to that of the axes of the convergence, and to their other corner.
+const AXES: [[f64; 2]; 2] = [[62.0, 50.0], [440.0, 284.0]];
+
+fn heat(nodes: usize, entries: &[(u32, u32, f64)]) -> Figure {
+    heat_map(&Matrix { nodes, entries }, Weight::Resilience).expect("a heat map")
+}
+
+fn bars(flows: &[(&str, f64, Option<f64>)]) -> Figure {
+    let flow = |(name, unperturbed, perturbed): &(&str, f64, Option<f64>)| VesselFlow {
+        name: (*name).to_owned(),
+        unperturbed: *unperturbed,
+        perturbed: *perturbed,
+    };
+    flow_bars(&flows.iter().map(flow).collect::<Vec<_>>()).expect("bars")
+}
+
+/// One of each kind.
+fn figures() -> Vec<Figure> {
+    let boxes = Boxes { each: [-2.0, -1.0, 0.0, 1.0, 2.0], whole: [-1.0, -0.5, 0.0, 0.5, 1.0] };
+    let panel = |name: &str| Panel { name: name.to_owned(), unchanged: 0.0, boxes: vec![boxes] };
+    let one = Histogram { heading: "u".into(), density: vec![0.5, 0.5], fit: Some(Gamma { shape: 2.0, scale: 0.5 }) };
+    vec![
+        heat(3, &[(0, 1, 3.0), (1, 2, 700.0)]),
+        heat(3, &[]),
+        convergence(&[10, 20], &[vec![1.0, 2.0], vec![0.0, 3.0]], &[2.0, 2.0], &[true, false], Weight::Resilience)
+            .expect("curves"),
+        bars(&[("L-M1", -20.0, Some(10.0)), ("R-M1", 10.0, None)]),
+        modulation(vec!["0\u{2013}0.2".to_owned()], ["p", "q", "r"].map(panel)),
+        hypertension(Histograms { edges: vec![0.0, 1.0, 2.0], threshold: 1.5, classes: vec![one] }),
+    ]
+}
+
+/// The places that a path goes through and its control points, in points.
+fn places(d: &str) -> Vec<[f64; 2]> {
+    let spaced: String = d
+        .chars()
+        .flat_map(|c| match c {
+            'a'..='z' | 'A'..='Z' => vec![' ', c, ' '],
+            '-' => vec![' ', '-'],
+            other => vec![other],
+        })
+        .collect();
+    let (mut at, mut out, mut command, mut numbers) = ([0.0, 0.0], Vec::new(), ' ', Vec::new());
+    for word in spaced.split_whitespace() {
+        let Ok(number) = word.parse::<f64>() else {
+            command = word.chars().next().expect("a letter");
+            assert!(numbers.is_empty(), "{d}");
+            continue;
+        };
+        numbers.push(number / 100.0);
+        let wanted = match command {
+            'H' | 'V' => 1,
+            'q' => 4,
+            'c' => 6,
+            _ => 2,
+        };
+        if numbers.len() < wanted {
+            continue;
+        }
+        let from = if command.is_ascii_uppercase() { [0.0, 0.0] } else { at };
+        match command {
+            'H' => at[0] = numbers[0],
+            'V' => at[1] = numbers[0],
+            _ => {
+                for pair in numbers.chunks_exact(2) {
+                    out.push([from[0] + pair[0], from[1] + pair[1]]);
+                }
+                at = out.pop().expect("an end");
+            }
+        }
+        out.push(at);
+        numbers.clear();
+    }
+    out
+}
+
+/// First and last x, first and last y.
+fn bounds(places: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    [0, 1].map(|axis| {
+        places.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p[axis]), high.max(p[axis])])
+    })
+}
+
+fn paths<'a>(svg: &'a Document<'_>, attribute: &str, value: &str) -> Vec<Node<'a, 'a>> {
+    svg.descendants()
+        .filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "path")) && n.attribute(attribute) == Some(value))
+        .collect()
+}
+
+fn d(path: &Node<'_, '_>) -> Vec<[f64; 2]> {
+    places(path.attribute("d").expect("a path"))
+}
+
+fn near(got: [f64; 2], want: [f64; 2], within: f64) {
+    assert!((got[0] - want[0]).abs() <= within && (got[1] - want[1]).abs() <= within, "{got:?} is not {want:?}");
+}
+
+/// The pixels of a PNG: its width, its height, red, green and blue.
+fn pixels(file: &[u8]) -> (usize, usize, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG header");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut rgb).expect("an image");
+    (info.width as usize, info.height as usize, rgb)
+}
+
+#[test]
+fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
+    for figure in figures() {
+        let text = figure.svg().expect("an SVG");
+        assert_eq!(text, figure.svg().expect("an SVG"), "the same bytes again");
+        let svg = Document::parse(&text).expect("well-formed");
+        let root = svg.root_element();
+        let (width, height, _) = pixels(&figure.png(72).expect("a PNG"));
+        let points =
+            |name| root.attribute(name).and_then(|t| t.strip_suffix("pt")).and_then(|t| t.parse().ok()).unwrap_or(f64::NAN);
+        near([points("width"), points("height")], [width as f64, height as f64], 0.5);
+        for node in root.descendants().filter(Node::is_element) {
+            let tag = node.tag_name().name();
+            assert!(["svg", "path", "linearGradient", "stop", "image"].contains(&tag), "{tag}: text would need a font");
+            for attribute in node.attributes() {
+                let value = attribute.value();
+                match attribute.name() {
+                    "href" => assert!(value.starts_with("data:image/png;base64,")),
+                    "id" => assert!(value.starts_with(figure.name())),
+                    _ => assert!(!value.contains("//") && (!value.contains("url(") || value.starts_with("url(#")), "{value}"),
+                }
+            }
+            if tag == "path" {
+                let all = d(&node);
+                let [[left, right], [top, bottom]] = bounds(&all);
+                assert!(
+                    left >= 0.0 && top >= 0.0 && right <= points("width") && bottom <= points("height"),
+                    "{all:?} off the page"
+                );
+            }
+        }
+    }
+}
+
+/// Of 100, 10 and 1 W/m³ over two decades with 4 % of air at each end, 100 lies at (2 + 0.08)/2.16 of the height; 10 of 20 samples
+/// lie at 10/(20 · 1.02) of the width.
+#[test]
+fn there_is_a_curve_a_series_through_the_places_worked_out_by_hand() {
+    let series = [vec![100.0, 100.0], vec![1.0, 1.0], vec![10.0, 1.0]];
+    let figure = convergence(&[10, 20], &series, &[10.0, 10.0], &[true, false, false], Weight::Resilience).expect("curves");
+    let text = figure.svg().expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    // Those of the legend are above the axes.
+    let curves = |rgb| -> Vec<_> { paths(&svg, "stroke", rgb).iter().map(d).filter(|p| p[0][1] > AXES[0][1]).collect() };
+    let [kept, pruned] = [curves(KEPT), curves(PRUNED)];
+    assert_eq!((kept.len(), pruned.len()), (1, 2));
+    let [[left, top], [right, bottom]] = AXES;
+    let x = |n: f64| left + (right - left) * n / (20.0 * 1.02);
+    let y = |log: f64| bottom - (bottom - top) * (log + 0.08) / 2.16;
+    for (curve, logs) in [(&kept[0], [2.0, 2.0]), (&pruned[0], [0.0, 0.0]), (&pruned[1], [1.0, 0.0])] {
+        assert_eq!(curve.len(), 2);
+        near(curve[0], [x(10.0), y(logs[0])], 0.0051);
+        near(curve[1], [x(20.0), y(logs[1])], 0.0051);
+    }
+    // The PNG has the same curve there and nowhere near.
+    let dpi = 300;
+    let (width, _, rgb) = pixels(&figure.png(dpi).expect("a PNG"));
+    let blue = |[x, y]: [f64; 2]| {
+        let [x, y] = [x, y].map(|points| (points * f64::from(dpi) / 72.0) as usize);
+        let pixel = &rgb[3 * (y * width + x)..][..3];
+        i32::from(pixel[2]) - i32::from(pixel[0]) > 60
+    };
+    let middle = x(15.0);
+    assert!(blue([middle, y(2.0)]) && !blue([middle, y(2.0) - 2.0]) && !blue([middle, y(2.0) + 2.0]));
+}
+
+/// The ink of the title in the PNG fills the box that its outline has in the SVG, to a point. (plotters sets glyphs a side bearing
+/// to the left.)
+#[test]
+fn text_is_where_the_png_has_it() {
+    let figure = heat(5, &[(0, 1, 1.0)]);
+    let text = figure.svg().expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    let title = paths(&svg, "aria-label", "Likelihood matrix (5 nodes)");
+    assert_eq!(title.len(), 1);
+    let outline = bounds(&d(&title[0]));
+    let (width, _, rgb) = pixels(&figure.png(720).expect("a PNG"));
+    let dark = |i: &usize| rgb[3 * i] < 128;
+    let ink: Vec<[f64; 2]> =
+        (0..width * 300).filter(dark).map(|i| [(i % width) as f64 / 10.0, (i / width) as f64 / 10.0]).collect();
+    let ink = bounds(&ink);
+    for axis in [0, 1] {
+        near(ink[axis], outline[axis], 1.5);
+    }
+    let upwards =
+        paths(&svg, "aria-label", "node").iter().map(|p| bounds(&d(p))).filter(|[x, y]| y[1] - y[0] > x[1] - x[0]).count();
+    assert_eq!(upwards, 1, "one of the two names of axes runs upwards");
+}
+
+/// A side of 318 points and five nodes: 63.6 points a cell, from the corner (54, 34).
+#[test]
+fn the_cells_of_a_matrix_are_where_they_belong() {
+    let text = heat(5, &[(3, 1, 1e6), (0, 4, 1.0)]).svg().expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    let [r, g, b] = colour(1.0);
+    let hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    let at = |node: f64, corner: f64| [corner + 63.6 * node, corner + 63.6 * (node + 1.0)];
+    for (row, column) in [(1.0, 3.0), (3.0, 1.0)] {
+        assert!(hot.iter().any(|[x, y]| {
+            let [want_x, want_y] = [at(column, 54.0), at(row, 34.0)];
+            (0..2).all(|i| (x[i] - want_x[i]).abs() < 0.006 && (y[i] - want_y[i]).abs() < 0.006)
+        }));
+    }
+    assert_eq!(hot.len(), 2);
+}
+
+#[test]
+fn a_large_matrix_is_one_small_image() {
+    let entries: Vec<_> = (0..20_000).map(|k| (k % 5000, (k * 13 + 7) % 5000, 1.0 + f64::from(k % 50))).collect();
+    let text = heat(5000, &entries).svg().expect("an SVG");
+    assert!(text.len() < 1_000_000, "{} bytes", text.len());
+    let svg = Document::parse(&text).expect("well-formed");
+    let images: Vec<_> = svg.descendants().filter(|n| n.tag_name().name() == "image").collect();
+    assert_eq!(images.len(), 1);
+    let data = images[0]
+        .attribute(("http://www.w3.org/1999/xlink", "href"))
+        .and_then(|h| h.strip_prefix("data:image/png;base64,"))
+        .expect("data");
+    let (width, height, rgb) = pixels(&base64::engine::general_purpose::STANDARD.decode(data).expect("base64"));
+    assert_eq!(width, height);
+    let share = |wanted: [u8; 3]| rgb.chunks_exact(3).filter(|p| *p == wanted).count() as f64 / (width * height) as f64;
+    assert!(share(colour(1.0)) > 0.0 && share(colour(0.0)) > 0.0);
+    let transposed = (0..width * height).all(|i| rgb[3 * i..][..3] == rgb[3 * (i % width * width + i / width)..][..3]);
+    assert!(transposed, "symmetric");
+    // The axes around it are those of any other matrix.
+    let frames = paths(&svg, "stroke", INK).iter().map(|p| bounds(&d(p))).filter(|[x, _]| x[1] - x[0] > 300.0).count();
+    assert_eq!(frames, 1);
+}
+
+#[test]
+fn bars_are_in_proportion_and_any_name_can_be_written() {
+    let name = "a<b>&\"c\u{1}'";
+    let text = bars(&[(name, 200.0, Some(-100.0)), ("R-M1", 50.0, Some(50.0))]).svg().expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    let widths = |rgb| -> Vec<f64> {
+        // Below the legend.
+        let all = paths(&svg, "fill", rgb).into_iter().map(|p| bounds(&d(&p))).filter(|[_, y]| y[0] > 45.0);
+        all.map(|[x, _]| x[1] - x[0]).collect()
+    };
+    let ([before, small], [after, _]) =
+        (widths(KEPT)[..].try_into().expect("two"), widths("#e69f00")[..].try_into().expect("two"));
+    assert!((before - 4.0 * small).abs() < 0.05 && (before - 2.0 * after).abs() < 0.05, "{before} {small} {after}");
+    assert_eq!(paths(&svg, "aria-label", "a<b>&\"c\u{fffd}'").len(), 1);
+}
+
+/// The median of an odd number of likelihoods is one of them: the threshold of a run ends where that vessel's curve ends.
+#[test]
+fn the_threshold_of_a_run_ends_on_the_vessel_in_the_middle() {
+    let here = command::folder();
+    let input = command::data("broken-circle-of-willis.swc");
+    let run = command::willis(here.path(), &["infer", &input, "--keep", "median", "-n", "500", "-o", "out"]);
+    assert!(run.status.success(), "{}", command::stderr(&run));
+    let file = |name: &str| std::fs::read_to_string(here.path().join("out").join(name)).expect("a file of the run");
+    let text = file("convergence.svg");
+    let svg = Document::parse(&text).expect("well-formed");
+    let ends = |rgb| -> Vec<f64> {
+        let curves = paths(&svg, "stroke", rgb).into_iter().map(|path| d(&path)).filter(|p| p.len() > 2 && p[0][1] > AXES[0][1]);
+        curves.map(|curve| curve[curve.len() - 1][1]).collect()
+    };
+    // Uncertain and above zero: the columns `probability` and `likelihood` of edges.csv.
+    let table = file("edges.csv");
+    let [head, rows @ ..] = &table.lines().map(|line| line.split(',').collect()).collect::<Vec<Vec<&str>>>()[..] else {
+        panic!("no rows")
+    };
+    let column = |name: &str| head.iter().position(|h| *h == name).expect("a column");
+    let (likelihood, probability) = (column("likelihood"), column("probability"));
+    let positive = rows.iter().filter(|row| !row[probability].is_empty() && row[likelihood] != "0").count();
+    let mut vessels = [ends(KEPT), ends(PRUNED)].concat();
+    vessels.sort_by(f64::total_cmp);
+    let [threshold] = ends(INK)[..] else { panic!("one threshold") };
+    assert_eq!(positive % 2, 1, "the median of {positive} is between two");
+    let middle = vessels[positive / 2];
+    assert!((middle - threshold).abs() < 0.011, "{threshold} for {middle} of {vessels:?}");
+    assert!(vessels[0] < threshold - 1.0 && vessels[positive - 1] > threshold + 1.0, "the curves spread");
+}
+
+/// L counts samples under `--weight count`; then no picture may call it a power per volume.
+#[test]
+fn the_unit_is_that_of_what_the_likelihood_adds_up() {
+    let said = |weight| {
+        let heat = heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 3.0)] }, weight).and_then(|figure| figure.svg());
+        let curves = convergence(&[10], &[vec![1.0]], &[2.0], &[true], weight).and_then(|figure| figure.svg());
+        heat.expect("an SVG") + &curves.expect("an SVG")
+    };
+    let (resilience, count) = (said(Weight::Resilience), said(Weight::Count));
+    assert!(resilience.contains("\"L (W/m³)\"") && resilience.contains("L/n (W/m³)\""));
+    assert!(count.contains("\"L (samples)\"") && count.contains("\"share of samples L/n\"") && !count.contains("W/m"));
+}
