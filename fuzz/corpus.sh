@@ -50,7 +50,7 @@ printf 'label,x_mm,y_mm,z_mm\nR-ICA,0,0,0\nBA,1,2,3\n' > "$work/landmarks.csv"
 put landmarks "$work/landmarks.csv"
 printf 'node,kind,value,unit\n1,pressure,100,mmHg\n8,resistance,5,mmHg s/mL\n' > "$work/conditions.csv"
 put conditions-csv "$work/conditions.csv"
-put weights ../src/candidates/prior/weights.toml
+put weights ../src/candidates/model/weights.toml
 printf '[[condition]]\nnode = "1"\nkind = "pressure"\nvalue = 100\nunit = "mmHg"\n' > "$work/conditions.toml"
 put conditions-toml "$work/conditions.toml"
 printf 'Name,Type,Length,AverageRadius,StartPointPositionX,StartPointPositionY,StartPointPositionZ,EndPointPositionX,EndPointPositionY,EndPointPositionZ\nICA,1,3,1,0,0,0,3,0,0\n' > "$work/icafe.csv"

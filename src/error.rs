@@ -1,6 +1,7 @@
 //! What can go wrong, worded for the person who has to mend it: file, place, value, accepted form.
 
-use std::{fmt, io, path::Path, path::PathBuf};
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 /// The result of everything in this crate that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -1,15 +1,16 @@
 //! A block of samples allocates nothing after the first: counted by an allocator that counts.
 
-use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::inference::{Params, Sampler, Solver, Sums, Uncertain, Weight};
-use willis::phantom::{cerebral, circle_of_willis};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums, Uncertain, Weight};
 
 #[test]
 fn a_block_allocates_nothing_once_warm() {
     let network = cerebral(&circle_of_willis(1e-3));
     let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground).expect("conditions");
     for weight in [Weight::Resilience, Weight::Global] {
-        let params = Params { uncertain: Uncertain::All, solver: Solver::Lanes, weight, ..Params::default() };
+        let params = SamplingOptions { uncertain: Uncertain::All, solver: Solver::Lanes, weight, ..SamplingOptions::default() };
         let sampler = Sampler::new(&network, &boundary, &params).expect("a sampler");
         let (mut work, mut sums) = (sampler.workspace(), Sums::zero(network.vessel_count()));
         let mut blocks = |range: std::ops::Range<u64>| {

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use willis::formats::{Content, ReadOptions, read};
-use willis::hemodynamics::boundary::stated;
-use willis::hemodynamics::peel::{Peeled, peel};
-use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
-use willis::inference::{Params, Solver, Uncertain, key};
-use willis::network::Network;
-use willis::perturbation::Occlusion;
-use willis::resilience::{is_diffused, resilience_per_square_drop};
-use willis::simd::Scalar;
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::peeling::{Peeled, peel};
+use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
+use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
+use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::network::Network;
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{SamplingOptions, Solver, Uncertain, key};
+use willis::internals::support::simd::Scalar;
 
 use crate::Result;
 
@@ -34,8 +34,8 @@ pub struct Pieces {
 }
 
 /// Every vessel uncertain, no prior.
-pub fn params(solver: Solver, samples: u64) -> Params {
-    Params { epsilon: EPSILON, uncertain: Uncertain::All, samples, solver, ..Params::default() }
+pub fn params(solver: Solver, samples: u64) -> SamplingOptions {
+    SamplingOptions { epsilon: EPSILON, uncertain: Uncertain::All, samples, solver, ..SamplingOptions::default() }
 }
 
 impl Case {

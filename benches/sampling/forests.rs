@@ -5,8 +5,8 @@ use std::hint::black_box;
 use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::{NodeIndex, UnGraph};
-use willis::hemodynamics::StarMesh;
-use willis::inference::{Bottleneck, Forest};
+use willis::internals::flow::StarMesh;
+use willis::internals::sampling::{Bottleneck, Forest};
 
 use crate::Result;
 use crate::case::Case;

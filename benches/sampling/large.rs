@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use willis::inference::{Params, Sampler, Solver, Sums};
-use willis::rng::BLOCK;
+use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums};
+use willis::internals::support::random::BLOCK;
 
 use crate::Result;
 use crate::case::Case;
@@ -11,7 +11,7 @@ use crate::case::Case;
 /// Samples a case whose candidates are open with probability 0.25 and whose observed vessels are certain, in one thread, for about
 /// so many seconds, and prints a line of figures, separated by commas.
 pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
-    let params = Params { epsilon: 0.75, solver, ..Params::default() };
+    let params = SamplingOptions { epsilon: 0.75, solver, ..SamplingOptions::default() };
     let vessels = case.network.vessel_count();
     let uncertain = params.uncertain.vessels(&case.network).iter().filter(|u| **u).count();
     let start = Instant::now();

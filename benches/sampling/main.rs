@@ -8,7 +8,7 @@ mod stages;
 
 use std::error::Error;
 
-use willis::inference::{Likelihood, Params, Sampler, Solver, Sums, infer};
+use willis::internals::sampling::{Likelihood, Sampler, SamplingOptions, Solver, Sums, infer};
 
 use case::{Case, params};
 
@@ -54,7 +54,7 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
-fn run(case: &Case, params: &Params) -> Likelihood {
+fn run(case: &Case, params: &SamplingOptions) -> Likelihood {
     let result = infer(&case.network, &case.boundary, params, &mut |_: u64, _: u64| true);
     result.expect("a benchmark graph can be sampled").0
 }
@@ -82,8 +82,8 @@ fn seconds(case: &Case, threads: usize, samples: u64) -> Result<()> {
 fn count(case: &Case, samples: u64) -> Result<()> {
     let sampler = Sampler::new(&case.network, &case.boundary, &params(Solver::Lanes, samples))?;
     let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
-    for block in 0..samples / willis::rng::BLOCK {
-        sampler.block(block, willis::rng::BLOCK, &mut work, &mut sums)?;
+    for block in 0..samples / willis::internals::support::random::BLOCK {
+        sampler.block(block, willis::internals::support::random::BLOCK, &mut work, &mut sums)?;
         std::hint::black_box(&sums);
     }
     Ok(())

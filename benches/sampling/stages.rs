@@ -2,9 +2,10 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use willis::hemodynamics::star_mesh::{self, StarMesh};
-use willis::inference::{Bottleneck, Taken};
-use willis::simd::{InstructionSet, Kernel, Lanes, Simd};
+use willis::internals::flow::batch::star_mesh;
+use willis::internals::flow::batch::star_mesh::StarMesh;
+use willis::internals::sampling::{Bottleneck, Taken};
+use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;
 use crate::case::{Case, Pieces};
@@ -91,7 +92,7 @@ pub fn print(case: &Case) -> Result<()> {
     let mask = per_call(BUDGET, || {
         pieces.occlusion.draw(0, block, &mut masks);
         block += 1;
-    }) / willis::rng::BLOCK as f64;
+    }) / willis::internals::support::random::BLOCK as f64;
     let solve = solve(&pieces, &program, BUDGET);
     let forest = forest(&bottleneck, &pieces.keys(&program, 16), BUDGET);
     println!("{mask:.4},{solve:.4},{forest:.4},{},{}", program.updates(), bottleneck.joins());

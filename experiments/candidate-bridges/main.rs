@@ -5,10 +5,11 @@ use std::fs;
 use std::io::{BufReader, Error, ErrorKind, Result};
 use std::time::Instant;
 
-use willis::candidates::evidence::{Extraction, Meetings, Search, features, search};
 use willis::error::Fault;
-use willis::network::{Network, RadiusRule, contract, nearest, parse_position};
-use willis::units::Scale;
+use willis::internals::candidates::features::{Extraction, features};
+use willis::internals::candidates::search::{Meetings, Search, search};
+use willis::internals::network::units::Scale;
+use willis::internals::network::{Network, RadiusRule, contract, nearest_node, parse_position};
 
 /// As the command line: a fraction of the box around the points.
 const WELD_TOLERANCE: f64 = 1e-6;
@@ -33,7 +34,7 @@ fn rule(name: &str) -> Option<Search> {
 fn observed(path: &str) -> Result<Network> {
     let wrong = |fault: Fault| Error::other(fault.in_file(path.as_ref()));
     let file = BufReader::new(fs::File::open(path)?);
-    let (mut lines, _) = willis::formats::read_swc(file, &Scale::default()).map_err(wrong)?;
+    let (mut lines, _) = willis::internals::io::read_swc(file, &Scale::default()).map_err(wrong)?;
     lines.weld(WELD_TOLERANCE);
     Ok(contract(&lines, RadiusRule::Mean, None).map_err(wrong)?.network)
 }
@@ -47,7 +48,7 @@ fn main() -> Result<()> {
     let network = observed(fragments)?;
     let inlets = fs::read_to_string(inlets)?;
     let inlets: Vec<usize> =
-        inlets.lines().filter_map(|l| nearest(&network, parse_position(l)?, |_| true)).map(|found| found.node).collect();
+        inlets.lines().filter_map(|l| nearest_node(&network, parse_position(l)?, |_| true)).map(|found| found.node).collect();
     let began = Instant::now();
     let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
     let bridges = search(&extraction, &params).map_err(Error::other)?;

@@ -2,8 +2,8 @@
 //! equally often, so that neither the first nor the second order is left but for what lies inside a level.
 
 use rand::Rng;
-use willis::perturbation::Occlusion;
-use willis::rng::stream;
+use willis::internals::perturbation::Occlusion;
+use willis::internals::support::random::stream;
 
 /// The stream that an array is drawn from.
 const STREAM: u64 = 1 << 41;

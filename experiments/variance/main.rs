@@ -14,10 +14,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use willis::error::Result;
-use willis::formats::{Content, ReadOptions, read};
-use willis::network::Network;
-use willis::phantom::{cerebral, circle_of_willis};
-use willis::stats::{median, quantile};
+use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::network::Network;
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::internals::support::statistics::{median, quantile};
 
 use array::Shape;
 use cost::Cost;

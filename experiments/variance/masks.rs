@@ -4,8 +4,8 @@
 //! and the arrays need, besides the block's own stream, what their group of blocks shares.
 
 use rand::Rng;
-use willis::perturbation::Occlusion;
-use willis::rng::stream;
+use willis::internals::perturbation::Occlusion;
+use willis::internals::support::random::stream;
 
 use crate::array::{Array, Shape};
 

@@ -1,16 +1,16 @@
 //! A graph whose samples are solved for masks of any origin: the step of `willis infer` with its mask as an argument.
 
 use willis::error::Result;
-use willis::hemodynamics::boundary::stated;
-use willis::hemodynamics::floating::stranded;
-use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
-use willis::hemodynamics::star_mesh;
-use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, StarMesh};
-use willis::inference::{Forest, Params, Uncertain, infer, key};
-use willis::network::Network;
-use willis::perturbation::Occlusion;
-use willis::resilience::{is_diffused, resilience_per_square_drop};
-use willis::simd::Scalar;
+use willis::internals::flow::batch::star_mesh;
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::floating::stranded;
+use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
+use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
+use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
+use willis::internals::network::Network;
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{Forest, SamplingOptions, Uncertain, infer, key};
+use willis::internals::support::simd::Scalar;
 
 /// Samples solved side by side.
 const LANES: usize = 8;
@@ -99,7 +99,7 @@ impl Model {
 
     /// One block here is one block there, but for the order of the sums: the experiment measures what the program does.
     fn check_against_library(&self, network: &Network, boundary: &Boundary, epsilon: f64) -> Result<()> {
-        let params = Params { epsilon, samples: 64, seed: 3, uncertain: Uncertain::All, ..Params::default() };
+        let params = SamplingOptions { epsilon, samples: 64, seed: 3, uncertain: Uncertain::All, ..SamplingOptions::default() };
         let (there, _) = infer(network, boundary, &params, &mut |_: u64, _: u64| true)?;
         let (mut work, mut here) = (Work::default(), vec![(0.0, 0.0); self.vessels()]);
         Occlusion::new(self.keep.iter().copied()).draw(3, 0, &mut work.masks);

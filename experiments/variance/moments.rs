@@ -4,7 +4,7 @@
 //! vessel e and bit i is their squared correlation, and a regression on many bits is as many regressions on one.
 
 use rayon::prelude::*;
-use willis::perturbation::Occlusion;
+use willis::internals::perturbation::Occlusion;
 
 use crate::masks::{Masks, Scheme};
 use crate::model::{Model, Work};

@@ -4,14 +4,16 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use willis::candidates::prior::Weights;
-use willis::centerline::Centerlines;
+use willis::internals::candidates::model::Weights;
+use willis::internals::network::centerlines::Centerlines;
 use willis::error::Fault;
-use willis::formats::{self, Content, RadiusArray, conditions};
-use willis::network::{Network, RadiusRule, contract};
-use willis::phantom::{cerebral, circle_of_willis};
-use willis::phenotype::identify;
-use willis::units::Scale;
+use willis::internals::io;
+use willis::internals::io::{Content, RadiusArray};
+use willis::internals::io::tables::conditions;
+use willis::internals::network::{Network, RadiusRule, contract};
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::internals::circle_of_willis::identify;
+use willis::internals::network::units::Scale;
 
 static FORMAT: LazyLock<String> = LazyLock::new(|| std::env::var("WILLIS_FORMAT").expect("WILLIS_FORMAT names a format"));
 static CIRCLE: LazyLock<Network> = LazyLock::new(|| cerebral(&circle_of_willis(1e-2)));
@@ -46,42 +48,42 @@ fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {
-        "graphml" => graph(formats::read_graphml(bytes, &mm, true)),
+        "graphml" => graph(willis::internals::io::read_graphml(bytes, &mm, true)),
         "csv" => {
-            let nodes = formats::read_csv_nodes(first, &mm).ok();
-            graph(formats::read_csv_edges(second, nodes, &mm, true));
+            let nodes = willis::internals::io::read_csv_nodes(first, &mm).ok();
+            graph(willis::internals::io::read_csv_edges(second, nodes, &mm, true));
         }
-        "swc" => lines(formats::read_swc(bytes, &mm)),
-        "vtp" => lines(formats::read_vtp(bytes, &mm, RadiusArray::Optional)),
-        "vtk" => lines(formats::read_vtk(bytes, &mm, RadiusArray::Optional)),
-        "tre" => lines(formats::read_tre(bytes, &mm, true)),
-        "markups" => lines(formats::read_markups(bytes, &mm, RadiusArray::Optional)),
-        "points" => lines(formats::read_points(bytes, &mm, true)),
-        "mat" => lines(formats::read_vtrails(bytes, &mm, true)),
-        "npz" => drop(formats::read_skeleton_npz(bytes, &mm, true)),
+        "swc" => lines(willis::internals::io::read_swc(bytes, &mm)),
+        "vtp" => lines(willis::internals::io::read_vtp(bytes, &mm, RadiusArray::Optional)),
+        "vtk" => lines(willis::internals::io::read_vtk(bytes, &mm, RadiusArray::Optional)),
+        "tre" => lines(willis::internals::io::read_tre(bytes, &mm, true)),
+        "markups" => lines(willis::internals::io::read_markups(bytes, &mm, RadiusArray::Optional)),
+        "points" => lines(willis::internals::io::read_points(bytes, &mm, true)),
+        "mat" => lines(willis::internals::io::read_vtrails(bytes, &mm, true)),
+        "npz" => drop(willis::internals::io::read_skeleton_npz(bytes, &mm, true)),
         "voreen" => {
-            if let Ok(nodes) = formats::read_voreen_nodes(first, &mm) {
-                let _ = formats::read_voreen_edges(second, nodes, &mm, true);
+            if let Ok(nodes) = willis::internals::io::read_voreen_nodes(first, &mm) {
+                let _ = willis::internals::io::read_voreen_edges(second, nodes, &mm, true);
             }
         }
         "vesselvio" => {
-            if let Ok(vertices) = formats::read_vesselvio_vertices(first, &mm) {
-                let _ = formats::read_vesselvio_edges(second, vertices, &mm, true);
+            if let Ok(vertices) = willis::internals::io::read_vesselvio_vertices(first, &mm) {
+                let _ = willis::internals::io::read_vesselvio_edges(second, vertices, &mm, true);
             }
         }
-        "icafe" => drop(formats::read_traced_vessels(bytes, &mm)),
-        "links" => drop(formats::read_links(bytes)),
+        "icafe" => drop(willis::internals::io::read_traced_vessels(bytes, &mm)),
+        "links" => drop(willis::internals::io::read_links(bytes)),
         "loops" => {
-            if let Ok((mut lines, _)) = formats::read_swc(first, &mm) {
-                let _ = formats::add_loops(second, &mut lines);
+            if let Ok((mut lines, _)) = willis::internals::io::read_swc(first, &mm) {
+                let _ = willis::internals::io::add_loops(second, &mut lines);
             }
         }
-        "landmarks" => drop(formats::read_landmarks(bytes, &mm).and_then(identify)),
+        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(identify)),
         "conditions-csv" => drop(conditions::read_csv(bytes)),
         "conditions-toml" => drop(conditions::read_toml(bytes)),
         "weights" => drop(Weights::read(&text)),
-        "prior-csv" => drop(formats::read_prior_csv(bytes, &mut CIRCLE.clone())),
-        "prior-npy" => drop(formats::read_prior_npy(bytes, &mut CIRCLE.clone())),
+        "prior-csv" => drop(willis::internals::io::read_prior_csv(bytes, &mut CIRCLE.clone())),
+        "prior-npy" => drop(willis::internals::io::read_prior_npy(bytes, &mut CIRCLE.clone())),
         other => panic!("WILLIS_FORMAT {other} is not known"),
     }
 });

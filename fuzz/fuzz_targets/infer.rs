@@ -5,13 +5,15 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use willis::candidates::prior::Weights;
-use willis::candidates::{self, build, build_probable};
-use willis::formats::{read_graphml, read_swc};
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Keep, Params, decide, infer};
-use willis::network::{Network, RadiusRule, contract};
-use willis::units::Scale;
+use willis::internals::candidates::model::Weights;
+use willis::internals::candidates;
+use willis::internals::candidates::{build, build_probable};
+use willis::internals::io::{read_graphml, read_swc};
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::decision::{Keep, decide};
+use willis::internals::sampling::{SamplingOptions, infer};
+use willis::internals::network::{Network, RadiusRule, contract};
+use willis::internals::network::units::Scale;
 
 const MOST: usize = 64;
 
@@ -27,7 +29,7 @@ fn graph(bytes: &[u8]) -> Option<Network> {
     if network.vessel_count() > MOST {
         return None;
     }
-    let params = candidates::Params::default();
+    let params = candidates::CandidateOptions::default();
     if bytes.len() % 2 == 0 {
         return build(&network, &params).ok();
     }
@@ -39,7 +41,7 @@ fn graph(bytes: &[u8]) -> Option<Network> {
 fuzz_target!(|bytes: &[u8]| {
     let Some(network) = graph(bytes) else { return };
     let Ok(boundary) = Boundary::resolve(&network, &[], FoundOutlets::Ground) else { return };
-    let params = Params { samples: 16, ..Params::default() };
+    let params = SamplingOptions { samples: 16, ..SamplingOptions::default() };
     let Ok((likelihood, _)) = infer(&network, &boundary, &params, &mut |_, _| true) else { return };
     assert!(likelihood.likelihood.iter().all(|l| l.is_finite() && *l >= 0.0), "{:?}", likelihood.likelihood);
     let _ = decide(Keep::Median, &network, &likelihood);

@@ -1,30 +1,25 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
-mod attach;
-mod crowd;
-mod ends;
-pub mod evidence;
-mod knn;
-mod nearest;
-mod parallel;
-pub mod prior;
-mod probable;
+mod by_evidence;
+pub mod features;
+pub mod model;
+pub mod search;
 mod split;
+
+pub use by_evidence::build_probable;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, distance};
+use crate::network::units::{as_stored, millimetres};
 use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
-use crate::units::{as_stored, millimetres};
-use attach::{Surroundings, Target};
-use crowd::{Looks, check_junctions};
-use ends::free_ends;
-pub use nearest::join_nearest;
-pub use parallel::in_order;
-pub use probable::build_probable;
+use crate::support::geometry::{Point, distance};
+use crate::support::parallel::in_order;
+use search::branches::{Surroundings, Target};
+use search::free_ends::free_ends;
+use search::limits::{Looks, check_junctions};
 use split::{Cuts, split};
 
 /// Where a candidate may end.
@@ -49,7 +44,7 @@ pub enum CandidateRadius {
 
 /// How candidates are built.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Params {
+pub struct CandidateOptions {
     /// Nearest targets of every free end, at least 1.
     pub k: usize,
     /// The longest gap to bridge, m, positive; without it 20 point spacings + 5 end diameters alone limit the reach.
@@ -64,7 +59,7 @@ pub struct Params {
     pub radius_rule: RadiusRule,
 }
 
-impl Default for Params {
+impl Default for CandidateOptions {
     fn default() -> Self {
         Self {
             k: 6,
@@ -77,7 +72,7 @@ impl Default for Params {
     }
 }
 
-impl Params {
+impl CandidateOptions {
     /// Checks every field.
     ///
     /// # Errors
@@ -112,7 +107,7 @@ pub enum NetworkPoint {
 
 /// A point of a network where a candidate may hold, with its position (m) and local radius (m).
 #[derive(Debug, Clone, Copy)]
-struct Anchor {
+pub struct Anchor {
     place: NetworkPoint,
     position: Point,
     radius: f64,
@@ -127,7 +122,7 @@ struct Anchor {
 /// # Errors
 ///
 /// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
-pub fn build(network: &Network, params: &Params) -> Result<Network> {
+pub fn build(network: &Network, params: &CandidateOptions) -> Result<Network> {
     params.validate()?;
     if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
         return Err(Error::parameter(
@@ -151,7 +146,7 @@ pub fn build(network: &Network, params: &Params) -> Result<Network> {
 fn with_candidates(
     network: &Network,
     mut found: Vec<(Target, Option<Evidence>)>,
-    params: &Params,
+    params: &CandidateOptions,
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let mut joined: BTreeSet<[NetworkPoint; 2]> =
         network.vessels().map(|(ends, _)| pair(NetworkPoint::Node(ends[0]), NetworkPoint::Node(ends[1]))).collect();
@@ -181,7 +176,7 @@ fn pair(a: NetworkPoint, b: NetworkPoint) -> [NetworkPoint; 2] {
     [a.min(b), a.max(b)]
 }
 
-fn candidate(target: &Target, params: &Params) -> Vessel {
+fn candidate(target: &Target, params: &CandidateOptions) -> Vessel {
     let (a, b) = (target.from.radius, target.to.radius);
     let radius = match params.radius {
         CandidateRadius::Min => a.min(b),

@@ -5,9 +5,9 @@ use std::path::{Component, Path, PathBuf, absolute};
 
 use serde_json::{Value, json};
 use willis::error::{Fault, Result};
-use willis::report::cohort::{About, Row, infer_figures, write_cohort};
-use willis::report::names::PAGE;
-use willis::report::{StagedFolder, read_json};
+use willis::internals::output::names::PAGE;
+use willis::internals::output::{StagedFolder, read_json};
+use willis::internals::report::cohort::{About, Row, infer_figures, write_cohort};
 
 use super::failure::Failure;
 use super::infer::InferArgs;

@@ -2,10 +2,11 @@
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use willis::candidates::evidence::Search;
-use willis::candidates::{self, Attach, CandidateRadius};
 use willis::error::Result;
-use willis::network::RadiusRule;
+use willis::internals::candidates;
+use willis::internals::candidates::search::Search;
+use willis::internals::candidates::{Attach, CandidateRadius};
+use willis::internals::network::RadiusRule;
 
 use super::typed::{length, whole};
 
@@ -48,11 +49,11 @@ pub struct CandidateArgs {
 
 impl CandidateArgs {
     /// The parameters of the library; `paper` and `evidence` change what is used where no option is given.
-    pub fn params(&self, radius_rule: RadiusRule, paper: bool, evidence: bool) -> Result<candidates::Params> {
+    pub fn params(&self, radius_rule: RadiusRule, paper: bool, evidence: bool) -> Result<candidates::CandidateOptions> {
         let (attach, radius) =
             if paper { (AttachTo::Ends, RadiusOfCandidate::Mean) } else { (AttachTo::Centerline, RadiusOfCandidate::Min) };
-        let params = candidates::Params {
-            k: self.k.unwrap_or(if evidence { Search::default().branches } else { candidates::Params::default().k }),
+        let params = candidates::CandidateOptions {
+            k: self.k.unwrap_or(if evidence { Search::default().branches } else { candidates::CandidateOptions::default().k }),
             max_gap: length("--max-gap", self.max_gap.as_ref())?,
             attach: match self.attach.unwrap_or(attach) {
                 AttachTo::Centerline => Attach::Centerline,

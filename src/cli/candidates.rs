@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 use willis::error::{Error, Result};
-use willis::formats::{graph_columns, write_graphml};
-use willis::network::Origin;
-use willis::report::{StagedFile, staged::write_file};
+use willis::internals::io::{graph_columns, write_graphml};
+use willis::internals::network::Origin;
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::write_file;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::candidate_args::CandidateArgs;

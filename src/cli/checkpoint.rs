@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use willis::error::Error;
-use willis::formats::bytes_of;
-use willis::inference::{Part, Progress};
-use willis::report::staged::{StagedFolder, replace_file};
-use willis::report::{read_part, write_part};
+use willis::internals::io::bytes_of;
+use willis::internals::output::atomic::{StagedFolder, replace_file};
+use willis::internals::output::{read_part, write_part};
+use willis::internals::sampling::{PartialRun, Progress};
 
 use super::terminal::{CountProgress, Terminal, count};
 
@@ -79,7 +79,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// The part that an earlier run of the same command left, if it left one that `fits`; what others left is only told of.
-    pub fn take_up(&mut self, uncertain: &[bool], fits: impl Fn(&Part) -> bool) -> Option<Part> {
+    pub fn take_up(&mut self, uncertain: &[bool], fits: impl Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.tell_of_others();
         if self.interval == Interval::Off || !self.file.exists() {
             return None;
@@ -131,7 +131,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// Keeps what is finished; a run goes on when that cannot be done.
-    fn keep(&mut self, part: &Part) {
+    fn keep(&mut self, part: &PartialRun) {
         let done = part.done();
         if self.interval == Interval::Off || done <= self.kept {
             return;
@@ -160,14 +160,14 @@ impl<'a> Keeper<'a> {
     }
 
     /// Keeps a part that is the whole of what was to be sampled, where that took long.
-    pub fn sampled(&mut self, part: &Part) {
+    pub fn sampled(&mut self, part: &PartialRun) {
         if self.is_long() {
             self.keep(part);
         }
     }
 
     /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
-    pub fn rescue(&mut self, part: &Part, error: Error) -> Error {
+    pub fn rescue(&mut self, part: &PartialRun, error: Error) -> Error {
         let Error::Stopped { done, total } = error else {
             if matches!(error, Error::Write { .. }) {
                 // What was written is of no use, and may be what fills the disk.
@@ -200,7 +200,7 @@ impl Progress for Watch<'_, '_> {
         self.progress.report(done, total)
     }
 
-    fn finished(&mut self, part: &Part) {
+    fn finished(&mut self, part: &PartialRun) {
         if self.keeper.is_due() {
             self.keeper.keep(part);
         }

@@ -6,10 +6,10 @@ use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::Result;
-use willis::formats::{bytes_of, checksum, read_landmarks};
-use willis::network::Network;
-use willis::phenotype::{Circle, Scheme, identify};
-use willis::units::Scale;
+use willis::internals::circle_of_willis::{Circle, Scheme, identify};
+use willis::internals::io::{bytes_of, checksum, read_landmarks};
+use willis::internals::network::Network;
+use willis::internals::network::units::Scale;
 
 use super::beside::beside;
 

@@ -6,11 +6,11 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::phenotype::{Collateral, Posterior, Variant, counted};
-use willis::report::cohort::{Figures, phenotype_figures};
-use willis::report::{
-    Classified, StagedFolder, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype,
-    write_record,
+use willis::internals::circle_of_willis::{Collateral, Posterior, Variant, counted};
+use willis::internals::output::{StagedFolder, write_record};
+use willis::internals::report::cohort::{Figures, phenotype_figures};
+use willis::internals::report::{
+    Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype,
 };
 
 use super::circle::CircleArgs;

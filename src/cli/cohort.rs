@@ -8,12 +8,13 @@ use std::thread;
 
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::phenotype::MM_AWAY;
-use willis::report::StagedFolder;
-use willis::report::cohort::{About, Figures, Row, write_cohort};
-use willis::report::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
-use willis::report::read_json;
-use willis::report::staged::{Making, sweep_own};
+use willis::internals::circle_of_willis::MM_AWAY;
+use willis::internals::output::Making;
+use willis::internals::output::StagedFolder;
+use willis::internals::output::atomic::sweep_own;
+use willis::internals::output::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
+use willis::internals::output::read_json;
+use willis::internals::report::cohort::{About, Figures, Row, write_cohort};
 
 use super::ledger::{Entry, Ledger};
 use super::provenance::command_line;

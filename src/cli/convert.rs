@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 use willis::error::{Error, Result};
-use willis::formats::convert::{Target, Written, losses, refusal, write_into};
-use willis::formats::{unread_columns, write_loops};
-use willis::network::Network;
-use willis::report::{StagedFile, staged::write_file};
+use willis::internals::io::convert::{Target, Written, losses, refusal, write_into};
+use willis::internals::io::{unread_columns, write_loops};
+use willis::internals::network::Network;
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::write_file;
 
 use super::reading::InputArgs;
 use super::shell::print_json;

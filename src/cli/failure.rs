@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use willis::error::{Error, Result};
-use willis::formats::checksum_of_file;
-use willis::report::names::FAILURE;
-use willis::report::{StagedFolder, read_json, write_json};
+use willis::internals::io::checksum_of_file;
+use willis::internals::output::names::FAILURE;
+use willis::internals::output::{StagedFolder, read_json, write_json};
 
 /// Why an input gave no run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -7,9 +7,9 @@ use clap::{Args, FromArgMatches};
 use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::inference::Params;
-use willis::report::StagedFolder;
-use willis::report::plots::{DEFAULT_DPI, check_dpi};
+use willis::internals::output::StagedFolder;
+use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
+use willis::internals::sampling::SamplingOptions;
 
 use super::boundary::BoundaryArgs;
 use super::candidate_args::CandidateArgs;
@@ -74,7 +74,12 @@ impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let rule = self.keep.as_deref().map(parse_rule).transpose()?;
-        let runs = self.sampling.epsilon.iter().map(|epsilon| self.sampling.params(*epsilon)).collect::<Result<Vec<Params>>>()?;
+        let runs = self
+            .sampling
+            .epsilon
+            .iter()
+            .map(|epsilon| self.sampling.params(*epsilon))
+            .collect::<Result<Vec<SamplingOptions>>>()?;
         if let Some(epsilon) =
             (1..runs.len()).map(|i| self.sampling.epsilon[i]).enumerate().find(|(i, e)| self.sampling.epsilon[..=*i].contains(e))
         {

@@ -6,10 +6,11 @@ use std::time::Instant;
 
 use serde_json::Value;
 use willis::error::{Error, Fault, Result};
-use willis::inference::{Keep, Params, ROOT_FACTOR, knows_fragments};
-use willis::network::RadiusRule;
-use willis::report::StagedFolder;
-use willis::report::cohort::{Figures, infer_figures};
+use willis::internals::decision::{Keep, ROOT_FACTOR, knows_fragments};
+use willis::internals::network::RadiusRule;
+use willis::internals::output::StagedFolder;
+use willis::internals::report::cohort::{Figures, infer_figures};
+use willis::internals::sampling::SamplingOptions;
 
 use super::boundary::say_boundary;
 use super::cohort::{Cohort, Work};
@@ -29,7 +30,7 @@ use super::terminal::Terminal;
 pub struct Inference<'a> {
     pub args: &'a InferArgs,
     pub rule: Option<Keep>,
-    pub runs: Vec<Params>,
+    pub runs: Vec<SamplingOptions>,
 }
 
 impl Inference<'_> {

@@ -6,18 +6,19 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use willis::candidates;
 use willis::error::{Error, Result};
-use willis::formats::{checksum, checksum_of, write_csv};
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{
-    Answer, FIRST_STABLE, Keep, Likelihood, Method, Params, Part, Sampling, Topology, decide, expected_errors, has_evidence,
-};
-use willis::network::Network;
-use willis::report::names::AGREEMENT;
-use willis::report::staged::{StagedFolder, told, write_file};
-use willis::report::summary::Built;
-use willis::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype, write_record};
+use willis::internals::candidates;
+use willis::internals::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::io::{checksum, checksum_of, write_csv};
+use willis::internals::network::Network;
+use willis::internals::output::atomic::{StagedFolder, write_file};
+use willis::internals::output::names::AGREEMENT;
+use willis::internals::output::told;
+use willis::internals::output::write_record;
+use willis::internals::report::record::Built;
+use willis::internals::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
+use willis::internals::sampling::{FIRST_STABLE, Likelihood, Method, PartialRun, Sampling, SamplingOptions};
 
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::circle::Found;
@@ -38,7 +39,7 @@ pub struct Job {
     pub prior: Value,
     pub uniform_prior: bool,
     /// How candidates were built; `None` for a ready graph.
-    pub candidates: Option<candidates::Params>,
+    pub candidates: Option<candidates::CandidateOptions>,
     pub rule: Keep,
     pub until_stable: bool,
     pub paper: bool,
@@ -72,7 +73,7 @@ impl Job {
     /// on the input began.
     pub fn write(
         &self,
-        runs: &[Params],
+        runs: &[SamplingOptions],
         folder: &StagedFolder,
         interval: Interval,
         start: Instant,
@@ -102,20 +103,21 @@ impl Job {
     /// Samples and writes the folder `path` of one occlusion probability, within or the same as `folder`.
     fn run(
         &self,
-        params: &Params,
+        params: &SamplingOptions,
         folder: &StagedFolder,
         path: &Path,
         interval: Interval,
         start: Instant,
         terminal: Terminal,
-    ) -> Result<(Answer, Summary)> {
+    ) -> Result<(Decision, Summary)> {
         let params = &self.sampled_with(params);
         let begun = Instant::now();
         self.say_sampling(params, terminal);
-        let first = if self.until_stable { Params { samples: FIRST_STABLE, ..params.clone() } } else { params.clone() };
+        let first = if self.until_stable { SamplingOptions { samples: FIRST_STABLE, ..params.clone() } } else { params.clone() };
         let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
         let mut keeper = Keeper::new(interval, folder, &self.key(params, None), &self.provenance.command, terminal);
-        let fits = |part: &Part| part.samples() == sampling.samples() || self.until_stable && part.samples().is_power_of_two();
+        let fits =
+            |part: &PartialRun| part.samples() == sampling.samples() || self.until_stable && part.samples().is_power_of_two();
         let mut part = keeper.take_up(sampling.part().uncertain(), fits).unwrap_or_else(|| sampling.part());
         let before = part.done();
         let mut watch = Watch { progress: terminal.progress("sampling", "samples", part.samples()), keeper: &mut keeper };
@@ -138,15 +140,15 @@ impl Job {
     }
 
     /// The parameters with the prior of this input.
-    pub fn sampled_with(&self, params: &Params) -> Params {
-        Params { uniform_prior: self.uniform_prior, ..params.clone() }
+    pub fn sampled_with(&self, params: &SamplingOptions) -> SamplingOptions {
+        SamplingOptions { uniform_prior: self.uniform_prior, ..params.clone() }
     }
 
     /// All that the samples depend on, as SHA-256: what is kept of a run, or of a `range` of its samples, goes on under it.
-    pub fn key(&self, params: &Params, range: Option<&str>) -> String {
+    pub fn key(&self, params: &SamplingOptions, range: Option<&str>) -> String {
         let samples = (!self.until_stable).then_some(params.samples);
         let graph = self.graph_checksum();
-        let all = json!({ "willis": env!("CARGO_PKG_VERSION"), "graph": graph, "params": Params { samples: 0, ..params.clone() }, "samples": samples, "range": range });
+        let all = json!({ "willis": env!("CARGO_PKG_VERSION"), "graph": graph, "params": SamplingOptions { samples: 0, ..params.clone() }, "samples": samples, "range": range });
         checksum(all.to_string().as_bytes())
     }
 
@@ -171,7 +173,7 @@ impl Job {
     }
 
     /// Says what is about to be sampled.
-    pub fn say_sampling(&self, params: &Params, terminal: Terminal) {
+    pub fn say_sampling(&self, params: &SamplingOptions, terminal: Terminal) {
         let uncertain = params.uncertain.vessels(&self.graph).iter().filter(|u| **u).count();
         let how = format!(
             "epsilon {}, {} samples, seed {}, {}",
@@ -189,12 +191,12 @@ impl Job {
     /// Decides, and writes everything into the folder of one occlusion probability.
     pub fn write_one(
         &self,
-        params: &Params,
+        params: &SamplingOptions,
         sampled: &Sampled,
         folder: &Path,
         start: Instant,
         terminal: Terminal,
-    ) -> Result<(Answer, Summary)> {
+    ) -> Result<(Decision, Summary)> {
         let (result, method) = (&sampled.result, sampled.method);
         let answer = decide(self.rule, &self.graph, result)?;
         let topology = |kept: &[bool]| Topology::of(&self.graph, &result.uncertain, kept, &self.boundary);

@@ -1,8 +1,8 @@
 //! `--keep`: the rule that decides which uncertain vessels stay.
 
 use willis::error::{Error, Result};
-use willis::inference::{Keep, ROOT_FACTOR};
-use willis::suggestion::did_you_mean;
+use willis::internals::decision::{Keep, ROOT_FACTOR};
+use willis::internals::support::suggestions::did_you_mean;
 
 const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.

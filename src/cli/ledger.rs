@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::formats::{checksum_of_file, files_beside};
-use willis::report::names::COHORT;
-use willis::report::{StagedFile, read_json, write_json};
+use willis::internals::io::{checksum_of_file, files_beside};
+use willis::internals::output::names::COHORT;
+use willis::internals::output::{StagedFile, read_json, write_json};
 
 use super::run::Run;
 use super::subjects::Subject;

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
-use willis::formats::{Content, Document, Format, Made, read};
-use willis::network::{Network, Origin, RadiusRule, fragments};
-use willis::phenotype::divide;
-use willis::report::Provenance;
-use willis::units::millimetres;
+use willis::internals::circle_of_willis::divide;
+use willis::internals::io::{Content, Document, Format, Made, read};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::millimetres;
+use willis::internals::network::{Network, Origin, RadiusRule, fragments};
+use willis::internals::report::Provenance;
 
 use super::reading::ReadingArgs;
 use super::terminal::{Terminal, brief, count, plural};

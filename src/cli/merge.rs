@@ -6,10 +6,10 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
-use willis::inference::{Likelihood, Part};
-use willis::network::Network;
-use willis::report::StagedFolder;
-use willis::report::names::SHARD;
+use willis::internals::network::Network;
+use willis::internals::output::StagedFolder;
+use willis::internals::output::names::SHARD;
+use willis::internals::sampling::{Likelihood, PartialRun};
 
 use super::apart::gather;
 use super::failure::Failure;
@@ -69,7 +69,7 @@ impl MergeArgs {
         }
         shards.sort_by_key(|(_, record)| record.range);
         complete(&shards)?;
-        let mut whole: Option<Part> = None;
+        let mut whole: Option<PartialRun> = None;
         for (path, record) in &shards {
             let part = record.part(path, &graph)?;
             match &mut whole {

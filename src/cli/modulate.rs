@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use willis::error::{Error, Result};
-use willis::modulation::{Class, HypertensionByClass, Params, Reading, modulate};
-use willis::network::{Network, vessels_called};
-use willis::report::plots::{DEFAULT_DPI, check_dpi};
-use willis::report::{ModulationOutcome, StagedFolder, write_modulation};
-use willis::units::pascals_per_square_metre;
+use willis::internals::modulation::{Class, HypertensionByClass, ModulationOptions, Reading, modulate};
+use willis::internals::network::units::pascals_per_square_metre;
+use willis::internals::network::{Network, vessels_called};
+use willis::internals::output::StagedFolder;
+use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
+use willis::internals::report::{ModulationOutcome, write_modulation};
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::reading::InputArgs;
@@ -129,8 +130,8 @@ impl ModulateArgs {
         Ok(())
     }
 
-    fn params(&self) -> Result<Params> {
-        let params = Params {
+    fn params(&self) -> Result<ModulationOptions> {
+        let params = ModulationOptions {
             classes: self.classes.iter().map(|text| parse_class(text)).collect::<Result<_>>()?,
             samples: self.samples,
             seed: self.seed,

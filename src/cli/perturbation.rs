@@ -2,9 +2,10 @@
 
 use clap::Args;
 use willis::error::{Error, Result};
-use willis::network::{Network, vessels_called};
-use willis::quantity::Dimension;
-use willis::simulation::{Change, Perturbation, Stenosis};
+use willis::internals::network::quantity::Dimension;
+use willis::internals::network::{Network, vessels_called};
+use willis::internals::perturbation::Stenosis;
+use willis::internals::simulation::{Change, Perturbation};
 
 const SEVERITY: &str =
     "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";

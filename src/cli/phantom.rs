@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use willis::candidates;
-use willis::centerline::Centerlines;
 use willis::error::{Error, Result};
-use willis::formats::convert::Target;
-use willis::formats::{Format, write_centerlines_swc, write_landmarks, write_loops};
-use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::network::{Network, Origin, fragments};
-use willis::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without};
-use willis::report::{StagedFile, staged::write_file};
+use willis::internals::candidates;
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::io::convert::Target;
+use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Network, Origin, fragments};
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::write_file;
+use willis::internals::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without};
 
 use super::convert::{check, put};
 use super::shell::print_json;
@@ -139,7 +141,7 @@ impl PhantomArgs {
         terminal: Terminal,
         force: bool,
     ) -> Result<()> {
-        let (graph, truth) = over_connected(network, gaps, candidates::Params::default().k)?;
+        let (graph, truth) = over_connected(network, gaps, candidates::CandidateOptions::default().k)?;
         let answer = StagedFile::new(&sibling(&self.output, "truth.json"), force)?;
         write_file(&answer.path(), |out| truth.write_json(out))?;
         let (names, _) = put(&graph, target, terminal, force)?;

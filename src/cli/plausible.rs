@@ -1,19 +1,20 @@
 //! What the plausible topologies of a network say of its Circle of Willis, and the flow in the one that is kept.
 
 use willis::error::Result;
-use willis::hemodynamics::boundary::stated;
-use willis::hemodynamics::poiseuille::BLOOD_VISCOSITY;
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Draw, Known, Params, Topologies};
-use willis::network::{Condition, Network, Role};
-use willis::phenotype::{Circle, Collateral, Posterior, collaterals};
+use willis::internals::circle_of_willis::{Circle, Collateral, Posterior, collaterals};
+use willis::internals::decision::{Draw, KnownEnds, Topologies};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::network::{Condition, Network, Role};
+use willis::internals::sampling::SamplingOptions;
 
 /// What plausible topologies say of a circle: those of the evidence, or without any those that the samples vote for, by the vessels
 /// `above` the median.
 pub fn posterior(
     network: &Network,
     boundary: &Boundary,
-    params: &Params,
+    params: &SamplingOptions,
     circle: &Circle,
     given: &[usize],
     above: Option<&[bool]>,
@@ -28,7 +29,7 @@ pub fn posterior(
         inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
     }
     let (draw, how) = match above {
-        None => (Draw::Ends(Known { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
+        None => (Draw::Ends(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
         Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
     };
     let topologies = Topologies::draw(network, boundary, params, draw)?;

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
-use willis::candidates::prior::Weights;
-use willis::candidates::{self, build, build_probable};
 use willis::error::{Error, Fault, Result};
-use willis::formats::{bytes_of, checksum, read_prior_csv, read_prior_npy};
-use willis::hemodynamics::Boundary;
-use willis::network::{Network, Role};
-use willis::suggestion::did_you_mean;
+use willis::internals::candidates;
+use willis::internals::candidates::model::Weights;
+use willis::internals::candidates::{build, build_probable};
+use willis::internals::flow::Boundary;
+use willis::internals::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
+use willis::internals::network::{Network, Role};
+use willis::internals::support::suggestions::did_you_mean;
 
 use super::loaded::Loaded;
 
@@ -130,7 +131,7 @@ impl Prior {
     }
 
     /// The graph to sample: candidates built where the input asks for them, with their priors.
-    pub fn graph(&self, loaded: &mut Loaded, boundary: &Boundary, params: &candidates::Params) -> Result<Network> {
+    pub fn graph(&self, loaded: &mut Loaded, boundary: &Boundary, params: &candidates::CandidateOptions) -> Result<Network> {
         let network = std::mem::take(&mut loaded.network);
         let mut graph = match self {
             _ if !loaded.fragments => network,

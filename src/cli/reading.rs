@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use willis::error::{Error, Result};
-use willis::formats::{ReadOptions, byte_count};
-use willis::network::RadiusRule;
-use willis::units::{LengthUnit, Scale};
+use willis::internals::io::{ReadOptions, byte_count};
+use willis::internals::network::RadiusRule;
+use willis::internals::network::units::{LengthUnit, Scale};
 
 use super::beside::beside;
 use super::loaded::Loaded;

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use willis::error::{Fault, Result};
-use willis::hemodynamics::boundary::stated;
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Keep, Params, Uncertain, Weight, decide, has_evidence, infer};
-use willis::network::Network;
-use willis::phenotype::{Circle, Posterior};
-use willis::report::names::{GRAPH, RECORD};
-use willis::report::read_json;
-use willis::units::pascal_seconds;
+use willis::internals::circle_of_willis::{Circle, Posterior};
+use willis::internals::decision::{Keep, decide, has_evidence};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::network::Network;
+use willis::internals::network::units::pascal_seconds;
+use willis::internals::output::names::{GRAPH, RECORD};
+use willis::internals::output::read_json;
+use willis::internals::sampling::{SamplingOptions, Uncertain, Weight, infer};
 
 use super::circle::{CircleArgs, Found};
 use super::plausible::{Flow, posterior};
@@ -27,7 +28,7 @@ pub struct Run {
     pub circle: CircleArgs,
     /// The SHA-256 of its landmarks.
     landmarks: Option<String>,
-    params: Params,
+    params: SamplingOptions,
     /// Nodes whose conditions were stated, not found.
     given: Vec<usize>,
 }
@@ -123,9 +124,9 @@ impl Run {
 }
 
 /// The parameters of a record.
-fn parameters(record: &Value) -> Option<Params> {
+fn parameters(record: &Value) -> Option<SamplingOptions> {
     let p = &record["parameters"];
-    Some(Params {
+    Some(SamplingOptions {
         epsilon: p["epsilon"].as_f64()?,
         samples: p["samples"].as_u64()?,
         seed: record["seed"].as_u64()?,
@@ -134,6 +135,6 @@ fn parameters(record: &Value) -> Option<Params> {
         uniform_prior: p["prior"] == "uniform",
         viscosity: pascal_seconds(p["viscosity_cP"].as_f64()?),
         exact: p["exact"].as_bool()?,
-        ..Params::default()
+        ..SamplingOptions::default()
     })
 }

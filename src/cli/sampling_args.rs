@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use willis::error::Result;
-use willis::inference::{Params, Solver, Uncertain, Weight};
+use willis::internals::sampling::{SamplingOptions, Solver, Uncertain, Weight};
 
 use super::checkpoint::{Interval, parse_interval};
 use super::typed::{probability, viscosity, whole};
@@ -115,9 +115,9 @@ impl SamplingArgs {
     }
 
     /// The parameters of the library for one of the probabilities.
-    pub fn params(&self, epsilon: f64) -> Result<Params> {
+    pub fn params(&self, epsilon: f64) -> Result<SamplingOptions> {
         let paper = self.paper();
-        let params = Params {
+        let params = SamplingOptions {
             epsilon,
             samples: self.samples,
             seed: self.seed,

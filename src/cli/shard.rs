@@ -9,16 +9,17 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
-use willis::formats::{bytes_of, checksum_of_file};
-use willis::inference::{Method, Params, Part, Sampling};
-use willis::network::Network;
-use willis::report::names::{SHARD, SHARD_SUMS};
-use willis::report::plots::check_dpi;
-use willis::report::staged::{StagedFolder, write_file};
-use willis::report::summary::Built;
-use willis::report::{candidate_parameters, outlets_found, read_json, read_part, word_of_keep, write_part};
-use willis::rng::BLOCK;
-use willis::units::centipoise;
+use willis::internals::io::{bytes_of, checksum_of_file};
+use willis::internals::network::Network;
+use willis::internals::network::units::centipoise;
+use willis::internals::output::atomic::{StagedFolder, write_file};
+use willis::internals::output::names::{SHARD, SHARD_SUMS};
+use willis::internals::output::{read_json, read_part, write_part};
+use willis::internals::report::figures::check_dpi;
+use willis::internals::report::record::Built;
+use willis::internals::report::{candidate_parameters, outlets_found, word_of_keep};
+use willis::internals::sampling::{Method, PartialRun, Sampling, SamplingOptions};
+use willis::internals::support::random::BLOCK;
 
 use super::checkpoint::{Interval, Keeper, Watch};
 use super::job::Job;
@@ -47,7 +48,7 @@ pub struct Record {
     pub sums: String,
     /// Seconds that sampling took.
     pub sampling_s: f64,
-    pub params: Params,
+    pub params: SamplingOptions,
     pub job: Job,
 }
 
@@ -103,7 +104,7 @@ pub fn samples_of(blocks: &Range<u64>, samples: u64) -> [u64; 2] {
 }
 
 /// Everything that changes an output but the input, the seed and the samples.
-fn parameters(job: &Job, params: &Params) -> BTreeMap<String, Value> {
+fn parameters(job: &Job, params: &SamplingOptions) -> BTreeMap<String, Value> {
     let content = |record: &Value| record.get("sha256").unwrap_or(record).clone();
     let mut all = json!({
         "epsilon": params.epsilon,
@@ -129,7 +130,7 @@ fn parameters(job: &Job, params: &Params) -> BTreeMap<String, Value> {
 /// Samples a range of blocks and writes the folder of a shard.
 pub fn write_shard(
     job: Job,
-    params: &Params,
+    params: &SamplingOptions,
     blocks: &Range<u64>,
     folder: &StagedFolder,
     interval: Interval,
@@ -146,7 +147,7 @@ pub fn write_shard(
     let graph = job.graph_checksum();
     let key = job.key(&params, Some(&format!("{}..{}", range[0], range[1])));
     let mut keeper = Keeper::new(interval, folder, &key, &job.provenance.command, terminal);
-    let fits = |part: &Part| part.samples() == params.samples;
+    let fits = |part: &PartialRun| part.samples() == params.samples;
     let mut part = keeper.take_up(sampling.part().uncertain(), fits).unwrap_or_else(|| sampling.part());
     let mut watch = Watch { progress: terminal.progress("sampling", "samples", range[1] - range[0]), keeper: &mut keeper };
     let sampled = sampling.sample(&mut part, blocks.clone(), &mut watch);
@@ -212,7 +213,7 @@ impl Record {
     /// # Errors
     ///
     /// They are damaged, or those of another shard.
-    pub fn part(&self, folder: &Path, graph: &Network) -> Result<Part> {
+    pub fn part(&self, folder: &Path, graph: &Network) -> Result<PartialRun> {
         let path = folder.join(SHARD_SUMS);
         let damaged = |found: &str| Fault::file(found, "expected it as willis infer --range wrote it").in_file(&path);
         if checksum_of_file(&path)? != self.sums {

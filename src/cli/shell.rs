@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use willis::error::{Error, Result};
-use willis::report::{StagedFile, staged::write_file};
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::write_file;
 
 use super::Cli;
 use super::terminal::{Terminal, plural};

@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use clap::Args;
 use willis::error::Result;
-use willis::report::plots::{DEFAULT_DPI, check_dpi};
-use willis::report::{FlowRecord, Simulated, StagedFolder, write_simulated};
-use willis::simulation::simulate;
+use willis::internals::output::StagedFolder;
+use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
+use willis::internals::report::{FlowRecord, Simulated, write_simulated};
+use willis::internals::simulation::simulate;
 
 use super::boundary::{BoundaryArgs, say_boundary};
 use super::perturbation::PerturbationArgs;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Fault, Result};
-use willis::report::names::{COHORT, COHORT_PAGE, COHORT_TABLE};
-use willis::report::staged::is_of_cohort;
+use willis::internals::output::is_of_cohort;
+use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE};
 
 use super::Cli;
 use super::run::Run;

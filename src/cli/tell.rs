@@ -1,14 +1,20 @@
 //! What `willis infer` and `willis candidates` tell a person: what was built, what came out.
 
-use willis::candidates;
-use willis::inference::{Keep, Weight};
-use willis::network::{Network, Origin};
-use willis::report::Outcome;
+use willis::internals::candidates;
+use willis::internals::decision::Keep;
+use willis::internals::network::{Network, Origin};
+use willis::internals::report::Outcome;
+use willis::internals::sampling::Weight;
 
 use super::terminal::{Terminal, brief, count, plural};
 
 /// What the candidates make of the fragments; returns what a person should know about it.
-pub fn say_built(terminal: Terminal, graph: &Network, params: &candidates::Params, evidence: bool) -> Option<&'static str> {
+pub fn say_built(
+    terminal: Terminal,
+    graph: &Network,
+    params: &candidates::CandidateOptions,
+    evidence: bool,
+) -> Option<&'static str> {
     let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
     let size = format!(
         "{} in a graph of {}, {}",

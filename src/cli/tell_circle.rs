@@ -1,6 +1,6 @@
 //! What `willis infer` and `willis classify` tell a person of a Circle of Willis.
 
-use willis::phenotype::{Collateral, Posterior, RING, TERRITORIES, Variant};
+use willis::internals::circle_of_willis::{Collateral, Posterior, RING, TERRITORIES, Variant};
 
 use super::terminal::{Terminal, brief};
 

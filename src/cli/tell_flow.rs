@@ -1,10 +1,11 @@
 //! What `willis simulate` tells a person: resilience, inflow, and what a perturbation did to them.
 
-use willis::network::{Condition, Network};
-use willis::report::{MOST_COLLATERALS, Simulated};
-use willis::simulation::{Change, FlowChange, Perturbation, Stenosis, gains, reversals};
-use willis::state::{LAMINAR_LIMIT, State};
-use willis::units::{millimetres, ml_per_min};
+use willis::internals::flow::state::{LAMINAR_LIMIT, State};
+use willis::internals::network::units::{millimetres, ml_per_min};
+use willis::internals::network::{Condition, Network};
+use willis::internals::perturbation::Stenosis;
+use willis::internals::report::{MOST_COLLATERALS, Simulated};
+use willis::internals::simulation::{Change, FlowChange, Perturbation, gains, reversals};
 
 use super::terminal::{Terminal, brief, count, plural};
 

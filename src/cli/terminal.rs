@@ -130,7 +130,7 @@ pub struct CountProgress {
     before: Option<u64>,
 }
 
-impl willis::inference::Progress for CountProgress {
+impl willis::internals::sampling::Progress for CountProgress {
     fn report(&mut self, done: u64, total: u64) -> bool {
         let before = *self.before.get_or_insert_with(|| {
             self.bar.set_position(done);

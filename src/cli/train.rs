@@ -6,13 +6,15 @@ use std::time::Instant;
 
 use clap::Args;
 use serde_json::{Value, json};
-use willis::candidates::in_order;
-use willis::candidates::prior::{
-    Case, CrossValidation, Example, Figures, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
-};
 use willis::error::{Error, Result};
-use willis::report::{StagedFile, staged::write_file};
-use willis::training::read_cases;
+use willis::internals::candidates::model::Figures;
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::write_file;
+use willis::internals::support::in_order;
+use willis::internals::training::read_cases;
+use willis::internals::training::{
+    Case, CrossValidation, Example, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
+};
 
 use super::provenance::command_line;
 use super::shell::print_json;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use rand::{Rng, RngExt};
 
-use crate::hemodynamics::Factors;
+use crate::flow::Factors;
 
 /// The range of the modulation u, drawn uniformly in [low, high).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use super::driver::Modulation;
-use crate::stats::gamma::{Gamma, GammaFit};
-use crate::stats::quantile;
+use super::run::Modulation;
+use crate::support::gamma::{Gamma, GammaFit};
+use crate::support::statistics::quantile;
 
 /// Bins of equal width of a histogram.
 pub const BINS: usize = 50;

@@ -1,9 +1,9 @@
 //! The instances of one class: what flows in each, instance by instance.
 
 use super::hypertension::force;
-use crate::hemodynamics::{Factors, Tube};
-use crate::state::State;
-use crate::stats::Distribution;
+use crate::flow::state::State;
+use crate::flow::{Factors, Tube};
+use crate::support::Distribution;
 
 /// The figures of the instances of a class. A table holds one row an instance, and in it one figure a node or vessel.
 #[derive(Debug, Clone, Default, PartialEq)]

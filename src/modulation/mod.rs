@@ -2,14 +2,14 @@
 //! within classes of growing size (Moriconi et al. 2019).
 
 mod class;
-mod driver;
 mod hypertension;
 mod instances;
-mod params;
+mod options;
+mod run;
 mod solver;
 
 pub use class::{Class, Reading};
-pub use driver::{Modulation, modulate};
 pub use hypertension::{BINS, Hypertension, HypertensionByClass};
 pub use instances::Instances;
-pub use params::Params;
+pub use options::ModulationOptions;
+pub use run::{Modulation, modulate};

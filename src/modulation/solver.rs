@@ -4,11 +4,12 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use crate::error::{Error, Result};
-use crate::hemodynamics::cholesky::{self, Cholesky};
-use crate::hemodynamics::floating::{grounded, stranded};
-use crate::hemodynamics::star_mesh::{StarMesh, Workspace};
-use crate::hemodynamics::{Circuit, steady::LANES_LIMIT};
-use crate::simd::{InstructionSet, Kernel, Lanes, Simd};
+use crate::flow::batch::star_mesh::{StarMesh, Workspace};
+use crate::flow::cholesky::Cholesky;
+use crate::flow::floating::{grounded, stranded};
+use crate::flow::pressures::LANES_LIMIT;
+use crate::flow::{Circuit, cholesky};
+use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 /// Instances solved side by side.
 pub const LANES: usize = 8;

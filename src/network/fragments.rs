@@ -2,7 +2,8 @@
 
 use petgraph::unionfind::UnionFind;
 
-use super::{Network, Vessel};
+use super::Network;
+use super::vessel::Vessel;
 
 /// The connected parts of a network, numbered in the order of their first node.
 #[derive(Debug, Clone, PartialEq, Eq)]

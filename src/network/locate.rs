@@ -1,9 +1,10 @@
 //! Finding a node by what a person calls it: its id, its label, or a position.
 
-use super::{Network, Node};
-use crate::geometry::{Point, distance};
-use crate::suggestion::did_you_mean;
-use crate::units::{metres, millimetres};
+use super::Network;
+use super::node::Node;
+use super::units::{metres, millimetres};
+use crate::support::geometry::{Point, distance};
+use crate::support::suggestions::{did_you_mean, nearest};
 
 /// A position names nothing that lies further off, m.
 pub const REACH: f64 = 0.02;
@@ -63,17 +64,17 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
         }
     }
     let Some(position) = parse_position(spec) else { return Err(unknown(network, spec)) };
-    let found = nearest(network, position, |_| true).ok_or("the nodes have no coordinates; give an id or a label")?;
+    let found = nearest_node(network, position, |_| true).ok_or("the nodes have no coordinates; give an id or a label")?;
     if found.distance > REACH {
         let [away, reach] = [found.distance, REACH].map(millimetres);
         let id = &network.node(found.node).id;
-        return Err(format!("the nearest node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
+        return Err(format!("the nearest_node node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
     }
     Ok(Located { node: found.node, by: Called::Position(found.distance) })
 }
 
 /// The node nearest to a position (m) among those in the rows that `admit` takes, however far away, ties to the lower row.
-pub fn nearest(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<Nearest> {
+pub fn nearest_node(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<Nearest> {
     let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
     let away = nodes.filter_map(|(node, n)| Some(Nearest { node, distance: distance(n.position?, position) }));
     away.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
@@ -109,4 +110,40 @@ impl Located {
             Called::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
         }
     }
+}
+
+/// Names offered for one that no vessel has.
+const OFFERED: usize = 3;
+
+/// The rows of the vessels called `name`: all that carry it as their label, exactly; without such a label the vessel of
+/// the row in `edge:12` or `12`, counted from 0.
+///
+/// # Errors
+///
+/// No vessel is called so; the text says what is accepted and offers the labels nearest by edit distance (insertions,
+/// deletions, substitutions and swaps of neighbours, without regard to case).
+pub fn vessels_called(network: &Network, name: &str) -> Result<Vec<usize>, String> {
+    let name = name.trim();
+    let labelled: Vec<usize> =
+        network.vessels().enumerate().filter(|(_, (_, v))| !v.label.is_empty() && v.label == name).map(|(row, _)| row).collect();
+    if !labelled.is_empty() {
+        return Ok(labelled);
+    }
+    let digits = name.strip_prefix("edge:").unwrap_or(name);
+    let last = network.vessel_count().saturating_sub(1);
+    match digits.parse::<usize>() {
+        Ok(row) if row < network.vessel_count() => Ok(vec![row]),
+        Ok(row) => Err(format!("there is no edge {row}; expected a vessel's label, or edge:0 to edge:{last}")),
+        Err(_) => Err(format!("no vessel is called \"{name}\"; expected {}", offer(network, name, last))),
+    }
+}
+
+/// The labels nearest to `name`, or the rows where the network has no labels.
+fn offer(network: &Network, name: &str, last: usize) -> String {
+    let labels = nearest(name, network.vessels().map(|(_, v)| v.label.as_str()));
+    if labels.is_empty() {
+        return format!("edge:0 to edge:{last}, for the vessels have no labels");
+    }
+    let nearest: Vec<String> = labels.iter().take(OFFERED).map(|label| format!("\"{label}\"")).collect();
+    format!("a label such as {}, or edge:0 to edge:{last}", nearest.join(", "))
 }

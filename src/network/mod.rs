@@ -1,23 +1,23 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
-mod condition;
-mod contract;
-mod evidence;
-mod fragments;
-mod locate;
-mod naming;
+pub mod centerlines;
+mod coincident_points;
+mod contraction;
+pub(crate) mod fragments;
+pub(crate) mod locate;
 mod node;
-mod stored;
+pub mod quantity;
+mod serialize;
+pub mod units;
 mod vessel;
 
-pub use condition::{Condition, INLET_PRESSURE};
-pub use contract::{Contraction, RadiusRule, contract};
-pub use evidence::{END_ODDS, Evidence};
+pub use centerlines::Labels;
+pub use coincident_points::WELD_TOLERANCE;
+pub use contraction::{RadiusRule, contract};
 pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Called, Located, Nearest, REACH, locate, nearest, parse_position};
-pub use naming::vessels_called;
-pub use node::{Node, Role};
-pub use vessel::{Origin, PathPoint, Vessel};
+pub use locate::{Called, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use node::{Condition, INLET_PRESSURE, Node, Role};
+pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 

@@ -1,6 +1,6 @@
 //! Every occlusion pattern of a small graph, each with its probability.
 
-use crate::rng::BLOCK;
+use crate::support::random::BLOCK;
 
 /// Vessels that may be open or closed that can be enumerated at the most: 2²⁰ patterns.
 pub const MOST_UNCERTAIN: usize = 20;

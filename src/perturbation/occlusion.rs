@@ -2,8 +2,9 @@
 
 use rand::Rng;
 
-use crate::rng::{Rows, WideStream, stream, streams};
-use crate::simd::{InstructionSet, Kernel, Simd};
+use crate::support::random;
+use crate::support::random::{Rows, WideStream, stream};
+use crate::support::simd::{InstructionSet, Kernel, Simd};
 
 /// Vessels drawn side by side.
 const TOGETHER: usize = 16;
@@ -47,7 +48,7 @@ impl Occlusion {
     /// Draws block `block` of `seed`: bit i of word e says whether vessel e is open in sample i of the block.
     pub fn draw(&self, seed: u64, block: u64, masks: &mut Vec<u64>) {
         masks.clone_from(&self.surely);
-        self.instructions.run(Draw { occlusion: self, seed, number: streams::occlusion(block), masks });
+        self.instructions.run(Draw { occlusion: self, seed, number: random::occlusion(block), masks });
     }
 }
 

@@ -5,12 +5,13 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::circle::make_inlet;
-use super::large::{Large, add_node};
+use super::straight_vessels::{Large, add_node};
 use super::tree::make_terminal;
 use crate::error::Result;
-use crate::geometry::{Point, distance, lerp};
 use crate::network::{Network, Node, Role};
-use crate::rng::{stream, streams};
+use crate::support::geometry::{Point, distance, lerp};
+use crate::support::random;
+use crate::support::random::stream;
 
 /// Territories along each axis: as many as two for each of the six cerebral arteries.
 const TERRITORIES: [usize; 3] = [3, 2, 2];
@@ -33,7 +34,7 @@ const BEND: f64 = 0.05;
 /// it branches in turn. Volume goes by leaves, so these fill space evenly. At a branching
 /// r₀³ = r₁³ + r₂³, in proportion to the parts' volumes within a fifth. A branch is one to three vessels in series, two in the mean.
 ///
-/// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::branching_tree`] gives it.
+/// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::tree::branching_tree`] gives it.
 /// There are 12 nodes more than vessels, a quarter of them outlets; all have degree 1 to 3. Ids are numbers from 1, vessels have no
 /// labels. A surrogate with the size and the graph of the arteries of a brain, not their courses.
 ///
@@ -42,7 +43,7 @@ const BEND: f64 = 0.05;
 /// Those of [`Large::validate`].
 pub fn arterial(params: &Large) -> Result<Network> {
     params.validate()?;
-    let mut rng = stream(params.seed, streams::ANATOMY);
+    let mut rng = stream(params.seed, random::ANATOMY);
     let trees = TERRITORIES.iter().product::<usize>();
     // Two vessels a branch, and L leaves make 2 L - 1 branches a tree.
     let leaves = (params.edges / 2 + trees).div_ceil(2);

@@ -1,7 +1,7 @@
 //! How badly an extraction fares: the parameters of the damage.
 
 use crate::error::{Error, Result};
-use crate::units::metres;
+use crate::network::units::metres;
 
 /// What goes wrong between a complete network and its extraction. The defaults are an extraction of middling quality.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,12 +3,13 @@
 use rand_distr::{Distribution, LogNormal, Uniform};
 
 use super::circle::make_inlet;
-use super::large::{Large, add_node};
 use super::lattice::{Lattice, Mesh};
+use super::straight_vessels::{Large, add_node};
 use crate::error::{Error, Result};
-use crate::geometry::Point;
 use crate::network::{Condition, Network, Node, Role};
-use crate::rng::{stream, streams};
+use crate::support::geometry::Point;
+use crate::support::random;
+use crate::support::random::stream;
 
 /// The distance of neighbours on the lattice, m.
 const SPACING: f64 = 5e-5;
@@ -44,7 +45,7 @@ pub fn capillary(params: &Large) -> Result<Network> {
     params.validate()?;
     let mesh = mesh(params)
         .ok_or_else(|| Error::parameter("edges", params.edges, "no lattice of that size holds together; expected another"))?;
-    let mut rng = stream(params.seed, streams::ANATOMY);
+    let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
     let stray = Uniform::new(-STRAY, STRAY).map_err(|_| Error::parameter("capillary", STRAY, "expected a positive share"))?;
     let radius = LogNormal::new(CAPILLARY.0.ln(), CAPILLARY.1)
@@ -85,7 +86,7 @@ fn mesh(params: &Large) -> Option<Mesh> {
     let mut places = params.edges as f64 / VESSELS_A_PLACE;
     let off = |mesh: &Mesh| mesh.vessels().abs_diff(params.edges);
     for attempt in 0..ATTEMPTS {
-        let mesh = Mesh::new(Lattice::new(places.round() as usize), feeders, &mut stream(params.seed, streams::lattice(attempt)));
+        let mesh = Mesh::new(Lattice::new(places.round() as usize), feeders, &mut stream(params.seed, random::lattice(attempt)));
         if mesh.vessels() > 0 {
             places *= params.edges as f64 / mesh.vessels() as f64;
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
 
 /// The side to which a vessel bows out, and how often it swings.
 #[derive(Debug, Clone, Copy, PartialEq)]

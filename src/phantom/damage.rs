@@ -1,17 +1,17 @@
 //! Which points of every vessel an extraction misses: junctions, stretches midway, ends.
 
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, Exp1, Poisson};
+use rand_distr::{Distribution, Exp1, Poisson, StandardNormal, UnitSphere};
 
-use super::Breaks;
-use crate::geometry::{Point, distance, lerp};
+use super::breaks::Breaks;
 use crate::network::{Network, Role};
+use crate::support::geometry::{Point, distance, lerp, unit};
 
 /// The least number of points that damage leaves of a piece of vessel.
 const LEAST: usize = 3;
 
 /// A vessel resampled at equal steps, and the inclusive ranges of its points that are still there, in order.
-pub(super) struct Sampled {
+pub(crate) struct Sampled {
     /// Points with radii, both nodes included.
     pub points: Vec<(Point, f64)>,
     /// The step, m.
@@ -82,7 +82,7 @@ impl Sampled {
 }
 
 /// Damages the vessels: lost and short ends, then junctions in node order, then midway.
-pub(super) fn damage(network: &Network, params: &Breaks, rng: &mut impl Rng) -> Vec<Sampled> {
+pub(crate) fn damage(network: &Network, params: &Breaks, rng: &mut impl Rng) -> Vec<Sampled> {
     let mut vessels: Vec<_> = (0..network.vessel_count()).map(|row| Sampled::of(network, row, params.spacing)).collect();
     let mut at_node = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
@@ -158,4 +158,51 @@ fn stretch(vessel: &Sampled, params: &Breaks, rng: &mut impl Rng) -> f64 {
     let points = params.spacing * (1.0 + 0.5 * rng.sample::<f64, _>(Exp1));
     let length = points + 2.0 * vessel.radius * rng.random_range(least..=most);
     if rng.random_bool(params.long_gaps) { 2.0 * length } else { length }
+}
+
+/// Attempts a bit before the place is given up as too crowded.
+const ATTEMPTS: usize = 200;
+/// Distance kept between lumens, in point distances: more than jitter can bridge.
+const MARGIN: f64 = 2.5;
+/// How much further away a bit may lie, in point distances.
+const REACH: f64 = 10.0;
+/// The turn from step to step, per axis.
+const TURN: f64 = 0.25;
+
+/// Up to `wanted` bits (points with radii), clear of the complete vessels in `lumens` and of each other.
+pub(crate) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, rng: &mut impl Rng) -> Vec<Vec<(Point, f64)>> {
+    if wanted == 0 {
+        return Vec::new();
+    }
+    let mut taken = lumens.to_vec();
+    let mut bits = Vec::new();
+    for _ in 0..ATTEMPTS * wanted {
+        if bits.len() == wanted || lumens.is_empty() {
+            break;
+        }
+        let bit = walk(lumens, params, rng);
+        let clear = |(p, r): &(Point, f64)| taken.iter().all(|(q, s)| distance(*p, *q) > r + s + MARGIN * params.spacing);
+        if bit.iter().all(clear) {
+            taken.extend(&bit);
+            bits.push(bit);
+        }
+    }
+    bits
+}
+
+/// A persistent random walk whose first point lies beside a random point of the vessels, thinner than these there.
+fn walk(lumens: &[(Point, f64)], params: &Breaks, rng: &mut impl Rng) -> Vec<(Point, f64)> {
+    let (anchor, lumen) = lumens[rng.random_range(0..lumens.len())];
+    let radius = lumen * rng.random_range(0.3..0.8);
+    let away = lumen + radius + params.spacing * (MARGIN + REACH * rng.random::<f64>());
+    let side: [f64; 3] = rng.sample(UnitSphere);
+    let mut heading: [f64; 3] = rng.sample(UnitSphere);
+    let mut at = [0, 1, 2].map(|axis| anchor[axis] + away * side[axis]);
+    let mut bit = vec![(at, radius)];
+    for _ in 0..rng.random_range(params.spurious_steps[0]..=params.spurious_steps[1]) {
+        heading = unit(heading.map(|x| x + TURN * rng.sample::<f64, _>(StandardNormal)));
+        at = [0, 1, 2].map(|axis| at[axis] + params.spacing * heading[axis]);
+        bit.push((at, radius));
+    }
+    bit
 }

@@ -2,15 +2,17 @@
 
 use rand::seq::index;
 
+use super::breaks::Breaks;
 use super::damage::Sampled;
 use super::extraction::extract;
-use super::large::add_node;
-use super::{Break, BreakKind, Breaks, Truth};
-use crate::candidates::join_nearest;
-use crate::centerline::Centerlines;
+use super::straight_vessels::add_node;
+use super::truth::{Break, BreakKind, Truth};
+use crate::candidates::search::join_nearest;
 use crate::error::{Error, Result};
+use crate::network::centerlines::Centerlines;
 use crate::network::{Network, Node, Origin, PathPoint, Role, Vessel, fragments};
-use crate::rng::{stream, streams};
+use crate::support::random;
+use crate::support::random::stream;
 
 /// Which vessels are interrupted, and how finely the others are drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +39,7 @@ impl Gaps {
             return Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
         }
         let count = (self.share * network.vessel_count() as f64).round() as usize;
-        let mut rows = index::sample(&mut stream(self.seed, streams::GAPS), network.vessel_count(), count).into_vec();
+        let mut rows = index::sample(&mut stream(self.seed, random::GAPS), network.vessel_count(), count).into_vec();
         rows.sort_unstable();
         Ok(rows)
     }
@@ -54,7 +56,7 @@ impl Gaps {
     }
 }
 
-/// The centerlines of a network with gaps, and the answer. Points are numbered as [`super::break_up`] numbers them.
+/// The centerlines of a network with gaps, and the answer. Points are numbered as [`super::extraction::break_up`] numbers them.
 ///
 /// # Errors
 ///
@@ -66,7 +68,7 @@ pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)>
         .collect::<Vec<_>>();
     let params = Breaks { jitter: 0.0, radius_noise: 0.0, radius_bias: 0.0, spurious: 0.0, ..Breaks::default() };
     // The order of fragments and points is drawn after the gaps.
-    let mut rng = stream(gaps.seed, streams::GAPS);
+    let mut rng = stream(gaps.seed, random::GAPS);
     rng.set_word_pos(1 << 40);
     Ok(extract(network, &vessels, &params, &mut rng))
 }

@@ -3,12 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::large::EDGES;
-use super::{Gaps, Large, Tree, arterial, branching_tree, capillary, cerebral, circle_of_willis};
+use super::arterial::arterial;
+use super::capillary::capillary;
+use super::circle::{cerebral, circle_of_willis};
+use super::gaps::Gaps;
+use super::straight_vessels::{EDGES, Large};
+use super::tree::{Tree, branching_tree};
 use crate::error::{Error, Result};
 use crate::network::Network;
-use crate::suggestion::did_you_mean;
-use crate::units::{metres, millimetres};
+use crate::network::units::{metres, millimetres};
+use crate::support::suggestions::did_you_mean;
 
 /// The distance of centerline points where none is asked for, m.
 const SPACING: f64 = 0.0005;
@@ -61,7 +65,7 @@ impl Kind {
     }
 
     /// The gaps that break a kind of any size: in 2.5 % of the arteries, 2 % of the capillaries; none for the others, which
-    /// [`super::break_up`] breaks.
+    /// [`super::extraction::break_up`] breaks.
     pub fn gaps(self, recipe: &Recipe) -> Option<Gaps> {
         let share = match self {
             Self::Arterial => 0.025,

@@ -9,7 +9,7 @@ const DEGREE: u8 = 3;
 
 /// Places in rows of rows, layer by layer from the top; the last layer may be in part.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lattice {
+pub(crate) struct Lattice {
     /// How many places.
     pub places: usize,
     /// Places along each side of a layer.
@@ -49,7 +49,7 @@ impl Lattice {
 }
 
 /// The largest connected part of a random maximal subgraph.
-pub(super) struct Mesh {
+pub(crate) struct Mesh {
     pub lattice: Lattice,
     /// Whether each place is in it.
     pub kept: Vec<bool>,

@@ -5,10 +5,11 @@ use rand::RngExt;
 use super::circle::make_inlet;
 use super::curve::{Bow, course};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, cross, dot, sub, unit};
+use crate::network::units::{cubic_metres_per_second, metres};
 use crate::network::{Condition, INLET_PRESSURE, Network, Node, PathPoint, RadiusRule, Role, Vessel};
-use crate::rng::{stream, streams};
-use crate::units::{cubic_metres_per_second, metres};
+use crate::support::geometry::{Point, cross, dot, sub, unit};
+use crate::support::random;
+use crate::support::random::stream;
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +75,7 @@ const FLOW_AT_2_MM: f64 = 250.0;
 /// Those of [`Tree::validate`].
 pub fn branching_tree(params: &Tree) -> Result<Network> {
     params.validate()?;
-    let mut rng = stream(params.seed, streams::ANATOMY);
+    let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
     let root = add_node(&mut network, [0.0; 3], params.radius);
     make_inlet(&mut network, root);
@@ -100,7 +101,7 @@ pub fn branching_tree(params: &Tree) -> Result<Network> {
 }
 
 /// Makes a node an outlet with the terminal resistance of a vessel of this radius (m): Murray's flow at 100 mmHg.
-pub(super) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
+pub(crate) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
     let node = network.node_mut(row);
     node.role = Some(Role::Outlet);

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::json::write_json;
-use super::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
-use super::staged::write_file;
-use super::summary::Provenance;
+use super::record::Provenance;
+use crate::circle_of_willis::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
-use crate::formats::{Column, write_csv};
+use crate::io::{Column, write_csv};
 use crate::network::Network;
-use crate::phenotype::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
-use crate::units::ml_per_min;
+use crate::network::units::ml_per_min;
+use crate::output::atomic::write_file;
+use crate::output::json::write_json;
+use crate::output::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
 
 /// A classification and everything its files are made of.
 #[derive(Debug)]

@@ -1,18 +1,17 @@
 //! Forward simulation: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
 
-mod flow_change;
-mod stenosis;
+mod flow_changes;
 
-pub use flow_change::{FlowChange, gains, reversals, rounding};
-pub use stenosis::Stenosis;
+pub use flow_changes::{FlowChange, gains, reversals, rounding};
 
 use crate::error::{Error, Result};
-use crate::hemodynamics::floating::drives_flow;
-use crate::hemodynamics::poiseuille::check_viscosity;
-use crate::hemodynamics::{Boundary, Factors, Tube};
+use crate::flow::floating::drives_flow;
+use crate::flow::poiseuille::check_viscosity;
+use crate::flow::state::State;
+use crate::flow::{Boundary, Factors, Tube};
 use crate::network::Network;
-use crate::state::State;
-use crate::units::millimetres;
+use crate::network::units::millimetres;
+use crate::perturbation::stenosis::Stenosis;
 
 /// What is done to a vessel.
 #[derive(Debug, Clone, Copy, PartialEq)]

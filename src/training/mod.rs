@@ -1,15 +1,30 @@
 //! Cases to train the prior with, from folders.
 
-mod case;
-mod folder;
-mod truth;
+mod case_folders;
+pub mod cross_validation;
+pub mod example;
+pub mod figures;
+pub mod fit;
+pub mod known_links;
+pub mod logistic;
+pub mod minimise;
+pub mod objective;
+mod read_case;
+mod truth_file;
+
+pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
+pub use example::{Case, Example};
+pub use figures::{average_precision, calibration_error, figures, told};
+pub use fit::{Step, TrainParams, fit, goes_without_inlets, train};
+pub use known_links::Right;
+pub use logistic::calibrate;
+pub use objective::{Objective, case_weights};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::candidates::in_order;
-use crate::candidates::prior::Case;
 use crate::error::{Error, Result};
+use crate::support::in_order;
 
 /// Cases that were read.
 #[derive(Debug, Clone, Default)]
@@ -35,7 +50,7 @@ pub fn read_cases(data_sets: &[PathBuf]) -> Result<Cases> {
         let short = last_name(data_set);
         let twice = data_sets.iter().enumerate().any(|(other, path)| other != at && last_name(path) == short);
         let name = if twice { data_set.display().to_string() } else { short };
-        let (here, unanswered) = folder::find(data_set)?;
+        let (here, unanswered) = case_folders::find(data_set)?;
         if here.is_empty() {
             let accepted = "expected folders with fragments.swc and truth.json or links.csv in it";
             return Err(Error::parameter("CASES", format!("{}: no case", data_set.display()), accepted));
@@ -45,7 +60,7 @@ pub fn read_cases(data_sets: &[PathBuf]) -> Result<Cases> {
         }
         folders.extend(here.into_iter().map(|folder| (name.clone(), folder)));
     }
-    for read in in_order(&folders, |_, (data_set, folder)| case::read(data_set, folder)) {
+    for read in in_order(&folders, |_, (data_set, folder)| read_case::read(data_set, folder)) {
         let (case, notes) = read?;
         found.cases.push(case);
         for note in notes {

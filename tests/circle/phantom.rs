@@ -3,12 +3,14 @@
 
 use std::collections::HashSet;
 
-use willis::centerline::Centerlines;
-use willis::geometry::distance;
-use willis::network::{Condition, Network, Role, cycles, fragments};
-use willis::phantom::alastruey::TABLE;
-use willis::phantom::{BreakKind, Breaks, Kind, Recipe, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis};
-use willis::units::pascals;
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::pascals;
+use willis::internals::network::{Condition, Network, Role, cycles, fragments};
+use willis::internals::phantom::alastruey::TABLE;
+use willis::internals::phantom::{
+    BreakKind, Breaks, Kind, Recipe, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis,
+};
+use willis::internals::support::geometry::distance;
 
 const SPACING: f64 = 5e-4;
 
@@ -21,7 +23,7 @@ fn arc_length(network: &Network, row: usize) -> f64 {
     network.vessel(row).path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum()
 }
 
-fn conductance(node: &willis::network::Node) -> Option<f64> {
+fn conductance(node: &willis::internals::network::Node) -> Option<f64> {
     match node.condition {
         Some(Condition::Resistance { resistance, .. }) => Some(1.0 / resistance),
         _ => None,

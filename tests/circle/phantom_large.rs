@@ -5,11 +5,11 @@ use std::collections::{BTreeSet, HashSet};
 
 use crate::command::{folder, stderr, willis};
 use crate::refused::refused;
-use willis::formats::{graph_columns, write_graphml};
-use willis::geometry::distance;
-use willis::network::{Condition, Network, Origin, Role, cycles, fragments};
-use willis::phantom::{Gaps, Kind, Large, Recipe, Truth, arterial, capillary, over_connected, with_gaps};
-use willis::units::pascals;
+use willis::internals::io::{graph_columns, write_graphml};
+use willis::internals::network::units::pascals;
+use willis::internals::network::{Condition, Network, Origin, Role, cycles, fragments};
+use willis::internals::phantom::{Gaps, Kind, Large, Recipe, Truth, arterial, capillary, over_connected, with_gaps};
+use willis::internals::support::geometry::distance;
 
 const KINDS: [Kind; 2] = [Kind::Arterial, Kind::Capillary];
 const SIZES: [usize; 4] = [100, 101, 700, 3000];
@@ -87,7 +87,7 @@ fn arteries_keep_murrays_law() {
             _ => panic!("{} vessels meet", cubes.len()),
         }
     }
-    let conductance = |node: &willis::network::Node| match node.condition {
+    let conductance = |node: &willis::internals::network::Node| match node.condition {
         Some(Condition::Resistance { resistance, .. }) => 1.0 / resistance,
         _ => 0.0,
     };

@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use willis::centerline::WELD_TOLERANCE;
 use willis::error::Fault;
-use willis::formats::{Content, ReadOptions, read, read_graphml, read_landmarks};
-use willis::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
-use willis::phenotype::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
-use willis::phenotype::Side::{Left as L, Right as R};
-use willis::phenotype::{Artery, Circle, Completeness, Landmark, RING, Scheme, Variant, artery, divide, identify};
-use willis::units::{LengthUnit, Scale, metres};
+use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
+use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
+use willis::internals::circle_of_willis::{
+    Artery, Circle, Completeness, Landmark, RING, Scheme, Variant, artery, divide, identify,
+};
+use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_landmarks};
+use willis::internals::network::WELD_TOLERANCE;
+use willis::internals::network::units::{LengthUnit, Scale, metres};
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 
 /// Nodes of a circle in mm: x to the right, y to the front, z up. `i` where carotids come in, `c` the origin of PComm, `t` the end of the
 /// carotid, `m` `a` `p` outlets of M1, A2 and P2, `j` where AComm and `k` where PComm meet A1 and P1.
@@ -463,7 +465,7 @@ fn the_published_variants_are_named_right() {
         let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
         for (label, id) in ends {
             let node = network.nodes().find(|node| node.id == id).unwrap();
-            let [x, y, z] = node.position.unwrap().map(willis::units::millimetres);
+            let [x, y, z] = node.position.unwrap().map(willis::internals::network::units::millimetres);
             writeln!(text, "{label},{x},{y},{z}").expect("written");
         }
         let landmarks = marked(&text).unwrap();

@@ -6,12 +6,14 @@ use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
-use willis::formats::read_graphml;
-use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::inference::{Draw, Known, Params, Topologies};
-use willis::network::{Evidence, Network, Origin, Vessel};
-use willis::phenotype::{Artery, Circle, Posterior, RING, Scheme, Side, Variant, collaterals};
-use willis::units::Scale;
+use willis::internals::circle_of_willis::{Artery, Circle, Posterior, RING, Scheme, Side, Variant, collaterals};
+use willis::internals::decision::{Draw, KnownEnds, Topologies};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::io::read_graphml;
+use willis::internals::network::units::Scale;
+use willis::internals::network::{Evidence, Network, Origin, Vessel};
+use willis::internals::sampling::SamplingOptions;
 
 fn circle_of(file: &str) -> Network {
     read_graphml(&fs::read(data(&format!("circle-of-willis/{file}.graphml"))).unwrap()[..], &Scale::default(), false).unwrap().0
@@ -63,11 +65,11 @@ fn posterior(network: &Network, samples: u64) -> Posterior {
     let mut known = vec![false; network.node_count()];
     circle.ends(network).into_iter().for_each(|node| known[node] = true);
     let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground).unwrap();
-    let params = Params { samples, seed: 4, ..Params::default() };
+    let params = SamplingOptions { samples, seed: 4, ..SamplingOptions::default() };
     Posterior::of(
         &circle,
         network,
-        &Topologies::draw(network, &boundary, &params, Draw::Ends(Known { ends: &known, inlets: &[] })).unwrap(),
+        &Topologies::draw(network, &boundary, &params, Draw::Ends(KnownEnds { ends: &known, inlets: &[] })).unwrap(),
     )
 }
 
@@ -156,10 +158,11 @@ fn a_lost_carotid_leaves_what_the_circle_brings() {
         collaterals(&circle, network, |_| true, &boundary, 3.5e-3).unwrap()
     };
     let whole = circle_of("complete");
-    let cut = willis::phantom::without(&whole, &["AComm", "L-PComm", "R-PComm"]).unwrap();
+    let cut = willis::internals::phantom::without(&whole, &["AComm", "L-PComm", "R-PComm"]).unwrap();
     let apart = all(&cut);
     assert_eq!(apart.iter().map(|c| c.occluded.to_string()).collect::<Vec<_>>(), ["L-ICA", "R-ICA", "BA"]);
-    let shares = |c: &willis::phenotype::Collateral| c.residual().map(|share| (share.unwrap() * 1e9).round() / 1e9);
+    let shares =
+        |c: &willis::internals::circle_of_willis::Collateral| c.residual().map(|share| (share.unwrap() * 1e9).round() / 1e9);
     // L-A2, R-A2, L-M1, R-M1, L-P2, R-P2
     assert_eq!(shares(&apart[0]), [0.0, 1.0, 0.0, 1.0, 1.0, 1.0]);
     assert_eq!(shares(&apart[1]), [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]);

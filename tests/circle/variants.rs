@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::formats::read_graphml;
-use willis::network::{Condition, Network, Role, cycles, fragments};
-use willis::phantom::{Kind, Recipe, without};
-use willis::units::{Scale, metres};
+use willis::internals::io::read_graphml;
+use willis::internals::network::units::{Scale, metres};
+use willis::internals::network::{Condition, Network, Role, cycles, fragments};
+use willis::internals::phantom::{Kind, Recipe, without};
 
 /// The ten published variants by what they lack.
 const VARIANTS: [&[&str]; 10] = [

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use crate::draw::Draw;
 use crate::vessels;
-use willis::candidates::{Attach, CandidateRadius, Params, build};
-use willis::centerline::Centerlines;
-use willis::geometry::{Point, distance};
-use willis::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
-use willis::stats::median;
+use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, build};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
+use willis::internals::support::geometry::{Point, distance};
+use willis::internals::support::statistics::median;
 
 /// Winding fragments in a box of 30 mm, points about 0.7 mm apart; every third has a side branch. Lengths in m.
 fn fragments(draw: &mut Draw, count: usize) -> Vec<Vec<[f64; 4]>> {
@@ -84,14 +84,14 @@ fn candidates(graph: &Network) -> Vec<(usize, usize, &Vessel)> {
     graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).map(|([a, b], v)| (a, b, v)).collect()
 }
 
-fn each(check: impl Fn(&Network, &Params, &Network)) {
+fn each(check: impl Fn(&Network, &CandidateOptions, &Network)) {
     for seed in 0..30 {
         let network = assemble(&fragments(&mut Draw::new(seed), 12));
         for attach in [Attach::Centerline, Attach::Ends] {
             for (k, max_gap, max_radius, radius) in
                 [(6, None, None, CandidateRadius::Min), (2, Some(5e-3), Some(7e-4), CandidateRadius::Mean)]
             {
-                let params = Params { k, max_gap, attach, radius, max_radius, ..Params::default() };
+                let params = CandidateOptions { k, max_gap, attach, radius, max_radius, ..CandidateOptions::default() };
                 check(&network, &params, &build(&network, &params).unwrap());
             }
         }
@@ -104,7 +104,7 @@ fn the_random_fragments_are_worth_it() {
     each(|network, _, graph| assert!(graph.node_count() >= network.node_count() && !candidates(graph).is_empty()));
     for seed in 0..30 {
         let network = assemble(&fragments(&mut Draw::new(seed), 12));
-        cuts += build(&network, &Params::default()).unwrap().node_count() - network.node_count();
+        cuts += build(&network, &CandidateOptions::default()).unwrap().node_count() - network.node_count();
     }
     assert!(cuts > 100, "{cuts}");
 }
@@ -227,8 +227,8 @@ fn joined(graph: &Network) -> BTreeSet<[[i64; 3]; 2]> {
 /// their nearest point, and then the k-th place goes by row).
 #[test]
 fn the_order_and_direction_of_vessels_is_irrelevant() {
-    let all = Params { k: 1000, ..Params::default() };
-    for params in [all, Params { attach: Attach::Ends, ..Params::default() }] {
+    let all = CandidateOptions { k: 1000, ..CandidateOptions::default() };
+    for params in [all, CandidateOptions { attach: Attach::Ends, ..CandidateOptions::default() }] {
         for seed in 0..20 {
             let mut draw = Draw::new(seed);
             let mut lines = fragments(&mut draw, 12);
@@ -250,9 +250,9 @@ fn the_graph_does_not_depend_on_the_unit() {
     let ends = |graph: &Network| graph.vessels().map(|(ends, _)| ends).collect::<Vec<_>>();
     for seed in 0..20 {
         let mut lines = fragments(&mut Draw::new(seed), 12);
-        let base = ends(&build(&assemble(&lines), &Params::default()).unwrap());
+        let base = ends(&build(&assemble(&lines), &CandidateOptions::default()).unwrap());
         lines.iter_mut().flatten().flatten().for_each(|x| *x *= 4.0);
-        assert_eq!(base, ends(&build(&assemble(&lines), &Params::default()).unwrap()), "seed {seed}");
+        assert_eq!(base, ends(&build(&assemble(&lines), &CandidateOptions::default()).unwrap()), "seed {seed}");
     }
 }
 
@@ -298,7 +298,7 @@ fn a_junction_without_a_radius_takes_that_of_its_vessels() {
         ([3, 1], Vessel::along(up.to_vec(), RadiusRule::Mean)),
         ([4, 5], Vessel::along(down.to_vec(), RadiusRule::Mean)),
     ];
-    let graph = build(&located(vessels, None), &Params::default()).unwrap();
+    let graph = build(&located(vessels, None), &CandidateOptions::default()).unwrap();
     let to_the_junction: Vec<&Vessel> =
         candidates(&graph).into_iter().filter(|(a, b, _)| *b == 1 && *a == 5).map(|(_, _, v)| v).collect();
     assert!(!to_the_junction.is_empty());
@@ -314,7 +314,7 @@ fn snapping_keeps_to_the_longest_gap() {
     let end = [8.0, 4.0, 3.5].map(|y| PathPoint { position: [1.0 * 1e-3, y * 1e-3, 0.0], radius: 5e-4, id: None });
     let vessels = vec![([0, 1], straight(0.0, 20.0, 0.0, 0.5)), ([2, 3], Vessel::along(end.to_vec(), RadiusRule::Mean))];
     let network = located(vessels, Some(5e-4));
-    let params = Params { max_gap: Some(3.55e-3), ..Params::default() };
+    let params = CandidateOptions { max_gap: Some(3.55e-3), ..CandidateOptions::default() };
     let graph = build(&network, &params).unwrap();
     for (a, b, vessel) in candidates(&graph) {
         assert!(vessel.length <= 3.55e-3, "{a} to {b}: {} m", vessel.length);
@@ -336,13 +336,13 @@ fn equal_distances_come_in_node_order() {
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut vessels: Vec<_> = (0..4).map(|i| ([2 * i, 2 * i + 1], out(quarter * i as f64))).collect();
     vessels.push(([8, 9], Vessel::along(center.to_vec(), RadiusRule::Mean)));
-    let params = Params { k: 2, attach: Attach::Ends, max_gap: Some(2.5e-3), ..Params::default() };
+    let params = CandidateOptions { k: 2, attach: Attach::Ends, max_gap: Some(2.5e-3), ..CandidateOptions::default() };
     let graph = build(&located(vessels, Some(5e-4)), &params).unwrap();
     let from_center: Vec<usize> = candidates(&graph).iter().filter(|c| c.0 == 8).map(|c| c.1).collect();
     let to_center: BTreeSet<usize> = candidates(&graph).iter().filter(|c| c.1 == 8).map(|c| c.0).collect();
     // Every end sees the center alone within 2.5 mm; the center's own two are among those, met from the other side.
     assert_eq!((from_center, to_center), (vec![], BTreeSet::from([0, 2, 4, 6])));
-    let params = Params { max_gap: Some(2.5e-3), k: 1, ..params };
+    let params = CandidateOptions { max_gap: Some(2.5e-3), k: 1, ..params };
     let mut vessels: Vec<_> = (0..4).map(|i| ([2 * i + 2, 2 * i + 3], out(quarter * i as f64))).collect();
     vessels.insert(0, ([0, 1], Vessel::along(center.to_vec(), RadiusRule::Mean)));
     let graph = build(&located(vessels, Some(5e-4)), &params).unwrap();
@@ -352,14 +352,14 @@ fn equal_distances_come_in_node_order() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let wrong = [
-        ("-k", Params { k: 0, ..Params::default() }),
-        ("--max-gap", Params { max_gap: Some(0.0), ..Params::default() }),
-        ("--max-candidate-radius", Params { max_radius: Some(f64::NAN), ..Params::default() }),
+        ("-k", CandidateOptions { k: 0, ..CandidateOptions::default() }),
+        ("--max-gap", CandidateOptions { max_gap: Some(0.0), ..CandidateOptions::default() }),
+        ("--max-candidate-radius", CandidateOptions { max_radius: Some(f64::NAN), ..CandidateOptions::default() }),
     ];
     for (name, params) in wrong {
         assert!(params.validate().unwrap_err().to_string().starts_with(name));
         assert!(build(&Network::new(), &params).is_err());
     }
-    let error = build(&vessels::network(1, []), &Params::default()).unwrap_err();
+    let error = build(&vessels::network(1, []), &CandidateOptions::default()).unwrap_err();
     assert!(error.to_string().contains("coordinates"));
 }

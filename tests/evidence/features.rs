@@ -2,15 +2,17 @@
 
 use crate::draw::Draw;
 use crate::vessels;
-use willis::candidates::evidence::gap::log_detour;
-use willis::candidates::evidence::radius::relative_size;
-use willis::candidates::evidence::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, FoundBridge, Search, features, root_features, search, spans,
+use willis::internals::candidates::features::candidate_features::log_detour;
+use willis::internals::candidates::features::candidate_features::relative_size;
+use willis::internals::candidates::features::{
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, root_features, spans,
 };
-use willis::centerline::Centerlines;
-use willis::geometry::Point;
-use willis::network::{Network, Node, RadiusRule, contract};
-use willis::posterior::{self, Forests, marginals};
+use willis::internals::candidates::search::{FoundBridge, Search, search};
+use willis::internals::forest_posterior;
+use willis::internals::forest_posterior::{Forests, marginals};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Network, Node, RadiusRule, contract};
+use willis::internals::support::geometry::Point;
 
 /// Points with their radii, and links, in mm.
 #[derive(Clone, Default)]
@@ -151,7 +153,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
     let bridges = bridges.map(|(end, point)| FoundBridge { end, point, inside: false });
     let fragment = |place: usize| extraction.fragment[place];
     let log_weights = [0.3, -0.2, 0.5, -1.0, 0.1];
-    let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| posterior::Bridge {
+    let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| forest_posterior::Bridge {
         child: extraction.ends[b.end].fragment,
         parent: fragment(b.point),
         log_weight,
@@ -275,7 +277,7 @@ type Row = ([u32; 2], bool, Vec<f64>);
 /// Forests with some weights that depend on the bridges alone.
 fn weighed(extraction: &Extraction, bridges: &[FoundBridge]) -> Forests {
     let x = features(extraction, bridges);
-    let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| posterior::Bridge {
+    let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| forest_posterior::Bridge {
         child: extraction.ends[bridge.end].fragment,
         parent: extraction.fragment[bridge.point],
         log_weight: -x[1] - x[2],
@@ -303,8 +305,8 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
     let extraction = Extraction::new(&network, &inlets).expect("positions");
     let bridges = search(&extraction, &Search::default()).unwrap();
     let name = |point: usize| match extraction.place[point] {
-        willis::candidates::NetworkPoint::Node(node) => network.node(node).id.parse().expect("a number"),
-        willis::candidates::NetworkPoint::Along { vessel, point } => {
+        willis::internals::candidates::NetworkPoint::Node(node) => network.node(node).id.parse().expect("a number"),
+        willis::internals::candidates::NetworkPoint::Along { vessel, point } => {
             network.vessel(vessel).path[point].id.expect("a number") as u32
         }
     };

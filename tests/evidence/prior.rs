@@ -1,9 +1,10 @@
 //! The prior: weights as files, and what they make of fragments, solved by hand.
 
-use willis::candidates::evidence::{Extraction, FEATURES, ROOT_FEATURES, Search, search};
-use willis::candidates::prior::{CLOSURE_FEATURES, Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
-use willis::centerline::Centerlines;
-use willis::network::{Network, RadiusRule, contract};
+use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
+use willis::internals::candidates::model::{CLOSURE_FEATURES, Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
+use willis::internals::candidates::search::{Search, search};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Network, RadiusRule, contract};
 
 /// Straight tubes along x, a point a millimetre: from, to (mm), radius (mm).
 fn tubes(tubes: &[(u32, u32, f64)]) -> Network {

@@ -6,12 +6,14 @@ use std::path::Path;
 use std::process::Command;
 
 use ndarray::Array2;
-use willis::candidates::evidence::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, FoundBridge, ROOT_FEATURES, Search, features, root_features, search,
+use willis::internals::candidates::features::{
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, features, root_features,
 };
-use willis::centerline::Centerlines;
-use willis::network::{Network, RadiusRule, contract};
-use willis::posterior::{self, Forests, marginals};
+use willis::internals::candidates::search::{FoundBridge, Search, search};
+use willis::internals::forest_posterior;
+use willis::internals::forest_posterior::{Forests, marginals};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Network, RadiusRule, contract};
 
 /// Two brains, one of them without known inlets, and two circles, one of which has a vessel that closes a loop.
 const SUBJECTS: [&str; 5] = ["BG0002", "BG06", "BG06~", "INSIST_0027", "INSIST_0038"];
@@ -46,7 +48,7 @@ fn feedback(e: &Extraction, bridges: &[FoundBridge], x: &Array2<f64>) -> Array2<
     let rows: Vec<usize> = (0..bridges.len()).filter(|row| !bridges[*row].inside).collect();
     let between: Vec<FoundBridge> = rows.iter().map(|row| bridges[*row]).collect();
     let at = |row: usize, name: &str| x[[row, FEATURES.iter().position(|(n, _)| *n == name).expect("a feature")]];
-    let weighed = |row: &usize| posterior::Bridge {
+    let weighed = |row: &usize| forest_posterior::Bridge {
         child: e.ends[bridges[*row].end].fragment,
         parent: e.fragment[bridges[*row].point],
         log_weight: at(*row, "kink") - at(*row, "gap") - at(*row, "bend_child_sq"),

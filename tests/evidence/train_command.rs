@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::command::{folder, stderr, willis};
 use crate::refused::contents;
-use willis::candidates::prior::{Weights, fold_of};
+use willis::internals::candidates::model::Weights;
+use willis::internals::training::fold_of;
 
 /// Six broken trees as case folders of three subjects, below two folders.
 fn cases(here: &Path) {

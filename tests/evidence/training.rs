@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::{folder, stderr, willis};
-use willis::candidates::prior::{
-    Case, Example, Figures, Objective, Right, Step, TrainParams, average_precision, calibrate, calibration_error, case_weights,
-    figures, fit, fold_of, told, train,
+use willis::internals::candidates::model::Figures;
+use willis::internals::training::read_cases;
+use willis::internals::training::{
+    Case, Example, Objective, Right, Step, TrainParams, average_precision, calibrate, calibration_error, case_weights, figures,
+    fit, fold_of, told, train,
 };
-use willis::training::read_cases;
 
 /// Broken trees as case folders `data/a0`, `data/a1`, ...
 fn trees(here: &Path, count: usize) -> PathBuf {

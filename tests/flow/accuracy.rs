@@ -17,13 +17,14 @@ use crate::figure::Figure;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::hemodynamics::cholesky::{self, Cholesky};
-use willis::hemodynamics::poiseuille::{BLOOD_VISCOSITY, resistance};
-use willis::hemodynamics::{Circuit, StarMesh, steady};
+use willis::internals::flow::cholesky;
+use willis::internals::flow::cholesky::Cholesky;
+use willis::internals::flow::poiseuille::{BLOOD_VISCOSITY, resistance};
+use willis::internals::flow::{Circuit, StarMesh, pressures};
 
 /// Samples solved side by side.
 const LANES: usize = 8;
-use willis::resilience::{DROP_CUT, is_diffused};
+use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
 
 /// Relative error that a pressure may have: 18 ε.
 const TOLERANCE: f64 = 4e-15;
@@ -101,7 +102,7 @@ fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
     let program = StarMesh::compile(circuit, usize::MAX).expect("no limit");
     let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
     let mut work = program.workspace();
-    program.solve(willis::simd::Scalar::new(), &masks, 0, &[], &mut work);
+    program.solve(willis::internals::support::simd::Scalar::new(), &masks, 0, &[], &mut work);
     (0..circuit.node_count()).map(|node| *work.pressure[program.slot(node)]).collect()
 }
 
@@ -314,7 +315,7 @@ fn a_factorisation_is_no_more_accurate() {
 fn a_floating_piece_has_no_pressure_and_leaves_the_rest_as_accurate() {
     for reference in references().iter().filter(|r| r.family == "floating") {
         let (circuit, truth) = (reference.circuit(), reference.pressures());
-        let solved = steady::pressures(&circuit, |_| true).expect("a small circuit");
+        let solved = pressures::pressures(&circuit, |_| true).expect("a small circuit");
         let none = solved.iter().filter(|p| p.is_none()).count();
         assert_eq!(none, if reference.name == "floating 0" { 6 } else { 12 }, "{}", reference.name);
         for (p, t) in solved.iter().zip(&truth).filter_map(|(p, t)| p.map(|p| (p, *t))) {

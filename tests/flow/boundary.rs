@@ -2,10 +2,10 @@
 
 use crate::networks::{MMHG, pressure};
 use crate::vessels::{network, tube};
-use willis::geometry::distance;
-use willis::hemodynamics::boundary::{Total, stated};
-use willis::hemodynamics::{Boundary, FoundOutlets, Given};
-use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::flow::boundary::{Total, stated};
+use willis::internals::flow::{Boundary, FoundOutlets, Given};
+use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::support::geometry::distance;
 
 /// Stars side by side, one per slice: node by node the free ends with these radii (mm), then the center. A star of two is a
 /// vessel with a joint in its middle.

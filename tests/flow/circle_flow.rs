@@ -4,12 +4,13 @@
 use std::path::Path;
 
 use crate::networks::{MMHG, VISCOSITY};
-use willis::formats::read_graphml;
-use willis::hemodynamics::{Boundary, FoundOutlets, Tube, boundary::stated};
-use willis::network::{Condition, Network, Role};
-use willis::phantom::without;
-use willis::state::State;
-use willis::units::{Scale, ml_per_min};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::state::State;
+use willis::internals::flow::{Boundary, FoundOutlets, Tube};
+use willis::internals::io::read_graphml;
+use willis::internals::network::units::{Scale, ml_per_min};
+use willis::internals::network::{Condition, Network, Role};
+use willis::internals::phantom::without;
 
 /// A shipped network.
 fn shipped(name: &str) -> Network {

@@ -7,12 +7,13 @@ use std::f64::consts::PI;
 
 use crate::networks::{MMHG, VISCOSITY, boundary, pressure, run};
 use crate::vessels::{network, tube};
-use willis::hemodynamics::cholesky::{self, Cholesky};
-use willis::hemodynamics::floating::stranded;
-use willis::hemodynamics::steady::pressures;
-use willis::hemodynamics::{Circuit, StarMesh};
-use willis::inference::{Likelihood, Params, Solver};
-use willis::network::{Condition, Network};
+use willis::internals::flow::cholesky;
+use willis::internals::flow::cholesky::Cholesky;
+use willis::internals::flow::floating::stranded;
+use willis::internals::flow::pressures::pressures;
+use willis::internals::flow::{Circuit, StarMesh};
+use willis::internals::network::{Condition, Network};
+use willis::internals::sampling::{Likelihood, SamplingOptions, Solver};
 
 /// Ω in Pa s/m³.
 const OHM: f64 = 8.0 * VISCOSITY * 0.01 / (PI * 1e-12);
@@ -47,7 +48,7 @@ fn check_open(network: &Network, conditions: &[(usize, Condition)], open: &[bool
     let masks: Vec<u64> = open.iter().map(|open| u64::from(*open) << 7).collect();
     let program = StarMesh::compile(&circuit, usize::MAX).unwrap();
     let mut work = program.workspace::<8>();
-    program.solve(willis::simd::Scalar::new(), &masks, 0, &stranded(&circuit, &masks, 8), &mut work);
+    program.solve(willis::internals::support::simd::Scalar::new(), &masks, 0, &stranded(&circuit, &masks, 8), &mut work);
     let lanes = |node: usize| work.pressure[program.slot(node)][7];
     let mut sparse = vec![f64::NAN; network.node_count()];
     let factor = Cholesky::compile(&circuit).unwrap();
@@ -70,7 +71,8 @@ fn all(by_hand: &[f64]) -> Vec<Option<f64>> {
 
 /// One sample of the open network, by all solvers, which must agree in the forest.
 fn whole(network: &Network, conditions: &[(usize, Condition)]) -> Likelihood {
-    let of = |solver| run(network, conditions, &Params { epsilon: 0.0, samples: 1, solver, ..Params::default() });
+    let of =
+        |solver| run(network, conditions, &SamplingOptions { epsilon: 0.0, samples: 1, solver, ..SamplingOptions::default() });
     let [lanes, cholesky, gradients] = [Solver::Lanes, Solver::Cholesky, Solver::Gradients].map(of);
     assert_eq!(lanes.frequency, cholesky.frequency);
     assert_eq!(lanes.frequency, gradients.frequency);

@@ -5,19 +5,21 @@ use crate::networks;
 use crate::networks::{VISCOSITY, boundary, radii, random_conditions, random_network};
 use crate::vessels;
 use rand_distr::{Distribution as _, Gamma as Draws};
-use willis::hemodynamics::{Boundary, FoundOutlets, Tube, boundary::stated};
-use willis::modulation::{Class, Instances, Modulation, Params, Reading, modulate};
-use willis::network::{Condition, Network};
-use willis::phantom::{cerebral, circle_of_willis};
-use willis::rng::stream;
-use willis::state::State;
-use willis::stats::{Distribution, gamma::Gamma};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::state::State;
+use willis::internals::flow::{Boundary, FoundOutlets, Tube};
+use willis::internals::modulation::{Class, Instances, Modulation, ModulationOptions, Reading, modulate};
+use willis::internals::network::{Condition, Network};
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::internals::support::Distribution;
+use willis::internals::support::gamma::Gamma;
+use willis::internals::support::random::stream;
 
 fn circle() -> Network {
     cerebral(&circle_of_willis(1e-3))
 }
 
-fn run(network: &Network, boundary: &Boundary, params: &Params) -> Modulation {
+fn run(network: &Network, boundary: &Boundary, params: &ModulationOptions) -> Modulation {
     modulate(network, boundary, params, &mut |_done: u64, _total: u64| true).expect("runs")
 }
 
@@ -36,7 +38,7 @@ fn conditions(network: &Network, ground: bool) -> Boundary {
 /// pressure among them (mmHg), with the standard deviation of each over the instances.
 fn changes(ground: bool, class: Class, reading: Reading) -> [(f64, f64); 3] {
     let network = circle();
-    let params = Params { classes: vec![class], reading, samples: 4000, seed: 11, ..Params::default() };
+    let params = ModulationOptions { classes: vec![class], reading, samples: 4000, seed: 11, ..ModulationOptions::default() };
     let result = run(&network, &conditions(&network, ground), &params);
     let (rest, instances) = (&result.unperturbed, &result.classes[0].1);
     let all = vec![true; network.node_count()];
@@ -83,7 +85,7 @@ fn an_independent_solver_finds_the_same_changes() {
 }
 
 /// Every instance again by itself, from the factors that the run says it drew.
-fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary, params: &Params, within: f64) {
+fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary, params: &ModulationOptions, within: f64) {
     let result = run(network, boundary, params);
     let (nodes, vessels) = (network.node_count(), network.vessel_count());
     for (class, instances) in &result.classes {
@@ -121,7 +123,7 @@ fn agrees_with_single_solves(name: &str, network: &Network, boundary: &Boundary,
 fn instances_side_by_side_are_what_each_is_alone() {
     let network = circle();
     for reading in [Reading::Increment, Reading::Conductance, Reading::Literal, Reading::Geometry] {
-        let params = Params { samples: 131, reading, ..Params::default() };
+        let params = ModulationOptions { samples: 131, reading, ..ModulationOptions::default() };
         for ground in [true, false] {
             agrees_with_single_solves("circle", &network, &conditions(&network, ground), &params, 1e-12);
         }
@@ -132,7 +134,13 @@ fn instances_side_by_side_are_what_each_is_alone() {
         let vessels = nodes + draw.below(nodes);
         let network = random_network(&mut draw, nodes, vessels, radii(0.3, 2.0));
         let conditions = boundary(&network, &random_conditions(&mut draw, nodes));
-        agrees_with_single_solves("random", &network, &conditions, &Params { samples: 9, seed, ..Params::default() }, 1e-12);
+        agrees_with_single_solves(
+            "random",
+            &network,
+            &conditions,
+            &ModulationOptions { samples: 9, seed, ..ModulationOptions::default() },
+            1e-12,
+        );
     }
 }
 
@@ -143,7 +151,7 @@ fn a_dense_network_goes_to_the_sparse_solver() {
     let pairs = (0..240).flat_map(|a| (0..a).map(move |b| [b, a]));
     let network = vessels::network(240, pairs.map(|ends| (ends, vessels::tube(draw.within(5.0, 20.0), draw.within(0.3, 2.0)))));
     let conditions = boundary(&network, &[(0, Condition::Pressure(100.0 * networks::MMHG)), (1, Condition::Pressure(0.0))]);
-    let params = Params { samples: 2, classes: Class::PAPER[..1].to_vec(), ..Params::default() };
+    let params = ModulationOptions { samples: 2, classes: Class::PAPER[..1].to_vec(), ..ModulationOptions::default() };
     assert_eq!(run(&network, &conditions, &params).solver, "cholesky");
     // Alone it is solved by iteration.
     agrees_with_single_solves("dense", &network, &conditions, &params, 1e-9);
@@ -163,7 +171,11 @@ fn one_two_and_eight_threads_give_the_same_bits() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
-            bits(&run(&network, &boundary, &Params { samples: 1000, reading: Reading::Geometry, ..Params::default() }))
+            bits(&run(
+                &network,
+                &boundary,
+                &ModulationOptions { samples: 1000, reading: Reading::Geometry, ..ModulationOptions::default() },
+            ))
         })
     };
     let one = on(1);
@@ -176,24 +188,24 @@ fn one_two_and_eight_threads_give_the_same_bits() {
 fn an_instance_depends_on_seed_class_and_index_alone() {
     let network = circle();
     let boundary = conditions(&network, false);
-    let of = |params: Params| run(&network, &boundary, &params);
-    let whole = of(Params { samples: 200, ..Params::default() });
-    let short = of(Params { samples: 70, ..Params::default() });
+    let of = |params: ModulationOptions| run(&network, &boundary, &params);
+    let whole = of(ModulationOptions { samples: 200, ..ModulationOptions::default() });
+    let short = of(ModulationOptions { samples: 70, ..ModulationOptions::default() });
     let vessels = network.vessel_count();
     for (long, short) in whole.classes.iter().zip(&short.classes) {
         assert_eq!(long.1.resistance_factor[..70 * vessels], short.1.resistance_factor);
         assert_eq!(long.1.flow[..70 * vessels], short.1.flow);
     }
-    let first = of(Params { samples: 200, classes: Class::PAPER[..1].to_vec(), ..Params::default() });
+    let first = of(ModulationOptions { samples: 200, classes: Class::PAPER[..1].to_vec(), ..ModulationOptions::default() });
     assert_eq!(first.classes[0], whole.classes[0]);
     let one: Vec<bool> = (0..vessels).map(|v| v == 3).collect();
-    let single = of(Params { samples: 200, vessels: Some(one), ..Params::default() });
+    let single = of(ModulationOptions { samples: 200, vessels: Some(one), ..ModulationOptions::default() });
     for (alone, all) in
         single.classes[1].1.resistance_factor.chunks(vessels).zip(whole.classes[1].1.resistance_factor.chunks(vessels))
     {
         assert!(alone.iter().enumerate().all(|(v, f)| *f == if v == 3 { all[3] } else { 1.0 }));
     }
-    assert_ne!(bits(&of(Params { samples: 200, seed: 1, ..Params::default() })), bits(&whole));
+    assert_ne!(bits(&of(ModulationOptions { samples: 200, seed: 1, ..ModulationOptions::default() })), bits(&whole));
 }
 
 /// By hand: when every vessel is modulated by the same u (a class of no width to speak of) and outlets are ground, pressures
@@ -210,7 +222,8 @@ fn one_common_modulation_scales_the_flow() {
         (Reading::Geometry, geometry, (1.0 - u).powi(2) * (1.0 + u)),
     ] {
         let classes = vec![Class { low: u, high: u + 1e-13 }];
-        let result = run(&network, &boundary, &Params { classes, reading, samples: 3, ..Params::default() });
+        let result =
+            run(&network, &boundary, &ModulationOptions { classes, reading, samples: 3, ..ModulationOptions::default() });
         let (rest, found) = (&result.unperturbed, &result.classes[0].1);
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-10 * b.abs();
         for i in 0..3 {
@@ -227,7 +240,7 @@ fn one_common_modulation_scales_the_flow() {
 #[test]
 fn draws_are_uniform_within_their_class() {
     let network = circle();
-    let result = run(&network, &conditions(&network, true), &Params { samples: 3000, ..Params::default() });
+    let result = run(&network, &conditions(&network, true), &ModulationOptions { samples: 3000, ..ModulationOptions::default() });
     for (class, instances) in &result.classes {
         let u: Vec<f64> = instances.resistance_factor.iter().map(|f| f - 1.0).collect();
         let (n, width) = (u.len() as f64, class.high - class.low);
@@ -310,7 +323,7 @@ fn scipy_fits_the_same_gamma_distribution() {
 fn no_two_instances_are_drawn_from_one_stream() {
     let network = circle();
     let classes = [0.0, 0.2, 0.4].map(|low| Class { low, high: low + 0.2 });
-    let params = Params { classes: classes.to_vec(), samples: 256, seed: 4, ..Params::default() };
+    let params = ModulationOptions { classes: classes.to_vec(), samples: 256, seed: 4, ..ModulationOptions::default() };
     let result = run(&network, &conditions(&network, true), &params);
     let mut drawn: Vec<f64> = Vec::new();
     for (class, instances) in &result.classes {

@@ -1,10 +1,11 @@
 //! Peeling against the circuit it peels: the same flows, dead ends exactly still, vessels in series exactly tied.
 
-use willis::hemodynamics::peel::peel;
-use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, Given, steady::pressures};
-use willis::inference::{Params, infer};
-use willis::network::Origin::{Candidate, Observed};
-use willis::network::{Condition, Network, Node, Origin, Role, Vessel};
+use willis::internals::flow::peeling::peel;
+use willis::internals::flow::pressures::pressures;
+use willis::internals::flow::{Boundary, Circuit, FoundOutlets, Given};
+use willis::internals::network::Origin::{Candidate, Observed};
+use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel};
+use willis::internals::sampling::{SamplingOptions, infer};
 
 fn vessel(length: f64, radius: f64, origin: Origin) -> Vessel {
     Vessel::new(length, radius, origin)
@@ -68,7 +69,7 @@ fn the_flow_of_a_chain_is_that_of_each_of_its_vessels() {
 #[test]
 fn vessels_in_series_with_one_radius_tie_to_the_last_bit_and_the_higher_row_gives_way() {
     let (network, boundary) = network();
-    let params = Params { samples: 64, epsilon: 0.3, ..Params::default() };
+    let params = SamplingOptions { samples: 64, epsilon: 0.3, ..SamplingOptions::default() };
     let (result, _) = infer(&network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled");
     // With the detour open the cycle 0-1-2-3 must lose a vessel: of the chain's three the last row, or the detour.
     let open = result.frequency[8];

@@ -10,13 +10,13 @@ use petgraph::data::Element;
 use petgraph::graph::UnGraph;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use willis::candidates::{Attach, Params as Rules, build};
-use willis::centerline::Centerlines;
-use willis::geometry::{Point, distance};
-use willis::hemodynamics::steady::pressures;
-use willis::hemodynamics::{Boundary, Circuit};
-use willis::inference::{Forest, Params, Solver, Uncertain, infer, key};
-use willis::network::{Condition, Network, Origin, RadiusRule, contract};
+use willis::internals::candidates::{Attach, CandidateOptions as Rules, build};
+use willis::internals::flow::pressures::pressures;
+use willis::internals::flow::{Boundary, Circuit};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::{Condition, Network, Origin, RadiusRule, contract};
+use willis::internals::sampling::{Forest, SamplingOptions, Solver, Uncertain, infer, key};
+use willis::internals::support::geometry::{Point, distance};
 
 /// A random tree of points in a box of 20 mm, each linked to an earlier one, with radii, m; and further links.
 fn points() -> impl Strategy<Value = (Vec<(Point, f64)>, Vec<[u32; 2]>)> {
@@ -232,7 +232,7 @@ proptest! {
         let conditions = [(a, Condition::Pressure(100.0 * MMHG)), (b, Condition::Pressure(0.0))];
         let boundary: Boundary = boundary(&network, &conditions);
         let run = |solver| {
-            let params = Params { seed, solver, samples: 64, uncertain: Uncertain::All, ..Params::default() };
+            let params = SamplingOptions { seed, solver, samples: 64, uncertain: Uncertain::All, ..SamplingOptions::default() };
             infer(&network, &boundary, &params, &mut |_, _| true).unwrap().0
         };
         let lanes = run(Solver::Lanes);

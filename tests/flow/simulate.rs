@@ -4,11 +4,12 @@
 use crate::draw::Draw;
 use crate::networks::{MMHG, VISCOSITY, boundary, log_radii, pressure, random_conditions, random_network};
 use crate::vessels::{network, tube};
-use willis::hemodynamics::{Boundary, Tube};
-use willis::network::{Condition, Network, Vessel};
-use willis::phantom::{cerebral, circle_of_willis};
-use willis::simulation::{Change, Perturbation, Stenosis, gains, perturbed, reversals, simulate};
-use willis::state::State;
+use willis::internals::flow::state::State;
+use willis::internals::flow::{Boundary, Tube};
+use willis::internals::network::{Condition, Network, Vessel};
+use willis::internals::perturbation::Stenosis;
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::internals::simulation::{Change, Perturbation, gains, perturbed, reversals, simulate};
 
 /// Ω in Pa s/m³; with pressures in mmHg, flows below are in mmHg/Ω.
 const OHM: f64 = 1e9;

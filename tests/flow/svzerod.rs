@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use crate::networks::{VISCOSITY, boundary};
 use crate::vessels::{network, tube};
 use serde_json::Value;
-use willis::hemodynamics::Tube;
-use willis::network::{Condition, Network, Vessel};
-use willis::state::State;
+use willis::internals::flow::Tube;
+use willis::internals::flow::state::State;
+use willis::internals::network::{Condition, Network, Vessel};
 
 /// Largest error of a steady case, relative. svZeroDSolver iterates to 1e-9 in absolute terms, on figures of 1 to 10,000.
 const STEADY: f64 = 1e-9;

@@ -6,10 +6,10 @@
 use std::io::{Cursor, Write};
 
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
-use willis::centerline::Centerlines;
-use willis::formats::{Content, Format, ReadOptions, read_skeleton_npz, read_vtrails, write_skeleton_npz};
-use willis::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use willis::units::{Scale, metres};
+use willis::internals::io::{Content, Format, ReadOptions, read_skeleton_npz, read_vtrails, write_skeleton_npz};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{Scale, metres};
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 
 fn mm() -> ReadOptions {
     ReadOptions::default()
@@ -304,7 +304,7 @@ fn the_trees_of_vtrails_are_read_from_matlab_s_hdf5() {
         assert_eq!(lines.points[2], [2.0, 0.5, 0.25].map(metres));
         lines.weld(1e-6);
         lines.radii.fill(1e-3);
-        let network = willis::network::contract(&lines, RadiusRule::Mean, None).unwrap().network;
+        let network = willis::internals::network::contract(&lines, RadiusRule::Mean, None).unwrap().network;
         assert_eq!(network.vessel_count(), if links == 5 { 3 } else { 1 });
     }
     for (name, options, said) in [

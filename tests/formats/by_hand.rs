@@ -5,11 +5,11 @@
 
 use std::path::Path;
 
-use willis::formats::{
+use willis::internals::io::{
     Content, Document, Format, RadiusArray, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
 };
-use willis::network::{Condition, Network, Origin};
-use willis::units::{LengthUnit, Scale, metres, pascals};
+use willis::internals::network::units::{LengthUnit, Scale, metres, pascals};
+use willis::internals::network::{Condition, Network, Origin};
 
 fn mm() -> Scale {
     Scale::default()
@@ -26,7 +26,7 @@ fn graph(content: &str) -> Result<(Network, Vec<String>), String> {
     read_graphml(content.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("g")).to_string())
 }
 
-fn swc(content: &str) -> Result<(willis::centerline::Centerlines, Vec<String>), String> {
+fn swc(content: &str) -> Result<(willis::internals::network::centerlines::Centerlines, Vec<String>), String> {
     read_swc(content.as_bytes(), &mm()).map_err(|f| f.in_file(Path::new("s")).to_string())
 }
 
@@ -175,12 +175,12 @@ fn conditions_follow_roles() {
     assert_eq!(on_a(&[("role", "inlet")]), Some(Condition::Pressure(pascals(100.0))));
     assert_eq!(on_a(&[("role", "outlet")]), Some(Condition::Pressure(0.0)));
     assert_eq!(on_a(&[("pressure_mmHg", "nan")]), None);
-    let resistance = willis::units::pascal_seconds_per_cubic_metre(3.0);
+    let resistance = willis::internals::network::units::pascal_seconds_per_cubic_metre(3.0);
     assert_eq!(
         on_a(&[("role", "outlet"), ("pressure_mmHg", "80"), ("resistance_mmHg_s_per_mL", "3"), ("venous_pressure_mmHg", "5")]),
         Some(Condition::Resistance { resistance, venous: pascals(5.0) })
     );
-    let flow = willis::units::cubic_metres_per_second(60.0);
+    let flow = willis::internals::network::units::cubic_metres_per_second(60.0);
     assert_eq!(on_a(&[("flow_mL_per_min", "60"), ("pressure_mmHg", "80")]), Some(Condition::Flow(flow)));
 }
 

@@ -1,8 +1,8 @@
 //! Files of boundary conditions. The truth is the definition of the units: 1 mmHg = 133.322387415 Pa, 1 mL/min = 1e-6/60 m³/s.
 
 use willis::error::Place;
-use willis::formats::conditions::{Statement, read_csv, read_inlets, read_toml};
-use willis::network::{Condition, Role};
+use willis::internals::io::tables::conditions::{Statement, read_csv, read_inlets, read_toml};
+use willis::internals::network::{Condition, Role};
 
 const MMHG: f64 = 133.322_387_415;
 

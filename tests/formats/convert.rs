@@ -5,10 +5,10 @@ use std::fs;
 use crate::command::{folder, stderr, willis};
 use crate::peers::{FILES, converted, network_of};
 use crate::refused::{contents, refused};
-use willis::formats::convert::{Target, losses};
-use willis::formats::{ReadOptions, read};
-use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use willis::units::{metres, millimetres};
+use willis::internals::io::convert::{Target, losses};
+use willis::internals::io::{ReadOptions, read};
+use willis::internals::network::units::{metres, millimetres};
+use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 
 /// Labels that formats must carry without taking them for something of their own.
 const LABELS: [&str; 9] = ["L-A1", "16", "3", "<b>&\"x\"</b>", "é ü µ", "a, b; c", "", "100%20", "Name = x"];
@@ -126,7 +126,10 @@ fn straight() -> Network {
         let [p, q] = ends.map(|end| network.node(end).position.unwrap());
         network.add_vessel(
             ends,
-            Vessel { label: label.into(), ..Vessel::new(willis::geometry::distance(p, q), metres(radius), Origin::Observed) },
+            Vessel {
+                label: label.into(),
+                ..Vessel::new(willis::internals::support::geometry::distance(p, q), metres(radius), Origin::Observed)
+            },
         );
     }
     network
@@ -159,7 +162,10 @@ fn what_a_format_cannot_hold_is_named() {
         network.add_node(Node { id: id.into(), position: Some(position), ..Node::default() });
     }
     for ends in [[1, 5], [5, 6]] {
-        let length = willis::geometry::distance(network.node(ends[0]).position.unwrap(), network.node(ends[1]).position.unwrap());
+        let length = willis::internals::support::geometry::distance(
+            network.node(ends[0]).position.unwrap(),
+            network.node(ends[1]).position.unwrap(),
+        );
         network.add_vessel(ends, Vessel { length, label: String::new(), ..plain.clone() });
     }
     network.node_mut(1).condition = Some(Condition::Pressure(1e4));

@@ -5,9 +5,9 @@ use std::path::Path;
 use crate::peers::{FILES, converted, read_first};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use willis::formats::ReadOptions;
-use willis::formats::convert::Target;
-use willis::phantom::{cerebral, circle_of_willis};
+use willis::internals::io::ReadOptions;
+use willis::internals::io::convert::Target;
+use willis::internals::phantom::{cerebral, circle_of_willis};
 
 /// Damages of each kind to each file.
 const TIMES: usize = 12;

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use willis::centerline::Centerlines;
-use willis::formats::{
+use willis::internals::io::{
     Content, Document, Format, ReadOptions, TracedVessel, name_stretches, read, read_swc, read_traced_vessels,
     write_centerlines_swc,
 };
-use willis::geometry::distance;
-use willis::network::{RadiusRule, contract};
-use willis::units::{LengthUnit, Scale, metres};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{LengthUnit, Scale, metres};
+use willis::internals::network::{RadiusRule, contract};
+use willis::internals::support::geometry::distance;
 
 const HEADER: &str = "Patientname,Vessel Id,StartPointPositionX,StartPointPositionY,StartPointPositionZ,EndPointPositionX,EndPointPositionY,EndPointPositionZ,VesselType,NumPts,Order,";
 

@@ -4,9 +4,9 @@
 #![allow(clippy::float_cmp)]
 
 use crate::peers::{python, shared};
-use willis::formats::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
-use willis::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
-use willis::units::{Scale, metres, pascals};
+use willis::internals::io::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
+use willis::internals::network::units::{Scale, metres, pascals};
+use willis::internals::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
 
 fn mm() -> Scale {
     Scale::default()

@@ -4,10 +4,10 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::formats::convert::{Target, write_into};
-use willis::formats::{Content, Document, ReadOptions, read, write_loops};
-use willis::network::{Network, RadiusRule, contract};
-use willis::units::millimetres;
+use willis::internals::io::convert::{Target, write_into};
+use willis::internals::io::{Content, Document, ReadOptions, read, write_loops};
+use willis::internals::network::units::millimetres;
+use willis::internals::network::{Network, RadiusRule, contract};
 
 /// Every word for a format that is written, with the name of a file of it.
 pub const FILES: [(&str, &str); 11] = [
@@ -82,7 +82,7 @@ pub fn positions(network: &Network) -> Vec<[f64; 3]> {
 
 /// Ends, label, and points with radii (mm) of every vessel.
 pub fn courses(network: &Network) -> Vec<([usize; 2], String, Vec<[f64; 4]>)> {
-    let point = |p: &willis::network::PathPoint| {
+    let point = |p: &willis::internals::network::PathPoint| {
         let [x, y, z] = p.position.map(millimetres);
         [x, y, z, millimetres(p.radius)]
     };

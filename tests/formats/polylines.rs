@@ -6,10 +6,10 @@
 use std::path::Path;
 
 use crate::peers::document;
-use willis::centerline::Centerlines;
-use willis::formats::{Format, RadiusArray, read_markups, read_points, read_swc};
-use willis::network::{Network, RadiusRule, contract, cycles, fragments};
-use willis::units::{LengthUnit, Scale, millimetres};
+use willis::internals::io::{Format, RadiusArray, read_markups, read_points, read_swc};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{LengthUnit, Scale, millimetres};
+use willis::internals::network::{Network, RadiusRule, contract, cycles, fragments};
 
 fn mm() -> Scale {
     Scale::default()

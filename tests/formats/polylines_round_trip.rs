@@ -7,13 +7,13 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::peers::{document, python};
-use willis::centerline::Centerlines;
-use willis::formats::{
+use willis::internals::io::{
     Format, RadiusArray, read_markups, read_points, read_swc, read_tre, write_centerlines_swc, write_markups, write_points,
     write_swc, write_tre,
 };
-use willis::network::{Network, Node, PathPoint, RadiusRule, Role, Vessel, contract, cycles, fragments};
-use willis::units::{Scale, metres, millimetres};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{Scale, metres, millimetres};
+use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Role, Vessel, contract, cycles, fragments};
 
 fn mm() -> Scale {
     Scale::default()

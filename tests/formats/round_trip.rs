@@ -7,12 +7,12 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crate::peers::python;
-use willis::formats::{
+use willis::internals::io::{
     Column, Content, RadiusArray, ReadOptions, Values, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
     write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
-use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
-use willis::units::{Scale, metres, millimetres, pascals};
+use willis::internals::network::units::{Scale, metres, millimetres, pascals};
+use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
 
 fn mm() -> Scale {
     Scale::default()
@@ -64,7 +64,7 @@ fn network() -> Network {
 fn node_columns(network: &Network) -> Vec<Column> {
     let axis = |a: usize| Values::Real(network.nodes().map(|n| millimetres(n.position.unwrap()[a])).collect());
     let pressure = network.nodes().map(|n| match n.condition {
-        Some(Condition::Pressure(p)) => willis::units::mmhg(p),
+        Some(Condition::Pressure(p)) => willis::internals::network::units::mmhg(p),
         _ => f64::NAN,
     });
     vec![
@@ -139,7 +139,7 @@ fn csv_written_and_read_again_is_the_same_to_the_last_bit() {
 #[test]
 fn swc_written_and_read_again_is_the_same_to_the_last_bit() {
     let network = network();
-    assert_eq!(write_swc(Vec::new(), &network).unwrap().len(), willis::network::cycles(&network));
+    assert_eq!(write_swc(Vec::new(), &network).unwrap().len(), willis::internals::network::cycles(&network));
     let (forest, _) = network.subgraph(|row| row == 0 || row == 3);
     let mut bytes = Vec::new();
     write_swc(&mut bytes, &forest).unwrap();

@@ -4,12 +4,12 @@
 #![allow(clippy::float_cmp)]
 
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
-use willis::formats::{
+use willis::internals::io::{
     Content, Format, ReadOptions, graph_columns, read_csv_edges, read_csv_nodes, read_graphml, write_csv_graph, write_graphml,
     write_vesselvio, write_voreen,
 };
-use willis::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
-use willis::units::{Scale, metres, millimetres, pascals};
+use willis::internals::network::units::{Scale, metres, millimetres, pascals};
+use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 
 const VOREEN_NODES: &str = "id;pos_x;pos_y;pos_z;degree;isAtSampleBorder
 0;0;0;0;1;1
@@ -68,7 +68,8 @@ fn voreen_is_read_from_either_table_under_the_names_it_has() {
             }
         }
     }
-    let um = ReadOptions { scale: Scale { unit: willis::units::LengthUnit::Micrometre, spacing: None }, ..mm() };
+    let um =
+        ReadOptions { scale: Scale { unit: willis::internals::network::units::LengthUnit::Micrometre, spacing: None }, ..mm() };
     let files = [("edges.csv", VOREEN_EDGES.as_bytes()), ("nodes.csv", VOREEN_NODES.as_bytes())];
     let network = network_of(read_first(&files, &um).unwrap());
     assert!((network.vessel(0).radius - 2e-6).abs() < 1e-18 && (network.vessel(0).length - 10.5e-6).abs() < 1e-18);

@@ -6,10 +6,10 @@
 use std::path::Path;
 
 use crate::peers::{document, shared};
-use willis::centerline::Centerlines;
-use willis::formats::{Content, Format, ReadOptions, read, read_tre};
-use willis::network::{Network, RadiusRule, contract, fragments};
-use willis::units::{LengthUnit, Scale, millimetres};
+use willis::internals::io::{Content, Format, ReadOptions, read, read_tre};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{LengthUnit, Scale, millimetres};
+use willis::internals::network::{Network, RadiusRule, contract, fragments};
 
 fn mm() -> Scale {
     Scale::default()

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::draw::Draw;
-use willis::centerline::Centerlines;
-use willis::formats::{Content, RadiusArray, ReadOptions, read, read_vtk};
-use willis::network::{Network, RadiusRule, contract, fragments};
-use willis::units::Scale;
+use willis::internals::io::{Content, RadiusArray, ReadOptions, read, read_vtk};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::Scale;
+use willis::internals::network::{Network, RadiusRule, contract, fragments};
 
 /// Points in mm with a radius each.
 type Line = Vec<([f64; 3], f64)>;

@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::peers::python;
-use willis::centerline::Centerlines;
 use willis::error::Fault;
-use willis::formats::{Column, Content, RadiusArray, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
-use willis::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract};
-use willis::units::{Scale, metres};
+use willis::internals::io::{Column, Content, RadiusArray, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{Scale, metres};
+use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract};
 
 fn mm() -> Scale {
     Scale::default()
@@ -164,7 +164,7 @@ fn areas_come_before_radii_and_spheres_stand_in() {
     assert_eq!(lines.radii, [4.0, 2.0, 1.0, 3.0].map(metres), "a section that is not closed has no area");
     // Named, in another unit: the area is in its square.
     let text = OLD.replace("Radius", "lumen_AREA");
-    let scale = Scale { unit: willis::units::LengthUnit::Centimetre, spacing: None };
+    let scale = Scale { unit: willis::internals::network::units::LengthUnit::Centimetre, spacing: None };
     let (lines, notes) = read_vtk(text.as_bytes(), &scale, RadiusArray::Named("lumen_AREA")).unwrap();
     assert!((lines.radii[0] - 0.01 * (4.0 / PI).sqrt()).abs() < 1e-17);
     assert_eq!(notes[1], "radius from the areas of point array \"lumen_AREA\": r = sqrt(a / pi)");

@@ -1,11 +1,12 @@
 //! The answer to likelihoods made up so that it can be read off: threshold, kept, undecided.
 
-use willis::inference::{Answer, Keep, Likelihood};
-use willis::network::Network;
+use willis::internals::decision::{Decision, Keep};
+use willis::internals::network::Network;
+use willis::internals::sampling::Likelihood;
 
 /// The rules on samples ask nothing of the network.
-fn decide(rule: Keep, result: &Likelihood) -> Answer {
-    willis::inference::decide(rule, &Network::new(), result).unwrap()
+fn decide(rule: Keep, result: &Likelihood) -> Decision {
+    willis::internals::decision::decide(rule, &Network::new(), result).unwrap()
 }
 
 /// Uncertain vessels with these L and standard errors.

@@ -2,16 +2,16 @@
 
 use crate::draw::Draw;
 use crate::networks::{radii, random_conditions, random_network, run};
-use willis::inference::{Dyadic, Likelihood, Params, Solver, Summed, Sums, Uncertain, Weight};
-use willis::network::{Condition, Network};
-use willis::rng::BLOCK;
+use willis::internals::network::{Condition, Network};
+use willis::internals::sampling::{DyadicSums, Likelihood, SamplingOptions, Solver, Summed, Sums, Uncertain, Weight};
+use willis::internals::support::random::BLOCK;
 
 fn graph() -> (Network, Vec<(usize, Condition)>) {
     let mut draw = Draw::new(7);
     (random_network(&mut draw, 20, 34, radii(0.3, 2.0)), random_conditions(&mut draw, 20))
 }
 
-fn on(threads: usize, params: &Params) -> Likelihood {
+fn on(threads: usize, params: &SamplingOptions) -> Likelihood {
     let (network, conditions) = graph();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| run(&network, &conditions, params))
@@ -38,7 +38,8 @@ fn one_two_and_eight_threads_give_the_same_bits() {
         [(1, Solver::Lanes), (64, Solver::Cholesky), (1000, Solver::Cholesky), (1000, Solver::Gradients), (20_050, Solver::Lanes)]
     {
         for weight in [Weight::Resilience, Weight::Global] {
-            let params = Params { samples, solver, weight, seed: 3, uncertain: Uncertain::All, ..Params::default() };
+            let params =
+                SamplingOptions { samples, solver, weight, seed: 3, uncertain: Uncertain::All, ..SamplingOptions::default() };
             let one = on(1, &params);
             assert_eq!(one.samples, samples);
             for threads in [2, 8] {
@@ -53,7 +54,7 @@ fn one_two_and_eight_threads_give_the_same_bits() {
 /// The trace of the longer run passes through every answer of the shorter ones.
 #[test]
 fn the_first_samples_do_not_depend_on_how_many_are_asked_for() {
-    let params = |samples| Params { samples, seed: 5, uncertain: Uncertain::All, ..Params::default() };
+    let params = |samples| SamplingOptions { samples, seed: 5, uncertain: Uncertain::All, ..SamplingOptions::default() };
     let long = on(2, &params(6400));
     assert_eq!(long.trace.last().map(|s| s.samples), Some(6400));
     for samples in [64, 640, 3200] {
@@ -71,7 +72,8 @@ fn the_first_samples_do_not_depend_on_how_many_are_asked_for() {
 /// A run of n samples is the sum of single ones: n = 1..=70 crosses a group of lanes and a block. Counts are exact.
 #[test]
 fn a_block_cut_short_holds_its_first_samples() {
-    let params = |samples| Params { samples, weight: Weight::Count, uncertain: Uncertain::All, ..Params::default() };
+    let params =
+        |samples| SamplingOptions { samples, weight: Weight::Count, uncertain: Uncertain::All, ..SamplingOptions::default() };
     let counts = |samples: u64| on(1, &params(samples)).likelihood;
     let mut last = counts(1);
     for samples in 2..=70 {
@@ -83,7 +85,7 @@ fn a_block_cut_short_holds_its_first_samples() {
 
 #[test]
 fn another_seed_gives_other_samples() {
-    let of = |seed| on(1, &Params { seed, uncertain: Uncertain::All, ..Params::default() });
+    let of = |seed| on(1, &SamplingOptions { seed, uncertain: Uncertain::All, ..SamplingOptions::default() });
     assert_ne!(result_bits(&of(0)), result_bits(&of(1)));
 }
 
@@ -126,8 +128,8 @@ fn shard(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, u64, Sums)> {
     nodes
 }
 
-fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> Dyadic<Sums> {
-    let mut sum = Dyadic::default();
+fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> DyadicSums<Sums> {
+    let mut sum = DyadicSums::default();
     for (first, blocks, sums) in nodes {
         sum.insert(first, blocks, sums, &mut Vec::new(), |_, _, _| {});
     }
@@ -161,7 +163,7 @@ fn dyadic_sums_are_the_same_from_any_split_and_order() {
         }
     }
     assert!(plain_differs);
-    assert!(Dyadic::<Sums>::default().total().is_none());
+    assert!(DyadicSums::<Sums>::default().total().is_none());
 }
 
 /// By hand: of blocks 0..16, 2..4 and 8..16 are there, which leaves 0..2 and 4..8.

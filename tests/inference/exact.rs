@@ -1,7 +1,7 @@
 //! The exact expectation of a run: all 2^E subgraphs of a small network, each with its probability.
 
-use willis::inference::{Uncertain, Weight};
-use willis::network::{Condition, Network, Origin};
+use willis::internals::network::{Condition, Network, Origin};
+use willis::internals::sampling::{Uncertain, Weight};
 
 use crate::textbook::{Sample, best_of_all_forests};
 

@@ -6,12 +6,12 @@ use crate::networks;
 use crate::networks::{VISCOSITY, boundary, log_radii, pressure, radii, random_conditions, random_network, run};
 use crate::textbook::{conductance, rank};
 use crate::vessels::{network, tube};
-use willis::hemodynamics::steady::pressures;
-use willis::hemodynamics::{Boundary, Circuit, FoundOutlets, Given};
-use willis::inference::{Likelihood, Params, Solver, Uncertain, Weight, key};
-use willis::network::{Condition, Network, Role, Vessel};
-use willis::perturbation::Occlusion;
-use willis::resilience::{is_diffused, resilience};
+use willis::internals::flow::pressures::pressures;
+use willis::internals::flow::resilience::{is_diffused, resilience};
+use willis::internals::flow::{Boundary, Circuit, FoundOutlets, Given};
+use willis::internals::network::{Condition, Network, Role, Vessel};
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, key};
 
 const SOLVERS: [Solver; 3] = [Solver::Lanes, Solver::Gradients, Solver::Cholesky];
 
@@ -29,8 +29,8 @@ fn moderate(seed: u64, nodes: usize, vessels: usize) -> (Network, Vec<(usize, Co
     (network, conditions)
 }
 
-fn trial(seed: u64, solver: Solver) -> Params {
-    Params { seed, solver, uncertain: Uncertain::All, ..Params::default() }
+fn trial(seed: u64, solver: Solver) -> SamplingOptions {
+    SamplingOptions { seed, solver, uncertain: Uncertain::All, ..SamplingOptions::default() }
 }
 
 /// What flows in flows out: to 1e-12 of all flow at the node, and no better than pressures that are themselves rounded to
@@ -188,7 +188,7 @@ fn the_forest_spans_the_diffused_vessels() {
             open(*row) && is_diffused(a - b, a, b)
         };
         let diffused: Vec<usize> = (0..32).filter(flows).collect();
-        let params = Params { samples: 1, epsilon: 0.3, weight: Weight::Count, ..trial(seed, Solver::Lanes) };
+        let params = SamplingOptions { samples: 1, epsilon: 0.3, weight: Weight::Count, ..trial(seed, Solver::Lanes) };
         let result = run(&network, &conditions, &params);
         let forest: Vec<usize> = (0..32).filter(|row| result.likelihood[*row] > 0.0).collect();
         assert!(forest.iter().all(|row| diffused.contains(row)), "seed {seed}");
@@ -225,7 +225,7 @@ fn resilience_is_the_square_of_the_wall_shear_stress() {
         let expected = tau * tau / (2.0 * VISCOSITY);
         assert!((rho - expected).abs() <= 1e-14 * expected, "{rho} for {expected}");
         let conditions = [(0, Condition::Pressure(drop.abs())), (1, Condition::Pressure(0.0))];
-        let result = run(&network, &conditions, &Params { epsilon: 0.0, samples: 1, ..Params::default() });
+        let result = run(&network, &conditions, &SamplingOptions { epsilon: 0.0, samples: 1, ..SamplingOptions::default() });
         assert!((result.likelihood[0] - expected).abs() <= 1e-14 * expected);
     }
 }
@@ -280,7 +280,8 @@ fn what_no_blood_reaches_changes_nothing() {
         let (network, conditions) = moderate(seed, 20, 32);
         let base = run(&network, &conditions, &trial(seed, Solver::Lanes));
         let mut more = network.clone();
-        let nodes = [0, 1].map(|i| more.add_node(willis::network::Node { id: format!("far {i}"), ..Default::default() }));
+        let nodes =
+            [0, 1].map(|i| more.add_node(willis::internals::network::Node { id: format!("far {i}"), ..Default::default() }));
         more.add_vessel(nodes, Vessel { prior: 0.0, ..tube(5.0, 1.0) });
         more.add_vessel([0, nodes[0]], Vessel { prior: 0.0, ..tube(5.0, 1.0) });
         more.add_vessel(nodes, Vessel { certain: true, ..tube(5.0, 1.0) });

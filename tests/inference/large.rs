@@ -1,11 +1,11 @@
 //! Large graphs: three solvers with nothing in common find the same forests, edge for edge, on graphs reduced first, and as graphs of the
 //! same kind that are not reduced do.
 
-use willis::hemodynamics::boundary::stated;
-use willis::hemodynamics::{Boundary, FoundOutlets};
-use willis::inference::{Likelihood, Method, Params, Solver, Uncertain, infer};
-use willis::network::Network;
-use willis::phantom::{Kind, Recipe, over_connected};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::network::Network;
+use willis::internals::phantom::{Kind, Recipe, over_connected};
+use willis::internals::sampling::{Likelihood, Method, SamplingOptions, Solver, Uncertain, infer};
 
 const KINDS: [Kind; 2] = [Kind::Arterial, Kind::Capillary];
 /// With more vessels than this a graph is reduced for every solver.
@@ -19,7 +19,7 @@ fn broken(kind: Kind, edges: usize, seed: u64) -> Network {
 
 fn sampled(network: &Network, solver: Solver, uncertain: Uncertain, samples: u64) -> (Likelihood, Method) {
     let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground).expect("conditions");
-    let params = Params { epsilon: 0.75, samples, solver, uncertain, ..Params::default() };
+    let params = SamplingOptions { epsilon: 0.75, samples, solver, uncertain, ..SamplingOptions::default() };
     infer(network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled")
 }
 

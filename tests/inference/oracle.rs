@@ -5,9 +5,9 @@ use crate::exact::{enumerate, keep};
 use crate::networks::{log_radii, radii, random_conditions, random_network, run};
 use crate::textbook::{Sample, kruskal};
 use crate::vessels;
-use willis::inference::{Params, Solver, Uncertain, Weight};
-use willis::network::{Condition, Network};
-use willis::perturbation::Occlusion;
+use willis::internals::network::{Condition, Network};
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{SamplingOptions, Solver, Uncertain, Weight};
 
 const SAMPLES: u64 = 20_000;
 
@@ -44,7 +44,15 @@ fn every_figure_is_within_five_standard_errors_of_enumeration() {
             let exact = enumerate(&network, &conditions, &keep(&network, epsilon, uncertain));
             for weight in [Weight::Resilience, Weight::Count, Weight::Global] {
                 for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
-                    let params = Params { epsilon, samples: SAMPLES, seed, uncertain, weight, solver, ..Params::default() };
+                    let params = SamplingOptions {
+                        epsilon,
+                        samples: SAMPLES,
+                        seed,
+                        uncertain,
+                        weight,
+                        solver,
+                        ..SamplingOptions::default()
+                    };
                     let result = run(&network, &conditions, &params);
                     let moments = exact.moments(weight);
                     let mut check = |what: &str, row: usize, got: f64, expected: f64, variance: f64| {
@@ -72,7 +80,7 @@ fn every_figure_is_within_five_standard_errors_of_enumeration() {
 fn the_standard_error_is_that_of_enumeration() {
     for seed in 0..12 {
         let (network, conditions) = small(seed);
-        let params = Params { samples: SAMPLES, seed, uncertain: Uncertain::All, ..Params::default() };
+        let params = SamplingOptions { samples: SAMPLES, seed, uncertain: Uncertain::All, ..SamplingOptions::default() };
         let exact = enumerate(&network, &conditions, &keep(&network, params.epsilon, params.uncertain));
         let result = run(&network, &conditions, &params);
         let moments = exact.moments(Weight::Resilience);
@@ -110,7 +118,8 @@ fn every_sample_has_the_flow_and_forest_of_the_textbook() {
             }
         }
         for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
-            let params = Params { epsilon: 0.3, samples, seed, uncertain: Uncertain::All, solver, ..Params::default() };
+            let params =
+                SamplingOptions { epsilon: 0.3, samples, seed, uncertain: Uncertain::All, solver, ..SamplingOptions::default() };
             let result = run(&network, &conditions, &params);
             for row in 0..36 {
                 let (got, expected) = (result.likelihood[row], likelihood[row]);
@@ -122,7 +131,9 @@ fn every_sample_has_the_flow_and_forest_of_the_textbook() {
 }
 
 fn solvers_agree(network: &Network, conditions: &[(usize, Condition)], seed: u64) {
-    let of = |solver| run(network, conditions, &Params { solver, seed, uncertain: Uncertain::All, ..Params::default() });
+    let of = |solver| {
+        run(network, conditions, &SamplingOptions { solver, seed, uncertain: Uncertain::All, ..SamplingOptions::default() })
+    };
     let (lanes, cholesky) = (of(Solver::Lanes), of(Solver::Cholesky));
     for row in 0..network.vessel_count() {
         let (a, b) = (lanes.likelihood[row], cholesky.likelihood[row]);
@@ -154,7 +165,9 @@ fn both_solvers_find_the_same_forests_over_all_vessel_sizes() {
         let mut draw = Draw::new(300 + seed);
         let network = random_network(&mut draw, 20, 30, log_radii(0.05, 2.5));
         let conditions = random_conditions(&mut draw, 20);
-        let of = |solver| run(&network, &conditions, &Params { solver, seed, uncertain: Uncertain::All, ..Params::default() });
+        let of = |solver| {
+            run(&network, &conditions, &SamplingOptions { solver, seed, uncertain: Uncertain::All, ..SamplingOptions::default() })
+        };
         let (lanes, cholesky) = (of(Solver::Lanes), of(Solver::Cholesky));
         let largest = lanes.likelihood.iter().copied().fold(0.0, f64::max);
         for row in 0..network.vessel_count() {

@@ -20,7 +20,7 @@ use listed::{Listed, random};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::posterior::{Bridge, Forests, Wilson, arborescence, log_likelihood, marginals, rooted_in};
+use willis::internals::forest_posterior::{Bridge, Forests, Wilson, arborescence, log_likelihood, marginals, rooted_in};
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;

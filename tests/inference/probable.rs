@@ -3,10 +3,11 @@
 use crate::draw::Draw;
 use crate::vessels;
 use crate::vessels::tube;
-use willis::inference::{
-    Answer, Keep, Likelihood, ROOT_FACTOR, decide, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+use willis::internals::decision::{
+    Decision, Keep, ROOT_FACTOR, decide, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
-use willis::network::{Evidence, Network, Origin, Vessel};
+use willis::internals::network::{Evidence, Network, Origin, Vessel};
+use willis::internals::sampling::Likelihood;
 
 /// A fragment between nodes 2i and 2i + 1 for each i.
 fn fragments(count: usize) -> Network {
@@ -117,7 +118,7 @@ fn loops_are_closed_by_their_probability_and_certain_bridges_join() {
     assert_eq!(p, [Some(1.0), Some(1.0), Some(1.0), Some(0.19), Some(0.2), Some(0.5), None]);
 }
 
-fn decided(rule: Keep, network: &Network) -> Answer {
+fn decided(rule: Keep, network: &Network) -> Decision {
     let n = network.vessel_count();
     let likelihood = Likelihood {
         likelihood: vec![0.0; n],

@@ -6,10 +6,11 @@ use crate::draw::Draw;
 use crate::networks::{boundary, radii, random_conditions, random_network};
 use proptest::prelude::*;
 use willis::error::Error;
-use willis::hemodynamics::Boundary;
-use willis::inference::{Keep, Likelihood, Params, Part, Progress, Sampling, Uncertain, infer};
-use willis::network::Network;
-use willis::report::{read_part, write_part};
+use willis::internals::decision::Keep;
+use willis::internals::flow::Boundary;
+use willis::internals::network::Network;
+use willis::internals::output::{read_part, write_part};
+use willis::internals::sampling::{Likelihood, PartialRun, Progress, Sampling, SamplingOptions, Uncertain, infer};
 
 fn graph() -> (Network, Boundary) {
     let mut draw = Draw::new(7);
@@ -19,8 +20,8 @@ fn graph() -> (Network, Boundary) {
     (network, boundary)
 }
 
-fn params(samples: u64) -> Params {
-    Params { samples, seed: 3, uncertain: Uncertain::All, ..Params::default() }
+fn params(samples: u64) -> SamplingOptions {
+    SamplingOptions { samples, seed: 3, uncertain: Uncertain::All, ..SamplingOptions::default() }
 }
 
 /// Everything, as bits.
@@ -31,7 +32,7 @@ fn bits(l: &Likelihood) -> Vec<Vec<u64>> {
     all
 }
 
-fn through_a_file(part: &Part) -> Part {
+fn through_a_file(part: &PartialRun) -> PartialRun {
     let mut file = Cursor::new(Vec::new());
     write_part(&mut file, part).unwrap();
     read_part(file.get_ref(), part.uncertain().to_vec()).unwrap()
@@ -44,7 +45,7 @@ fn merged(samples: u64, cuts: &[u64], turn: usize) -> Likelihood {
     let mut borders: Vec<u64> = cuts.iter().map(|cut| cut % sampling.blocks()).chain([0, sampling.blocks()]).collect();
     borders.sort_unstable();
     borders.dedup();
-    let mut shards: Vec<Part> = Vec::new();
+    let mut shards: Vec<PartialRun> = Vec::new();
     for range in borders.windows(2) {
         let mut part = sampling.part();
         sampling.sample(&mut part, range[0]..range[1], &mut |_: u64, _: u64| true).unwrap();
@@ -89,7 +90,7 @@ fn many_shards_make_the_run() {
 /// Stops after so many reports, and keeps what was finished when it was last told.
 struct StopAfter {
     reports: usize,
-    kept: Option<Part>,
+    kept: Option<PartialRun>,
 }
 
 impl Progress for StopAfter {
@@ -98,7 +99,7 @@ impl Progress for StopAfter {
         self.reports > 0
     }
 
-    fn finished(&mut self, part: &Part) {
+    fn finished(&mut self, part: &PartialRun) {
         self.kept = Some(part.clone());
     }
 }
@@ -136,7 +137,7 @@ fn a_run_until_stable_is_the_run_of_as_many_samples() {
     let (network, boundary) = graph();
     let rule = Keep::Quantile(0.45);
     for samples in [1 << 10, 1 << 15] {
-        let doubled = Params { samples, ..params(1) };
+        let doubled = SamplingOptions { samples, ..params(1) };
         let mut part = Sampling::new(&network, &boundary, &doubled).unwrap().part();
         let mut sampling = Sampling::new(&network, &boundary, &params(1 << 10)).unwrap();
         let error = sampling.until_stable(&mut part, &network, rule, &mut |done: u64, total: u64| done < total / 2);
@@ -169,7 +170,7 @@ fn doubling_keeps_the_convergence_record() {
 /// 2^24 numbers at the most for the record: 128 points up to 131,072 vessels uncertain, then fewer, and one at least.
 #[test]
 fn a_large_graph_has_a_shorter_convergence_record() {
-    let step = |uncertain: usize, samples: u64| Part::new(vec![true; uncertain], samples).step();
+    let step = |uncertain: usize, samples: u64| PartialRun::new(vec![true; uncertain], samples).step();
     assert_eq!([step(0, 64), step(20, 1000), step(1 << 17, 1 << 20)], [1, 1, 128]);
     assert_eq!([step(1 << 18, 1 << 20), step(1 << 20, 1 << 20), step(1 << 25, 1 << 20)], [256, 1024, 16_384]);
 }

@@ -5,9 +5,10 @@ use crate::networks;
 use crate::networks::{radii, random_conditions, random_network, run};
 use crate::vessels;
 use std::path::Path;
-use willis::formats::{Content, ReadOptions, read};
-use willis::hemodynamics::{Boundary, FoundOutlets, boundary::stated};
-use willis::inference::{Likelihood, Params, Solver, Uncertain, infer};
+use willis::internals::flow::boundary::stated;
+use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, infer};
 
 /// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so. What a factorisation keeps of a drop that
 /// is itself 1e-8 of the pressure is less: 1e-15 of the largest L, for ρ is a drop squared.
@@ -28,7 +29,14 @@ fn on_two_hundred_random_graphs() {
         let network = random_network(&mut draw, nodes, vessels, radii(0.3, 2.0));
         let conditions = random_conditions(&mut draw, nodes);
         let of = |solver| {
-            let params = Params { solver, seed, samples: 200, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
+            let params = SamplingOptions {
+                solver,
+                seed,
+                samples: 200,
+                uncertain: Uncertain::All,
+                epsilon: 0.3,
+                ..SamplingOptions::default()
+            };
             run(&network, &conditions, &params)
         };
         let lanes = of(Solver::Lanes);
@@ -46,7 +54,14 @@ fn on_dense_random_graphs() {
         let network = random_network(&mut draw, nodes, 8 * nodes, radii(0.3, 2.0));
         let conditions = random_conditions(&mut draw, nodes);
         let of = |solver| {
-            let params = Params { solver, seed, samples: 100, uncertain: Uncertain::All, epsilon: 0.2, ..Params::default() };
+            let params = SamplingOptions {
+                solver,
+                seed,
+                samples: 100,
+                uncertain: Uncertain::All,
+                epsilon: 0.2,
+                ..SamplingOptions::default()
+            };
             run(&network, &conditions, &params)
         };
         agree(&format!("graph {seed}"), &of(Solver::Lanes), &of(Solver::Gradients));
@@ -64,7 +79,8 @@ fn on_the_benchmark_graphs() {
         let Content::Graph(network) = read(&path, &ReadOptions::default()).expect("read").content else { panic!("a graph") };
         let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground).expect("conditions");
         let of = |solver| {
-            let params = Params { solver, samples: 2000, uncertain: Uncertain::All, epsilon: 0.3, ..Params::default() };
+            let params =
+                SamplingOptions { solver, samples: 2000, uncertain: Uncertain::All, epsilon: 0.3, ..SamplingOptions::default() };
             infer(&network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled").0
         };
         let lanes = of(Solver::Lanes);
@@ -84,7 +100,7 @@ fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
     let conditions = [(0, networks::pressure(100.0)), (3, networks::pressure(0.0)), (4, networks::pressure(10.0))];
     let boundary = networks::boundary(&weak, &conditions);
     let of = |solver| {
-        let params = Params { solver, uncertain: Uncertain::All, ..Params::default() };
+        let params = SamplingOptions { solver, uncertain: Uncertain::All, ..SamplingOptions::default() };
         infer(&weak, &boundary, &params, &mut |_: u64, _: u64| true)
     };
     let refused = of(Solver::Cholesky).expect_err("sixteen orders").to_string();

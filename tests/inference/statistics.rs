@@ -4,8 +4,8 @@
 use crate::draw::Draw;
 use crate::exact::{enumerate, keep};
 use crate::networks::{radii, random_conditions, random_network, run};
-use willis::inference::{Params, Uncertain, Weight};
-use willis::perturbation::Occlusion;
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
 const EDGES: usize = 40;
 const BLOCKS: u64 = 2500;
@@ -119,7 +119,14 @@ fn standard_errors_and_z_scores_over_seeds() {
         let mut draw = Draw::new(40 + graph);
         let network = random_network(&mut draw, 7, 11, radii(0.5, 1.5));
         let conditions = random_conditions(&mut draw, 7);
-        let params = |seed| Params { epsilon: 0.3, samples: 3200, seed, uncertain: Uncertain::All, weight, ..Params::default() };
+        let params = |seed| SamplingOptions {
+            epsilon: 0.3,
+            samples: 3200,
+            seed,
+            uncertain: Uncertain::All,
+            weight,
+            ..SamplingOptions::default()
+        };
         let exact = enumerate(&network, &conditions, &keep(&network, 0.3, Uncertain::All));
         let runs: Vec<_> = (0..SEEDS).map(|seed| run(&network, &conditions, &params(seed))).collect();
         let mut pooled = Vec::new();
@@ -154,8 +161,8 @@ fn no_spread_no_error() {
     let mut draw = Draw::new(50);
     let network = random_network(&mut draw, 7, 11, radii(0.5, 1.5));
     let conditions = random_conditions(&mut draw, 7);
-    let of = |samples, epsilon| run(&network, &conditions, &Params { samples, epsilon, ..Params::default() });
+    let of = |samples, epsilon| run(&network, &conditions, &SamplingOptions { samples, epsilon, ..SamplingOptions::default() });
     assert!(of(1, 0.3).std_error.iter().all(|error| error.is_nan()));
-    let open = run(&network, &conditions, &Params { epsilon: 0.0, uniform_prior: true, ..Params::default() });
+    let open = run(&network, &conditions, &SamplingOptions { epsilon: 0.0, uniform_prior: true, ..SamplingOptions::default() });
     assert_eq!(open.std_error, [0.0; 11]);
 }

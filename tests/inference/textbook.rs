@@ -1,6 +1,6 @@
 //! Textbook linear algebra and graph theory, written for plainness: dense elimination, flooding, Kruskal, all forests.
 
-use willis::network::{Condition, Network};
+use willis::internals::network::{Condition, Network};
 
 use crate::networks::VISCOSITY;
 

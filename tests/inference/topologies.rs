@@ -7,9 +7,10 @@ use crate::exact;
 use crate::networks::{boundary, radii, random_conditions, random_network, run};
 use crate::textbook::{Sample, best_of_all_forests};
 use crate::vessels::{network, tube};
-use willis::inference::{Draw, Keep, Known, Params, Topologies, Uncertain, Weight, decide};
-use willis::network::{Condition, Evidence, Network, Origin, Vessel};
-use willis::perturbation::Occlusion;
+use willis::internals::decision::{Draw, Keep, KnownEnds, Topologies, decide};
+use willis::internals::network::{Condition, Evidence, Network, Origin, Vessel};
+use willis::internals::perturbation::Occlusion;
+use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
 fn candidate(continues: [f64; 2]) -> Vessel {
     let evidence = Some(Evidence { continues, ..Evidence::undirected(0.5) });
@@ -39,8 +40,8 @@ fn shares(topologies: &Topologies) -> BTreeMap<Vec<bool>, f64> {
 fn assert_shares(inlets: &[usize], weight_unfed: f64) {
     let network = broken();
     let known = [true, false, false, true];
-    let params = Params { samples: 70_000, seed: 3, ..Params::default() };
-    let draw = Draw::Ends(Known { ends: &known, inlets });
+    let params = SamplingOptions { samples: 70_000, seed: 3, ..SamplingOptions::default() };
+    let draw = Draw::Ends(KnownEnds { ends: &known, inlets });
     let drawn = Topologies::draw(&network, &boundary(&network, &[]), &params, draw).unwrap();
     assert_eq!(drawn.samples, 70_000);
     let one = [(Some(2), 3.0 / 6.0), (Some(3), 2.0 / 6.0), (None, 1.0 / 6.0)];
@@ -84,8 +85,8 @@ fn what_is_known_stays_as_it_is() {
         let drawn = Topologies::draw(
             &network,
             &boundary(&network, &[]),
-            &Params::default(),
-            Draw::Ends(Known { ends: &known, inlets: &[] }),
+            &SamplingOptions::default(),
+            Draw::Ends(KnownEnds { ends: &known, inlets: &[] }),
         )
         .unwrap();
         shares(&drawn)
@@ -101,8 +102,8 @@ fn what_is_known_stays_as_it_is() {
 fn a_sample_does_not_depend_on_how_many_are_drawn() {
     let network = broken();
     let draw = |samples| {
-        let params = Params { samples, seed: 9, ..Params::default() };
-        Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(Known { ends: &[false; 4], inlets: &[] }))
+        let params = SamplingOptions { samples, seed: 9, ..SamplingOptions::default() };
+        Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(KnownEnds { ends: &[false; 4], inlets: &[] }))
             .unwrap()
     };
     let count = |t: &Topologies, kept: &Vec<bool>| shares(t).get(kept).map_or(0.0, |p| (p * t.samples as f64).round());
@@ -116,7 +117,7 @@ fn a_sample_does_not_depend_on_how_many_are_drawn() {
 fn by_enumeration(
     network: &Network,
     conditions: &[(usize, Condition)],
-    params: &Params,
+    params: &SamplingOptions,
     above: &[bool],
 ) -> BTreeMap<Vec<bool>, f64> {
     let keep = exact::keep(network, params.epsilon, params.uncertain);
@@ -150,7 +151,7 @@ fn samples_vote_for_their_forest_and_what_is_above_the_median() {
         let conditions = random_conditions(&mut draw, 6);
         let uncertain = if case % 2 == 0 { Uncertain::Candidates } else { Uncertain::All };
         let weight = if case % 3 == 0 { Weight::Count } else { Weight::Resilience };
-        let params = Params { epsilon: 0.4, samples: 1, exact: true, uncertain, weight, ..Params::default() };
+        let params = SamplingOptions { epsilon: 0.4, samples: 1, exact: true, uncertain, weight, ..SamplingOptions::default() };
         let likelihood = run(&network, &conditions, &params);
         let above = decide(Keep::Median, &network, &likelihood).unwrap().above_median;
         let circuit = boundary(&network, &conditions);
@@ -170,7 +171,13 @@ fn drawn_votes_come_near_all_votes() {
     let mut draw = Random::new(8);
     let network = random_network(&mut draw, 6, 9, radii(0.5, 2.0));
     let conditions = random_conditions(&mut draw, 6);
-    let params = Params { epsilon: 0.4, samples: 20_000, weight: Weight::Count, uncertain: Uncertain::All, ..Params::default() };
+    let params = SamplingOptions {
+        epsilon: 0.4,
+        samples: 20_000,
+        weight: Weight::Count,
+        uncertain: Uncertain::All,
+        ..SamplingOptions::default()
+    };
     let none = vec![false; network.vessel_count()];
     let circuit = boundary(&network, &conditions);
     let drawn = Topologies::draw(&network, &circuit, &params, Draw::Flow(&none)).unwrap();
@@ -197,8 +204,8 @@ fn how_ends_continue_does_not_depend_on_what_is_occluded() {
     let (circuit, occlusion) = (boundary(&network, &[]), Occlusion::new([0.5; VESSELS]));
     let mut agree = vec![0_u32; 64 * VESSELS];
     for seed in 0..SEEDS {
-        let params = Params { samples: 1, seed, ..Params::default() };
-        let draw = Draw::Ends(Known { ends: &[true, false, true, true], inlets: &[] });
+        let params = SamplingOptions { samples: 1, seed, ..SamplingOptions::default() };
+        let draw = Draw::Ends(KnownEnds { ends: &[true, false, true, true], inlets: &[] });
         let drawn = Topologies::draw(&network, &circuit, &params, draw).unwrap();
         let continues = drawn.weighted[0].0[2];
         let mut masks = Vec::new();

@@ -1,11 +1,11 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
-use willis::inference::Weight;
-use willis::report::plots::{
+use willis::internals::report::figures::{
     Boxes, DEFAULT_DPI, Histogram, Histograms, Matrix, Panel, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map,
     hypertension, modulation,
 };
-use willis::stats::gamma::Gamma;
+use willis::internals::sampling::Weight;
+use willis::internals::support::gamma::Gamma;
 
 struct Picture {
     size: [usize; 2],

@@ -3,12 +3,12 @@
 use crate::command;
 use base64::Engine;
 use roxmltree::{Document, Node};
-use willis::inference::Weight;
-use willis::report::plots::{
+use willis::internals::report::figures::{
     Boxes, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map, hypertension,
     modulation,
 };
-use willis::stats::gamma::Gamma;
+use willis::internals::sampling::Weight;
+use willis::internals::support::gamma::Gamma;
 
 const KEPT: &str = "#0072b2";
 const PRUNED: &str = "#d55e00";

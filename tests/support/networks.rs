@@ -1,8 +1,8 @@
 //! Makes random networks with boundary conditions and runs the inference on them, for the tests.
 
-use willis::hemodynamics::Boundary;
-use willis::inference::{Likelihood, Params, infer};
-use willis::network::{Condition, Network, Origin, Role, Vessel};
+use willis::internals::flow::Boundary;
+use willis::internals::network::{Condition, Network, Origin, Role, Vessel};
+use willis::internals::sampling::{Likelihood, SamplingOptions, infer};
 
 use crate::draw::Draw;
 use crate::vessels::{network, tube};
@@ -73,6 +73,6 @@ pub fn random_conditions(draw: &mut Draw, nodes: usize) -> Vec<(usize, Condition
 }
 
 /// A run, with the conditions as they stand.
-pub fn run(network: &Network, conditions: &[(usize, Condition)], params: &Params) -> Likelihood {
+pub fn run(network: &Network, conditions: &[(usize, Condition)], params: &SamplingOptions) -> Likelihood {
     infer(network, &boundary(network, conditions), params, &mut |_, _| true).unwrap().0
 }

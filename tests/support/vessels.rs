@@ -1,6 +1,6 @@
 //! Makes a vessel, or a network of stated vessels, for the tests.
 
-use willis::network::{Network, Node, Origin, Vessel};
+use willis::internals::network::{Network, Node, Origin, Vessel};
 
 /// An observed vessel of a length and radius in mm.
 pub fn tube(length_mm: f64, radius_mm: f64) -> Vessel {

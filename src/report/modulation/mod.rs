@@ -6,17 +6,18 @@ mod tables;
 
 use std::path::Path;
 
-use super::json::write_record;
-use super::names;
-use super::page::{Figure, ModulationTables, modulation_page, write_page};
-use super::staged::write_file;
-use super::summary::Provenance;
+use super::page::lists::Figure;
+use super::page::{ModulationTables, modulation_page, write_page};
+use super::record::Provenance;
 use crate::error::Result;
-use crate::formats::{NamedArray, write_arrays, write_csv};
-use crate::hemodynamics::{Boundary, FoundOutlets};
-use crate::modulation::{HypertensionByClass, Instances, Modulation, Params, Reading};
+use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{NamedArray, write_arrays, write_csv};
+use crate::modulation::{HypertensionByClass, Instances, Modulation, ModulationOptions, Reading};
+use crate::network::units::{ml_per_min, mmhg};
 use crate::network::{Condition, Network};
-use crate::units::{ml_per_min, mmhg};
+use crate::output::atomic::write_file;
+use crate::output::json::write_record;
+use crate::output::names;
 
 /// A modulation and everything its files are made of.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ pub struct ModulationOutcome<'a> {
     /// Where the run comes from.
     pub provenance: &'a Provenance,
     /// How resistances were modulated.
-    pub params: &'a Params,
+    pub params: &'a ModulationOptions,
     /// What came out.
     pub result: &'a Modulation,
     /// How hypertension is distributed.

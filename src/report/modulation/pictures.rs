@@ -2,9 +2,12 @@
 
 use super::ModulationOutcome;
 use crate::modulation::{BINS, Class, Hypertension, Instances};
-use crate::report::plots::{self, Boxes, Figure, Histogram, Histograms, Panel};
-use crate::stats::{Distribution, gamma::Gamma};
-use crate::units::{mmhg, mmhg_per_mm2};
+use crate::network::units::{mmhg, mmhg_per_mm2};
+use crate::report::figures::figure::Figure;
+use crate::report::figures::hypertension::{Histogram, Histograms};
+use crate::report::figures::modulation::{Boxes, Panel};
+use crate::support::Distribution;
+use crate::support::gamma::Gamma;
 
 /// A class as the pictures write it.
 fn name(class: Class) -> String {
@@ -36,7 +39,7 @@ pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
         }),
     ];
     let names: Vec<String> = classes.iter().map(|(class, _)| name(*class)).collect();
-    plots::modulation(names, panels)
+    crate::report::figures::modulation::modulation(names, panels)
 }
 
 /// A figure over that of the unperturbed network; none where nothing flows at rest.
@@ -74,5 +77,5 @@ pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
     let classes = outcome.result.classes.iter().map(|(class, _)| *class).zip(&found.classes);
     let histograms =
         Histograms { threshold: mmhg_per_mm2(found.threshold), classes: classes.map(one).collect(), edges: edges.clone() };
-    plots::hypertension(histograms)
+    crate::report::figures::hypertension::hypertension(histograms)
 }

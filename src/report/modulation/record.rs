@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 use super::ModulationOutcome;
 use crate::modulation::{Hypertension, Instances};
 use crate::network::Role;
-use crate::report::summary::{conditions, outlets_found};
-use crate::stats::Distribution;
-use crate::units::{centipoise, ml_per_min, mmhg_per_mm2};
+use crate::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
+use crate::report::record::{conditions, outlets_found};
+use crate::support::Distribution;
 
 /// What came out of a class, or of the one unperturbed instance.
 fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {

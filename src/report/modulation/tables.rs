@@ -1,10 +1,10 @@
 //! The tables of a resistance modulation, one row a distribution.
 
 use super::ModulationOutcome;
-use crate::formats::Column;
+use crate::io::Column;
 use crate::modulation::{Class, Hypertension, Instances};
-use crate::stats::Distribution;
-use crate::units::{ml_per_min, mmhg, mmhg_per_mm2};
+use crate::network::units::{ml_per_min, mmhg, mmhg_per_mm2};
+use crate::support::Distribution;
 
 /// A figure by class: its distribution, and its value in the unperturbed network.
 struct Row {

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 use serde_json::json;
 
 use super::{Table, Template, encode};
-use crate::formats::Column;
+use crate::io::Column;
+use crate::output::names::{PAGE, PHENOTYPE};
 use crate::report::cohort::{About, Row, WALL_TIME};
-use crate::report::names::{PAGE, PHENOTYPE};
 
 const COHORT: Template = Template {
     goal: "subjects",

@@ -7,9 +7,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::{Colouring, Page, Scale, Scene, Table, Threshold};
-use crate::formats::{Column, Values};
-use crate::report::plots::colour;
+use super::scene::Scene;
+use super::{Colouring, Page, Scale, Table, Threshold};
+use crate::io::{Column, Values};
+use crate::report::figures::colour::colour;
 
 /// Steps of the colour map between which a page interpolates.
 const COLOURS: u32 = 32;

@@ -1,26 +1,24 @@
 //! report.html: one self-contained page of a run, to open in any browser and to send to a colleague.
 
-mod cohort;
+pub(crate) mod cohort;
 mod encode;
-mod figure;
-mod infer;
-mod list;
-mod modulate;
+mod inference;
+pub(crate) mod lists;
+mod modulation;
 mod scene;
-mod simulate;
+mod simulation;
+
+pub use inference::page as infer_page;
+pub use modulation::{Tables as ModulationTables, page as modulation_page};
+pub use simulation::page as simulation_page;
 
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Column, escape};
-
-pub use cohort::write_cohort_page;
-pub use figure::Figure;
-pub use infer::page as infer_page;
-pub use modulate::{Tables as ModulationTables, page as modulation_page};
-pub use scene::{Marker, Scene, scene};
-pub use simulate::page as simulation_page;
+use crate::io::{Column, escape};
+use lists::Figure;
+use scene::Scene;
 
 /// A page, whatever command it is of.
 #[derive(Debug, Clone)]

@@ -1,9 +1,9 @@
 //! The vessels of a page in space: their centerlines with no more points than an eye can tell apart.
 
-use crate::geometry::box_diagonal;
-use crate::hemodynamics::Boundary;
+use crate::flow::Boundary;
+use crate::network::units::millimetres;
 use crate::network::{Network, Role};
-use crate::units::millimetres;
+use crate::support::geometry::box_diagonal;
 
 /// x, y, z and radius, mm.
 pub type Place = [f64; 4];

@@ -1,13 +1,13 @@
 //! Parts of a circuit that no blood flows through: their pressure is that of the node they hang on, by Kirchhoff's law.
 //!
-//! In doubles a drop there is a few roundings of the pressure, far below [`willis::resilience::DROP_CUT`]: the weight of a leaf's
+//! In doubles a drop there is a few roundings of the pressure, far below [`willis::internals::flow::resilience::DROP_CUT`]: the weight of a leaf's
 //! only ray is c (1/c), the weights of several rays add up to 1 only within rounding, and so does the pressure beside a
 //! node of fixed pressure, (C p) (1/C).
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use willis::hemodynamics::Circuit;
-use willis::resilience::is_diffused;
+use willis::internals::flow::Circuit;
+use willis::internals::flow::resilience::is_diffused;
 
 use super::{DROP_TOLERANCE, circuit, lanes, numberings, renumbered, star_mesh};
 

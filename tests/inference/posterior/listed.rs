@@ -1,6 +1,6 @@
 //! All explanations of a few fragments, one by one: every choice for every fragment, cycles left out.
 
-use willis::posterior::{Bridge, Forests};
+use willis::internals::forest_posterior::{Bridge, Forests};
 
 use crate::draw::Draw;
 

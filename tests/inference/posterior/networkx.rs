@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use willis::posterior::{Bridge, Forests, arborescence};
+use willis::internals::forest_posterior::{Bridge, Forests, arborescence};
 
 use crate::draw::Draw;
 

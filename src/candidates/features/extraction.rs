@@ -1,0 +1,166 @@
+//! An extraction as a graph of points: what the image showed, before any bridge.
+
+use std::collections::BTreeSet;
+
+use super::fragment::Fragment;
+use super::path_lengths::Roads;
+use super::smoothing::{SmoothPoints, smooth, steady};
+use super::tangent::{Course, courses};
+use crate::candidates::NetworkPoint;
+use crate::candidates::search::directions::{Frame, frames};
+use crate::candidates::search::limits::check_junctions;
+use crate::candidates::search::neighbours::PointIndex;
+use crate::error::{Error, Result};
+use crate::network::centerlines::is_radius;
+use crate::network::{Network, Origin, PathPoint, Vessel, fragments};
+use crate::support::geometry::{Point, distance};
+use crate::support::statistics::median;
+
+/// The points of the observed vessels of a network with all that search and features ask of them. Lengths in m.
+///
+/// The first points are the network's nodes, in order; the inner points of the observed vessels follow. A *branch* is an
+/// observed vessel, or a node without one. A node belongs to its widest branch, of equally wide ones to the longest.
+pub struct Extraction {
+    /// Where a point is in the network.
+    pub place: Vec<NetworkPoint>,
+    /// Positions, m.
+    pub position: Vec<Point>,
+    /// Radii as measured, m, positive.
+    pub radius: Vec<f64>,
+    /// Radii (m) and positions (m) averaged along the branch.
+    pub smooth: SmoothPoints,
+    /// The branch of each point.
+    pub branch: Vec<usize>,
+    /// The fragment of each point, as [`fragments`] numbers those of the observed vessels.
+    pub fragment: Vec<usize>,
+    /// Links of each point.
+    pub degree: Vec<usize>,
+    /// Tangent, kinks and narrowing at each point.
+    pub course: Vec<Course>,
+    /// Path length to the nearest free end of the fragment, m; infinite without one.
+    pub to_free_end: Vec<f64>,
+    /// Path length to the nearest junction of the fragment, m; infinite without one.
+    pub to_junction: Vec<f64>,
+    /// The points of each branch in order, its nodes among them.
+    pub lines: Vec<Vec<usize>>,
+    /// The free ends in node order.
+    pub ends: Vec<Frame>,
+    /// Per point its free end; `None` elsewhere.
+    pub end_at: Vec<Option<usize>>,
+    /// The nodes where blood is known to enter, in rising order.
+    pub inlets: Vec<usize>,
+    /// The fragments.
+    pub fragments: Vec<Fragment>,
+    /// The median distance between consecutive points, m, positive.
+    pub spacing: f64,
+    pub(crate) roads: Roads,
+    pub(crate) index: PointIndex,
+}
+
+impl Extraction {
+    /// The points of a network's observed vessels; `inlets` are nodes where blood is known to enter.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    ///
+    /// # Panics
+    ///
+    /// When an inlet is no node.
+    pub fn new(network: &Network, inlets: &[usize]) -> Result<Self> {
+        let mut position = Vec::with_capacity(network.node_count());
+        for node in network.nodes() {
+            position.push(node.position.ok_or_else(|| {
+                let what = "evidence needs the position of every node";
+                Error::parameter(format!("node {}", node.id), "without coordinates", what)
+            })?);
+        }
+        check_junctions(network)?;
+        let observed: Vec<([usize; 2], &Vessel)> = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).collect();
+        let parts = fragments(network, |_, v| v.origin == Origin::Observed);
+        let mut degree = network.degrees(|v| v.origin == Origin::Observed);
+        let mut place: Vec<NetworkPoint> = (0..network.node_count()).map(NetworkPoint::Node).collect();
+        let mut radius: Vec<f64> = network.nodes().map(|n| n.radius.filter(|r| is_radius(*r)).unwrap_or(f64::NAN)).collect();
+        let mut fragment = parts.of_node.clone();
+        let mut lines = Vec::with_capacity(observed.len());
+        let rows = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed);
+        for (vessel, (ends, v)) in rows {
+            let mut line = vec![ends[0]];
+            for (point, at) in v.path.iter().enumerate().take(v.path.len().saturating_sub(1)).skip(1) {
+                line.push(place.len());
+                place.push(NetworkPoint::Along { vessel, point });
+                position.push(at.position);
+                radius.push(at.radius);
+                fragment.push(parts.of_node[ends[0]]);
+                degree.push(2);
+            }
+            line.push(ends[1]);
+            for (node, at) in [(ends[0], v.path.first()), (ends[1], v.path.last())] {
+                if radius[node].is_nan() {
+                    radius[node] = at.map_or(v.radius, |p: &PathPoint| p.radius);
+                }
+            }
+            lines.push(line);
+        }
+        let steps = lines.iter().flat_map(|l| l.windows(2)).map(|w| distance(position[w[0]], position[w[1]]));
+        let spacing = median(&steps.collect::<Vec<f64>>()).filter(|h| *h > 0.0).unwrap_or(1.0);
+        let roads = Roads::new(network.node_count(), &lines, &position);
+        // A node that no vessel reaches is a branch of its own, as thin as its surroundings can show.
+        for node in (0..network.node_count()).filter(|node| degree[*node] == 0) {
+            radius[node] = if radius[node] > 0.0 { radius[node] } else { 0.5 * spacing };
+            lines.push(vec![node]);
+        }
+        let branch = owners(&lines, &radius, &roads, place.len());
+        let smooth = smooth(&lines, &degree, &position, &radius);
+        let ends = frames(&lines, &fragment, &degree, &position, &radius, spacing);
+        let mut end_at = vec![None; place.len()];
+        for (row, end) in ends.iter().enumerate() {
+            end_at[end.point] = Some(row);
+        }
+        let to_free_end = roads.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>());
+        let junctions: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] > 2).collect();
+        let course = courses(&lines, &smooth, &radius, spacing);
+        let inlets: Vec<usize> = inlets.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let mut this = Self {
+            to_free_end: roads.of_points(&to_free_end),
+            to_junction: roads.of_points(&roads.to_nearest(&junctions)),
+            fragments: Vec::new(),
+            inlets,
+            index: PointIndex::new(position.clone()),
+            place,
+            position,
+            radius,
+            smooth,
+            branch,
+            fragment,
+            degree,
+            course,
+            lines,
+            ends,
+            end_at,
+            spacing,
+            roads,
+        };
+        this.fragments = this.measure_fragments(parts.count);
+        for (end, orientation) in this.orientations().into_iter().enumerate() {
+            this.ends[end].orientation = orientation;
+        }
+        Ok(this)
+    }
+}
+
+/// The branch of each point: of the branches at a node the widest by mean radius, then the longest, then the first.
+fn owners(lines: &[Vec<usize>], radius: &[f64], roads: &Roads, points: usize) -> Vec<usize> {
+    let mut owner = vec![usize::MAX; points];
+    let mut best = vec![[f64::NEG_INFINITY; 2]; points];
+    for (branch, line) in lines.iter().enumerate() {
+        let mean = line.iter().map(|p| radius[*p].ln()).sum::<f64>() / line.len() as f64;
+        let rank = [steady(mean.exp()), roads.length.get(branch).map_or(0.0, |l| steady(*l))];
+        for point in line {
+            if owner[*point] == usize::MAX || rank > best[*point] {
+                (owner[*point], best[*point]) = (branch, rank);
+            }
+        }
+    }
+    owner
+}

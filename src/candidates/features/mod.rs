@@ -1,0 +1,74 @@
+//! Evidence: which bridges may be, and the dimensionless features that say how probable each is before any flow.
+//!
+//! Every length is divided by a local diameter, the spacing of the points or another length of the same extraction, so that
+//! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a [`Span`] (a bridge with
+//! its surroundings) and a row of [`FEATURES`]: that is all it takes to add or drop one.
+
+pub(crate) mod candidate;
+pub mod candidate_features;
+pub(crate) mod extraction;
+pub(crate) mod feedback;
+mod fragment;
+pub(crate) mod path_lengths;
+pub(crate) mod root_features;
+pub(crate) mod smoothing;
+mod tangent;
+
+pub use candidate::spans;
+pub use extraction::Extraction;
+pub use feedback::{FEEDBACK_FEATURES, Feedback};
+pub use root_features::{ROOT_FEATURES, root_features};
+
+use ndarray::Array2;
+
+use super::search::by_evidence::FoundBridge;
+use candidate::Span;
+
+/// A feature of a bridge.
+pub type Feature = fn(&Span) -> f64;
+
+/// The features of a bridge, by the names that weights have in a file.
+pub const FEATURES: &[(&str, Feature)] = &[
+    ("is_end", candidate_features::at_free_end),
+    ("gap", candidate_features::gap),
+    ("bend_child_sq", candidate_features::bend_child_squared),
+    ("bend_child", candidate_features::bend_child),
+    ("gap_end", candidate_features::gap_at_free_end),
+    ("bend_parent_sq", candidate_features::bend_parent_squared),
+    ("wall_branch", candidate_features::wall_on_the_way),
+    ("gap_branch", candidate_features::gap_on_the_way),
+    ("kink", candidate_features::kink_towards),
+    ("ratio_branch", candidate_features::branch_ratio),
+    ("bend_far", candidate_features::bend_far),
+    ("ratio_end_sq", candidate_features::radius_step_squared),
+    ("wall", candidate_features::log_gap_to_wall),
+    ("resolution_branch", candidate_features::log_width_on_the_way),
+    ("ratio_branch_sq", candidate_features::branch_ratio_squared),
+    ("turn", candidate_features::worst_bend),
+    ("bend_gap", candidate_features::bend_child_over_gap),
+    ("margin", candidate_features::margin),
+    ("blocked", candidate_features::blocked),
+    ("bend_parent", candidate_features::bend_parent),
+    ("ratio_end", candidate_features::radius_step),
+    ("rank", candidate_features::rank),
+    ("share_parent", candidate_features::parent_share),
+    ("orientation", candidate_features::orientation),
+    ("fed_parent", candidate_features::parent_fed),
+    ("near_tip", candidate_features::near_free_end),
+    ("touch_branch", candidate_features::touches_wall),
+    ("mutual", candidate_features::mutual),
+    ("wall_over_3", candidate_features::wall_far_beyond_reach),
+    ("wall_over_1_5", candidate_features::wall_beyond_reach),
+    ("kink_wide", candidate_features::far_kink_from),
+    ("kink_excess", candidate_features::kink_excess),
+    ("near_junction", candidate_features::near_junction),
+];
+
+/// The features of bridges: a row a bridge, a column a feature of [`FEATURES`].
+///
+/// Rank, margin and mutual choice are among the bridges given, so these should be all of a search. What the posterior of these
+/// features says of the other bridges is in [`Feedback`].
+pub fn features(extraction: &Extraction, bridges: &[FoundBridge]) -> Array2<f64> {
+    let spans = spans(extraction, bridges);
+    Array2::from_shape_fn((spans.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&spans[row]))
+}

@@ -1,0 +1,163 @@
+//! The weights of the prior, and where they come from.
+
+use super::closures::CLOSURE_FEATURES;
+use super::weights_file;
+use crate::candidates::features::FEATURES;
+use crate::candidates::features::feedback::FEEDBACK_FEATURES;
+use crate::candidates::features::root_features::ROOT_FEATURES;
+use crate::error::{Error, Fault, Result};
+
+/// The weights that come with the program.
+const SHIPPED: &str = include_str!("weights.toml");
+
+/// One pass over the bridges.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Pass {
+    /// Per feature of a bridge, as [`Pass::bridge_features`] orders them.
+    pub bridge: Vec<f64>,
+    /// Per feature of a root, as [`ROOT_FEATURES`] orders them.
+    pub root: Vec<f64>,
+}
+
+impl Pass {
+    /// The names of a bridge's features in the pass of a number, counted from 0: feedback comes with the second.
+    pub fn bridge_features(number: usize) -> impl Iterator<Item = &'static str> {
+        FEATURES.iter().map(|(name, _)| *name).chain(FEEDBACK_FEATURES.iter().copied().filter(move |_| number > 0))
+    }
+
+    /// The names of a root's features.
+    pub fn root_features() -> impl Iterator<Item = &'static str> {
+        ROOT_FEATURES.iter().map(|(name, _)| *name)
+    }
+}
+
+/// What is fitted to cases with known answers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// The passes, one at least; each is fed by the posterior of the one before.
+    pub passes: Vec<Pass>,
+    /// [`super::belief::Calibration`] of the last pass.
+    pub calibration: [f64; 3],
+    /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case told of any.
+    pub closure: Vec<f64>,
+    /// Where the weights come from.
+    pub provenance: Provenance,
+}
+
+/// Where weights come from and how well they did on subjects that they were not fitted to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Provenance {
+    /// How many cases they were fitted to.
+    pub cases: usize,
+    /// Of how many subjects.
+    pub subjects: usize,
+    /// Program and command.
+    pub made_by: String,
+    /// Subjects that were held out, where these are the weights of a fold.
+    pub held_out: Vec<String>,
+    /// Figures over all folds, each case by the weights of the fold that held its subject out.
+    pub figures: Vec<Figures>,
+    /// The folds.
+    pub folds: Vec<Fold>,
+}
+
+/// One fold of a cross-validation.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fold {
+    /// The subjects it held out.
+    pub held_out: Vec<String>,
+    /// Figures on their cases.
+    pub figures: Vec<Figures>,
+}
+
+/// How well held-out cases were told.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Figures {
+    /// The data set, or a folder in it.
+    pub of: String,
+    /// How many cases.
+    pub cases: usize,
+    /// Of how many subjects.
+    pub subjects: usize,
+    /// Average precision over all right links, found or not; the mean over cases that have one. `None` where none has.
+    pub average_precision: Option<f64>,
+    /// Expected calibration error of the links with 0.05 < P < 0.95, all cases together, ten bins. `None` without such a link.
+    pub calibration_error: Option<f64>,
+    /// Log-likelihood of the answer by the last pass, mean over cases.
+    pub log_likelihood: f64,
+}
+
+/// The largest weight: beyond it products could overflow.
+const MOST_WEIGHT: f64 = 1e6;
+
+impl Weights {
+    /// Weights that `willis train` made, as TOML.
+    ///
+    /// # Errors
+    ///
+    /// Not TOML, a name that is unknown, missing or comes twice, a number that is not finite: the line or the name.
+    pub fn read(text: &str) -> Result<Self, Fault> {
+        weights_file::read(text)
+    }
+
+    /// Writes TOML; every number is read back as it was.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, out: impl std::io::Write) -> std::io::Result<()> {
+        weights_file::write(self, out)
+    }
+
+    /// The weights that come with the program.
+    ///
+    /// # Errors
+    ///
+    /// None in a released program: they are tested.
+    pub fn shipped() -> Result<Self> {
+        Self::read(SHIPPED).map_err(|fault| fault.in_file("weights.toml".as_ref()))
+    }
+
+    /// Checks numbers of weights and their ranges.
+    ///
+    /// # Errors
+    ///
+    /// Names the pass and the feature, the value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if self.passes.is_empty() {
+            return Err(Error::parameter("weights", "of no pass", "expected one pass at least"));
+        }
+        for (number, pass) in self.passes.iter().enumerate() {
+            check(number, "bridge", &pass.bridge, Pass::bridge_features(number).collect())?;
+            check(number, "root", &pass.root, Pass::root_features().collect())?;
+        }
+        if !self.closure.is_empty() {
+            check_weights("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;
+        }
+        if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
+            return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
+        }
+        Ok(())
+    }
+}
+
+/// No number, or one too large.
+fn is_wild(weight: f64) -> bool {
+    weight.is_nan() || weight.abs() > MOST_WEIGHT
+}
+
+fn check(number: usize, of: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
+    check_weights(&format!("pass {} {of}", number + 1), weights, names)
+}
+
+fn check_weights(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
+    if weights.len() != names.len() {
+        return Err(Error::parameter(place, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
+    }
+    match weights.iter().zip(names).find(|(w, _)| w.is_nan() || w.abs() > MOST_WEIGHT) {
+        Some((w, name)) => {
+            Err(Error::parameter(format!("{place} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,150 @@
+//! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
+
+use super::most_probable_forest::{has_evidence, probabilities, probable};
+use super::rules::{Keep, threshold};
+use crate::error::{Error, Result};
+use crate::flow::Boundary;
+use crate::flow::floating::parts_that_carry;
+use crate::network::{Network, Origin, cycles, fragments};
+use crate::sampling::likelihood::Likelihood;
+
+/// A vessel whose L lies within so many standard errors of the threshold is undecided.
+pub const UNDECIDED_Z: f64 = 2.0;
+/// A vessel whose probability lies so near to the cut is undecided; [`Keep::Probable`] counts as a cut of one half.
+pub const UNDECIDED_BAND: f64 = 0.2;
+
+/// The decision on every vessel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// The threshold of the rule; `None` when no uncertain vessel has L > 0.
+    pub threshold: Option<f64>,
+    /// The median of L over the uncertain vessels with L > 0, W/m³.
+    pub median: Option<f64>,
+    /// Vessels kept by the rule; those not uncertain always are.
+    pub kept: Vec<bool>,
+    /// Vessels above the median; those not uncertain always are.
+    pub above_median: Vec<bool>,
+    /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
+    pub undecided: Vec<usize>,
+}
+
+/// A count of what a kept graph holds.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Topology {
+    /// Uncertain vessels that stay.
+    pub kept: usize,
+    /// Uncertain vessels that go.
+    pub pruned: usize,
+    /// Candidates among the kept.
+    pub kept_candidates: usize,
+    /// Connected parts.
+    pub components: usize,
+    /// Independent cycles.
+    pub cycles: usize,
+    /// Connected parts with a vessel that blood cannot flow through: no condition, or one only.
+    pub unperfused: usize,
+}
+
+/// Applies a rule to the likelihoods, or to the evidence of the network that was sampled.
+///
+/// # Errors
+///
+/// A rule that asks for evidence where the network has none.
+pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Decision> {
+    let cut = threshold(rule, result);
+    let median = threshold(Keep::Median, result);
+    let rows = 0..result.likelihood.len();
+    let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
+    let (mut kept, close) = match rule {
+        Keep::Probability(least) => {
+            let probability = evidence("probability", network)?;
+            (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, least))
+        }
+        Keep::Probable(root_factor) => {
+            let probability = evidence("probable", network)?;
+            (probable(network, root_factor)?, near(&probability, 0.5))
+        }
+        _ => by_samples(rule, cut, result),
+    };
+    for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
+        *kept |= !uncertain;
+    }
+    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
+    Ok(Decision { threshold: cut, median, kept, above_median, undecided })
+}
+
+/// The probability of each vessel, which a rule asks for.
+fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+    if has_evidence(network) {
+        return Ok(probabilities(network));
+    }
+    let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
+    Err(Error::parameter("--keep", rule, accepted))
+}
+
+/// Per vessel whether its probability is near the cut.
+fn near(probability: &[Option<f64>], cut: f64) -> Vec<bool> {
+    probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect()
+}
+
+/// Per vessel whether it passes, and whether its figure is within chance of the threshold.
+fn by_samples(rule: Keep, cut: Option<f64>, result: &Likelihood) -> (Vec<bool>, Vec<bool>) {
+    let figure = if matches!(rule, Keep::Frequency(_)) { &result.frequency } else { &result.likelihood };
+    let passes = |row: usize| match (rule, cut) {
+        (Keep::Frequency(_), Some(cut)) => figure[row] >= cut,
+        (_, Some(cut)) => figure[row] > cut,
+        (_, None) => false,
+    };
+    let flip = cut.and_then(|cut| flipping_point(rule, cut, result));
+    let error = |row: usize| match rule {
+        Keep::Frequency(_) => (figure[row] * (1.0 - figure[row]) / result.samples.max(1) as f64).sqrt(),
+        _ => result.std_error[row],
+    };
+    let close = |row: usize| flip.is_some_and(|flip| !decided(figure[row] - flip, error(row)));
+    let rows = 0..figure.len();
+    (rows.clone().map(passes).collect(), rows.map(close).collect())
+}
+
+/// Whether a distance from the threshold is more than chance; never when the error is unknown.
+fn decided(distance: f64, error: f64) -> bool {
+    distance.abs() >= UNDECIDED_Z * error
+}
+
+/// The figure at which a decision would flip: a threshold that is itself one of the figures, as a median is, flips none
+/// until a rank changes, midway between the nearest figures on its two sides.
+fn flipping_point(rule: Keep, cut: f64, result: &Likelihood) -> Option<f64> {
+    if matches!(rule, Keep::Value(_) | Keep::Frequency(_)) {
+        return Some(cut);
+    }
+    let positive = || result.likelihood.iter().zip(&result.uncertain).filter(|(l, u)| **u && **l > 0.0).map(|(l, _)| *l);
+    let below = positive().filter(|l| *l <= cut).reduce(f64::max)?;
+    let above = positive().filter(|l| *l > cut).reduce(f64::min)?;
+    Some(0.5 * (below + above))
+}
+
+impl Topology {
+    /// Counts the graph of the vessels `kept`.
+    pub fn of(network: &Network, uncertain: &[bool], kept: &[bool], boundary: &Boundary) -> Self {
+        let (graph, _) = network.subgraph(|row| kept[row]);
+        let parts = fragments(&graph, |_, _| true);
+        let carries = parts_that_carry(&parts, boundary);
+        let mut unperfused = vec![false; parts.count];
+        for ([a, _], _) in graph.vessels() {
+            unperfused[parts.of_node[a]] = !carries[parts.of_node[a]];
+        }
+        let count = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
+        Self {
+            kept: count(true),
+            pruned: count(false),
+            kept_candidates: network
+                .vessels()
+                .zip(kept)
+                .zip(uncertain)
+                .filter(|(((_, v), k), u)| **k && **u && v.origin == Origin::Candidate)
+                .count(),
+            components: parts.count,
+            cycles: cycles(&graph),
+            unperfused: unperfused.iter().filter(|u| **u).count(),
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! From likelihoods and probabilities to an answer: the rule, the most probable forest, whole topologies.
+
+pub mod decide;
+pub mod most_probable_forest;
+pub mod rules;
+pub mod whole_topologies;
+
+pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
+pub use most_probable_forest::{
+    ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+};
+pub use rules::{Keep, threshold};
+pub use whole_topologies::{Draw, KnownEnds, Topologies};

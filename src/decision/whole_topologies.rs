@@ -1,0 +1,241 @@
+//! Plausible topologies, whole and with their weights: what a question is asked of that no vessel alone can answer.
+//!
+//! A marginal says how probable one vessel is; whether a circle is closed depends on all of them at once. So the topologies are drawn
+//! one after another and counted, equal ones together. There are two ways to draw one:
+//!
+//! - [`Draw::Ends`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that is
+//!   neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
+//!   ([`Evidence::continues`](crate::network::Evidence)) against 1 for ending there, whatever the others do. Loops are allowed. A
+//!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
+//! - [`Draw::Flow`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
+//!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
+
+use std::collections::BTreeMap;
+
+use rand::RngExt;
+
+use crate::error::Result;
+use crate::flow::pressures::PressureSolver;
+use crate::flow::state::State;
+use crate::flow::{Boundary, Circuit, Tube};
+use crate::network::{END_ODDS, Network, Origin, fragments};
+use crate::sampling::forest::{Forest, key};
+use crate::sampling::options::{SamplingOptions, Weight};
+use crate::sampling::patterns::Patterns;
+use crate::support::random;
+use crate::support::random::{BLOCK, stream};
+
+/// How a topology is drawn.
+#[derive(Debug, Clone, Copy)]
+pub enum Draw<'a> {
+    /// Free ends continue by the evidence.
+    Ends(KnownEnds<'a>),
+    /// Samples vote; per vessel whether its L is above the median.
+    Flow(&'a [bool]),
+}
+
+/// Topologies that were drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Topologies {
+    /// Each different one, as whether it holds each vessel, with its share of the weight; heaviest first.
+    pub weighted: Vec<(Vec<bool>, f64)>,
+    /// How many were drawn.
+    pub samples: u64,
+}
+
+impl Topologies {
+    /// Draws topologies of an over-connected graph; those of a seed are the same at any number of threads.
+    ///
+    /// # Errors
+    ///
+    /// A parameter or vessel out of its range, too many vessels to enumerate, a breakdown of the solver.
+    pub fn draw(network: &Network, boundary: &Boundary, params: &SamplingOptions, draw: Draw<'_>) -> Result<Self> {
+        params.validate()?;
+        let mut count = Count::default();
+        Ok(match draw {
+            Draw::Ends(known) => {
+                draw_ends(network, known, params, |kept| count.add(kept, 1.0));
+                count.finish(|kept| known.supply(network, kept))
+            }
+            Draw::Flow(above_median) => {
+                draw_flow(network, boundary, params, above_median, &mut count)?;
+                count.finish(|_| 1.0)
+            }
+        })
+    }
+}
+
+/// Topologies by what they hold, 64 vessels a word.
+#[derive(Default)]
+struct Count {
+    weight: BTreeMap<Vec<u64>, f64>,
+    vessels: usize,
+    samples: u64,
+}
+
+impl Count {
+    fn add(&mut self, kept: &[bool], weight: f64) {
+        self.vessels = kept.len();
+        self.samples += 1;
+        let words = kept.chunks(64).map(|some| some.iter().enumerate().fold(0, |word, (i, k)| word | u64::from(*k) << i));
+        *self.weight.entry(words.collect()).or_default() += weight;
+    }
+
+    /// The shares of the weight, that of each topology multiplied by its `factor`.
+    fn finish(self, factor: impl Fn(&[bool]) -> f64) -> Topologies {
+        let open = |words: &[u64]| (0..self.vessels).map(|row| words[row / 64] >> (row % 64) & 1 == 1).collect();
+        let weigh = |(words, weight): (&Vec<u64>, &f64)| {
+            let kept: Vec<bool> = open(words);
+            let weight = weight * factor(&kept);
+            (kept, weight)
+        };
+        let mut weighted: Vec<(Vec<bool>, f64)> = self.weight.iter().map(weigh).collect();
+        let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+        for (_, weight) in &mut weighted {
+            *weight = if total > 0.0 { *weight / total } else { 0.0 };
+        }
+        weighted.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Topologies { weighted, samples: self.samples }
+    }
+}
+
+fn draw_flow(
+    network: &Network,
+    boundary: &Boundary,
+    params: &SamplingOptions,
+    above_median: &[bool],
+    count: &mut Count,
+) -> Result<()> {
+    let uncertain = params.uncertain.vessels(network);
+    let patterns = Patterns::new(params.keep_probabilities(network), params)?;
+    let tubes = Tube::at_rest(network, params.viscosity);
+    let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
+    let solver = PressureSolver::new(&circuit)?;
+    let mut vote = Vote {
+        above_median,
+        uncertain: &uncertain,
+        params,
+        boundary,
+        tubes,
+        circuit: &circuit,
+        solver,
+        forest: Forest::default(),
+    };
+    let (mut masks, mut probability) = (Vec::new(), [1.0; BLOCK as usize]);
+    let samples = patterns.samples(params.samples);
+    for first in (0..samples).step_by(BLOCK as usize) {
+        patterns.fill(first / BLOCK, &mut masks, &mut probability);
+        let here = (samples - first).min(BLOCK) as usize;
+        for (sample, probability) in probability.iter().enumerate().take(here) {
+            let (kept, weight) = vote.of(|row| masks[row] >> sample & 1 == 1)?;
+            count.add(&kept, weight * probability);
+        }
+    }
+    Ok(())
+}
+
+/// What all samples' votes share.
+struct Vote<'a> {
+    above_median: &'a [bool],
+    uncertain: &'a [bool],
+    params: &'a SamplingOptions,
+    boundary: &'a Boundary,
+    tubes: Vec<Tube>,
+    circuit: &'a Circuit,
+    solver: PressureSolver<'a>,
+    forest: Forest,
+}
+
+impl Vote<'_> {
+    /// The topology that the sample with the vessels `open` votes for, and its weight.
+    fn of(&mut self, open: impl Fn(usize) -> bool) -> Result<(Vec<bool>, f64)> {
+        let above_level = self.solver.above_level(&open)?;
+        let mut tubes = self.tubes.clone();
+        for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
+            debug_assert!(self.uncertain[row]);
+            tube.resistance = f64::INFINITY;
+        }
+        let state = State::at_pressures(self.circuit, self.boundary, &tubes, self.params.viscosity, &above_level);
+        let mut kept: Vec<bool> =
+            (0..tubes.len()).map(|row| !self.uncertain[row] || (open(row) && self.above_median[row])).collect();
+        self.forest.clear();
+        for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
+            self.forest.add(key(vessel.resilience, row));
+        }
+        self.forest.grow(state.pressure.len(), &self.circuit.ends, |row| kept[row] = true);
+        let weight = if self.params.weight == Weight::Count { 1.0 } else { state.network_resilience };
+        Ok((kept, weight))
+    }
+}
+
+/// What a topology weighs for each known outlet that nothing feeds: as an end that ends where it is. Not nothing, because what feeds it
+/// may lie beyond the field of view.
+const UNFED: f64 = END_ODDS;
+
+/// What is known of the nodes of a network.
+#[derive(Debug, Clone, Copy)]
+pub struct KnownEnds<'a> {
+    /// Per node whether it is known for an inlet or outlet, so that no vessel continues from there.
+    pub ends: &'a [bool],
+    /// The nodes where blood is known to come in; none when that is not known, and then nothing is asked of the outlets.
+    pub inlets: &'a [usize],
+}
+
+impl KnownEnds<'_> {
+    /// The factor of a topology that holds the vessels `kept`: e⁻² for each known outlet that is connected with no known inlet.
+    pub(crate) fn supply(&self, network: &Network, kept: &[bool]) -> f64 {
+        if self.inlets.is_empty() {
+            return 1.0;
+        }
+        let parts = fragments(network, |row, _| kept[row]);
+        let mut fed = vec![false; parts.count];
+        for inlet in self.inlets {
+            fed[parts.of_node[*inlet]] = true;
+        }
+        let unfed = (0..self.ends.len()).filter(|node| self.ends[*node] && !fed[parts.of_node[*node]]);
+        unfed.fold(1.0, |weight, _| weight * UNFED)
+    }
+
+    /// Per free end that may continue, its candidates with their odds.
+    fn choices(&self, network: &Network) -> Vec<Vec<(usize, f64)>> {
+        let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
+        let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+        for (row, (ends, vessel)) in network.vessels().enumerate() {
+            let Some(evidence) = vessel.evidence.filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
+                continue;
+            };
+            for (node, odds) in ends.into_iter().zip(evidence.continues) {
+                if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
+                    at.entry(node).or_default().push((row, odds));
+                }
+            }
+        }
+        at.into_values().collect()
+    }
+}
+
+/// Draws as many topologies as there are samples, each as whether it holds each vessel.
+pub(crate) fn draw_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
+    let ends = known.choices(network);
+    let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
+    for first in (0..params.samples).step_by(BLOCK as usize) {
+        let mut rng = stream(params.seed, random::ends(first / BLOCK));
+        for _ in first..params.samples.min(first + BLOCK) {
+            let mut kept = given.clone();
+            for choices in &ends {
+                let total: f64 = 1.0 + choices.iter().map(|(_, odds)| odds).sum::<f64>();
+                let mut left = total * rng.random::<f64>() - 1.0;
+                for (row, odds) in choices {
+                    if left < 0.0 {
+                        break;
+                    }
+                    left -= odds;
+                    if left < 0.0 {
+                        kept[*row] = true;
+                    }
+                }
+            }
+            each(&kept);
+        }
+    }
+}

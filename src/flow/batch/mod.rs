@@ -1,0 +1,5 @@
+//! Pressures of many samples side by side: star-mesh elimination, conjugate gradients, and the reduction of large circuits.
+
+pub mod conjugate_gradients;
+pub mod reduction;
+pub mod star_mesh;

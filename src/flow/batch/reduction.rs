@@ -1,0 +1,165 @@
+//! Reduction of a large circuit to what samples can change: dead ends, certain chains and certain trees that end at one pressure are
+//! dealt with once, exactly.
+//!
+//! A tree whose ends share one pressure P₀ is a conductance to P₀ at the node that it hangs on, and every drop in it is a fixed share
+//! of P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
+
+use crate::flow::circuit::{Circuit, same_pressure};
+use crate::flow::peeling::{Peeled, peel};
+
+/// A reduced circuit.
+#[derive(Debug)]
+pub struct Reduction {
+    /// The core: its nodes are renumbered, its rows are the links, and what hangs on a node is part of its terminal conductance.
+    pub circuit: Circuit,
+    /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones.
+    pub links: Vec<Vec<usize>>,
+    /// The trees that hang on the core, those of one node and pressure together.
+    pub trees: Vec<Tree>,
+}
+
+/// Certain vessels that hang on a node of the core and end at one pressure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tree {
+    /// The node of the core.
+    pub node: usize,
+    /// P₀, Pa above the circuit's level.
+    pub end: f64,
+    /// Per vessel its row and flow over P - P₀, m³/(Pa s).
+    pub vessels: Vec<(usize, f64)>,
+}
+
+impl Reduction {
+    /// Reduces a circuit whose `certain` vessels are open in every sample.
+    pub fn of(circuit: &Circuit, certain: &[bool]) -> Self {
+        let Peeled { mut circuit, chain } = peel(circuit, certain);
+        let mut members = vec![Vec::new(); chain.len()];
+        for (row, chain) in chain.iter().enumerate().filter_map(|(row, chain)| Some((row, chain.as_ref()?))) {
+            members[chain.first].push(row);
+        }
+        let trees = take_down(&mut circuit, certain, &members);
+        finish(&circuit, members, trees)
+    }
+}
+
+/// What a node has in the way of ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ground {
+    Nothing,
+    /// All at one pressure.
+    At(f64),
+    /// At several, or flow is injected.
+    Mixed,
+}
+
+impl Ground {
+    fn of(circuit: &Circuit, node: usize) -> Self {
+        match circuit.ground(node) {
+            Some(pressure) => Self::At(pressure),
+            None if circuit.is_inner(node) => Self::Nothing,
+            None => Self::Mixed,
+        }
+    }
+
+    fn and(self, pressure: f64) -> Self {
+        match self {
+            Self::Nothing => Self::At(pressure),
+            Self::At(other) if same_pressure(other, pressure) => self,
+            _ => Self::Mixed,
+        }
+    }
+}
+
+/// A node that was taken down, hanging on another by a link.
+struct Hung {
+    node: usize,
+    on: usize,
+    link: usize,
+    end: f64,
+    /// The share of P - P₀ at `on` that falls along the link.
+    share: f64,
+}
+
+/// Takes trees down leaf by leaf: their links become self-loops, their nodes are left bare, and what they conduct is added to the node that
+/// they hung on. The vessels of each tree, with the node it hangs on.
+fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<Tree> {
+    let nodes = circuit.node_count();
+    let mut around = vec![Vec::new(); nodes];
+    for (link, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
+        around[*a].push(link as u32);
+        around[*b].push(link as u32);
+    }
+    let mut left: Vec<usize> = around.iter().map(Vec::len).collect();
+    let mut ground: Vec<Ground> = (0..nodes).map(|node| Ground::of(circuit, node)).collect();
+    let mut leaves: Vec<usize> = (0..nodes).rev().filter(|node| left[*node] == 1).collect();
+    let mut hung: Vec<Hung> = Vec::new();
+    while let Some(node) = leaves.pop() {
+        let Ground::At(end) = ground[node] else { continue };
+        let Some(link) = around[node].iter().map(|l| *l as usize).find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else {
+            continue;
+        };
+        if !certain[link] {
+            continue;
+        }
+        let [a, b] = circuit.ends[link];
+        let on = if a == node { b } else { a };
+        let conductance = circuit.conductance[link];
+        let (share, through) = if circuit.fixed[node].is_some() {
+            (1.0, conductance)
+        } else {
+            let shunt = circuit.shunt[node];
+            (shunt / (conductance + shunt), shunt * (conductance / (conductance + shunt)))
+        };
+        hung.push(Hung { node, on, link, end, share });
+        circuit.ends[link] = [node; 2];
+        left[node] = 0;
+        left[on] -= 1;
+        if circuit.fixed[on].is_none() {
+            ground[on] = ground[on].and(end);
+            circuit.shunt[on] += through;
+            circuit.source[on] += through * end;
+        }
+        if left[on] == 1 {
+            leaves.push(on);
+        }
+    }
+    // From the core outwards: where a node's tree is rooted, and the share of P - P₀ there that is left at the node.
+    let mut root: Vec<(usize, f64)> = (0..nodes).map(|node| (node, 1.0)).collect();
+    let mut trees: std::collections::BTreeMap<(usize, u64), Tree> = std::collections::BTreeMap::new();
+    for Hung { node, on, link, end, share } in hung.into_iter().rev() {
+        let (at, rest) = root[on];
+        let tree = trees.entry((at, end.to_bits())).or_insert_with(|| Tree { node: at, end, vessels: Vec::new() });
+        let flow = circuit.conductance[link] * (share * rest);
+        tree.vessels.extend(members[link].iter().map(|row| (*row, flow)));
+        // What hangs on a fixed pressure goes by that.
+        if circuit.fixed[node].is_none() {
+            root[node] = (at, rest * (circuit.conductance[link] / (circuit.conductance[link] + circuit.shunt[node])));
+        }
+    }
+    trees.into_values().collect()
+}
+
+/// Numbers the core: nodes with a link or a tree, in order; links by their last vessel, whose row decides between equals.
+fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> Reduction {
+    let mut row_of = vec![usize::MAX; circuit.node_count()];
+    let rows: Vec<usize> = (0..circuit.vessel_count()).filter(|row| circuit.ends[*row][0] != circuit.ends[*row][1]).collect();
+    rows.iter().flat_map(|row| circuit.ends[*row]).chain(trees.iter().map(|tree| tree.node)).for_each(|node| row_of[node] = 0);
+    let nodes: Vec<usize> = (0..row_of.len()).filter(|node| row_of[*node] == 0).collect();
+    nodes.iter().enumerate().for_each(|(at, node)| row_of[*node] = at);
+    for tree in &mut trees {
+        tree.node = row_of[tree.node];
+    }
+    let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
+    let core = Circuit {
+        ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),
+        conductance: rows.iter().map(|row| circuit.conductance[*row]).collect(),
+        fixed: nodes.iter().map(|node| circuit.fixed[*node]).collect(),
+        shunt: of(&circuit.shunt),
+        source: of(&circuit.source),
+        injects: circuit.injects,
+        level: circuit.level,
+    };
+    let mut members = members;
+    let links = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();
+    Reduction { circuit: core, links, trees }
+}

@@ -1,0 +1,302 @@
+//! Star-mesh elimination of the grounded Laplacian, several samples at a time in SIMD lanes.
+//!
+//! Eliminating node k replaces the star of its conductances by the mesh c_ij += c_ki c_kj / S_k, S_k = Σ c_ki + g_k.
+//! Nothing is ever subtracted, so pressures are accurate componentwise, however far the conductances are apart; a
+//! floating component is a star with S_k = 0 and needs no test.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use crate::flow::circuit::Circuit;
+use crate::support::elimination::{Elimination, NOWHERE};
+use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, splat, zip};
+
+/// The compiled elimination of a circuit.
+#[derive(Debug, Clone)]
+pub struct StarMesh {
+    program: Elimination,
+    /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones.
+    slot: Vec<u32>,
+    rays: Vec<RayStamp>,
+    /// The rays that no vessel lies on.
+    fill: Vec<u32>,
+    grounds: Vec<GroundStamp>,
+    /// Terminal conductance and inflow by place.
+    shunt: Vec<f64>,
+    source: Vec<f64>,
+    fixed: Vec<f64>,
+}
+
+/// A vessel between two free nodes.
+#[derive(Debug, Clone, Copy)]
+struct RayStamp {
+    vessel: u32,
+    ray: u32,
+    /// Whether it is the first of its ray.
+    first: bool,
+    conductance: f64,
+}
+
+/// A vessel from a free node to one of fixed pressure.
+#[derive(Debug, Clone, Copy)]
+struct GroundStamp {
+    vessel: u32,
+    place: u32,
+    conductance: f64,
+    inflow: f64,
+    /// Where the fixed pressure stands.
+    fixed: u32,
+}
+
+/// The memory of one worker that solves `B` samples side by side.
+#[derive(Debug, Clone)]
+pub struct Workspace<const B: usize> {
+    /// Conductances by ray; once a star is eliminated, the weights of its mean.
+    pub(crate) conductance: Vec<Lanes<B>>,
+    pub(crate) ground: Vec<Lanes<B>>,
+    /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
+    pub pressure: Vec<Lanes<B>>,
+}
+
+impl<const B: usize> Workspace<B> {
+    /// The pressures, and memory that is free until the next group is solved.
+    pub fn spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
+        (&self.pressure, &mut self.conductance)
+    }
+}
+
+impl StarMesh {
+    /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
+    pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
+        Self::of(circuit, |nodes, links| Elimination::compile(nodes, links, limit))
+    }
+
+    /// As [`StarMesh::compile`], but eliminates only nodes of at most `most` neighbours: [`StarMesh::solve`] is then not for it.
+    pub(crate) fn compile_partly(circuit: &Circuit, most: usize) -> Option<Self> {
+        Self::of(circuit, |nodes, links| Elimination::compile_partly(nodes, links, most))
+    }
+
+    fn of(circuit: &Circuit, compile: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
+        let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
+        let mut index = vec![usize::MAX; circuit.node_count()];
+        for (i, node) in free.iter().enumerate() {
+            index[*node] = i;
+        }
+        let is_free = |node: usize| circuit.fixed[node].is_none();
+        let links: Vec<[usize; 2]> =
+            circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)).map(|e| e.map(|n| index[n])).collect();
+        let program = compile(free.len(), &links)?;
+
+        let mut slot = vec![NOWHERE; circuit.node_count()];
+        let mut fixed = Vec::new();
+        for (node, slot) in slot.iter_mut().enumerate() {
+            *slot = match circuit.fixed[node] {
+                None => program.place(index[node]),
+                Some(pressure) => {
+                    fixed.push(pressure);
+                    (free.len() + fixed.len() - 1) as u32
+                }
+            };
+        }
+        let (mut rays, mut grounds) = (Vec::new(), Vec::new());
+        let mut bare = vec![true; program.rays()];
+        for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
+            let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
+            match (circuit.fixed[a], circuit.fixed[b]) {
+                (None, None) => {
+                    let ray = program.ray(slot[a], slot[b]);
+                    let first = std::mem::take(&mut bare[ray as usize]);
+                    rays.push(RayStamp { vessel, ray, first, conductance });
+                }
+                (None, Some(p)) => {
+                    grounds.push(GroundStamp { vessel, place: slot[a], conductance, inflow: conductance * p, fixed: slot[b] });
+                }
+                (Some(p), None) => {
+                    grounds.push(GroundStamp { vessel, place: slot[b], conductance, inflow: conductance * p, fixed: slot[a] });
+                }
+                (Some(_), Some(_)) => {}
+            }
+        }
+        let mut by_place = [vec![0.0; free.len()], vec![0.0; free.len()]];
+        for node in free {
+            by_place[0][slot[node] as usize] = circuit.shunt[node];
+            by_place[1][slot[node] as usize] = circuit.source[node];
+        }
+        let [shunt, source] = by_place;
+        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
+        Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed })
+    }
+
+    /// The compiled elimination.
+    pub(crate) fn program(&self) -> &Elimination {
+        &self.program
+    }
+
+    /// Mesh updates of one sample: the length of the program.
+    pub fn updates(&self) -> usize {
+        self.program.joins()
+    }
+
+    /// How many conductances there are, fill included.
+    pub fn rays(&self) -> usize {
+        self.program.rays()
+    }
+
+    /// Where the pressure of a node stands in a workspace.
+    pub fn slot(&self, node: usize) -> usize {
+        self.slot[node] as usize
+    }
+
+    /// The memory for groups of `B` samples, with at least so many [`Workspace::spare`] places.
+    pub fn workspace_with<const B: usize>(&self, spare: usize) -> Workspace<B> {
+        let mut work = self.workspace();
+        if spare > work.conductance.len() {
+            work.conductance = vec![Lanes::ZERO; spare];
+        }
+        work
+    }
+
+    /// The memory for groups of `B` samples.
+    pub fn workspace<const B: usize>(&self) -> Workspace<B> {
+        let (nodes, rays) = (self.program.nodes(), self.program.rays());
+        let fixed = self.fixed.iter().map(|p| Lanes([*p; B]));
+        Workspace {
+            conductance: vec![Lanes::ZERO; rays],
+            ground: vec![Lanes::ZERO; nodes],
+            pressure: vec![Lanes::ZERO; nodes].into_iter().chain(fixed).collect(),
+        }
+    }
+
+    /// Solves the samples `first .. first + B` of a block.
+    ///
+    /// Bit i of `masks[e]` says whether vessel e is open in sample i; `stranded` lists the nodes whose injected flow has
+    /// nowhere to go, with the samples in which that is so.
+    #[inline(always)]
+    pub fn solve<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        masks: &[u64],
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.assemble(simd, masks, first, stranded, work);
+        self.eliminate(simd, work);
+        self.substitute_back(simd, work);
+    }
+
+    /// Solves a group of samples that differ in the conductances of their vessels (m³/(Pa s)), zero for a closed one,
+    /// rather than in which are open; `stranded` as in [`StarMesh::solve`], for the first samples of a block.
+    #[inline(always)]
+    pub fn solve_with<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        conductance: &[Lanes<B>],
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.prepare(simd, 0, stranded, work);
+        for stamp in &self.rays {
+            let own = &conductance[stamp.vessel as usize];
+            let c = &mut work.conductance[stamp.ray as usize];
+            *c = if stamp.first { *own } else { plus(simd, c, own) };
+        }
+        for stamp in &self.grounds {
+            let own = &conductance[stamp.vessel as usize];
+            let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
+            work.ground[place] = plus(simd, &work.ground[place], own);
+            work.pressure[place] = plus_product(simd, &work.pressure[place], own, &pressure);
+        }
+        self.eliminate(simd, work);
+        self.substitute_back(simd, work);
+    }
+
+    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
+    #[inline(always)]
+    pub(crate) fn assemble<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        masks: &[u64],
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.prepare(simd, first, stranded, work);
+        for stamp in &self.rays {
+            let open = masks[stamp.vessel as usize];
+            let c = &mut work.conductance[stamp.ray as usize];
+            let own = masked(simd, &splat(simd, stamp.conductance), open, first);
+            *c = if stamp.first { own } else { plus(simd, c, &own) };
+        }
+        for stamp in &self.grounds {
+            let open = masks[stamp.vessel as usize];
+            let (g, s) = (&mut work.ground[stamp.place as usize], &mut work.pressure[stamp.place as usize]);
+            *g = plus(simd, g, &masked(simd, &splat(simd, stamp.conductance), open, first));
+            *s = plus(simd, s, &masked(simd, &splat(simd, stamp.inflow), open, first));
+        }
+    }
+
+    /// What no vessel contributes to.
+    #[inline(always)]
+    fn prepare<S: Simd, const B: usize>(&self, simd: S, first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
+        for ray in &self.fill {
+            work.conductance[*ray as usize] = Lanes::ZERO;
+        }
+        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
+            work.ground[place] = splat(simd, *shunt);
+            work.pressure[place] = splat(simd, *source);
+        }
+        for (node, samples) in stranded {
+            let source = &mut work.pressure[self.slot[*node] as usize];
+            *source = masked(simd, source, !samples, first);
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+        let ray_to = self.program.ray_to();
+        for k in 0..self.program.eliminated() {
+            let star = self.program.star(k);
+            // A star's mesh lies in later stars only.
+            let (done, later) = work.conductance.split_at_mut(star.end);
+            let rays = &mut done[star.clone()];
+            let (ground, source) = (work.ground[k], work.pressure[k]);
+            let mut total = ground;
+            for c in &*rays {
+                total = plus(simd, &total, c);
+            }
+            let inverse = inverse(simd, &total);
+            let mut mesh = self.program.mesh(k).iter();
+            for (i, to) in ray_to[star.clone()].iter().enumerate() {
+                let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));
+                rays[i] = weight;
+                let to = *to as usize;
+                work.ground[to] = plus_product(simd, &work.ground[to], &weight, &ground);
+                work.pressure[to] = plus_product(simd, &work.pressure[to], &weight, &source);
+                for (other, target) in rays[i + 1..].iter().zip(&mut mesh) {
+                    let sum = &mut later[*target as usize - star.end];
+                    *sum = plus_product(simd, sum, &weight, other);
+                }
+            }
+            work.pressure[k] = zip(simd, &source, &inverse, |s, i| simd.mul_f64s(s, i));
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+        let ray_to = self.program.ray_to();
+        for k in (0..self.program.eliminated()).rev() {
+            let mut p = work.pressure[k];
+            for ray in self.program.star(k) {
+                p = plus_product(simd, &p, &work.conductance[ray], &work.pressure[ray_to[ray] as usize]);
+            }
+            work.pressure[k] = p;
+        }
+    }
+}
+
+/// 1/S of a star. A floating remainder has no conductance at all; its weights then are zero.
+#[inline(always)]
+pub(crate) fn inverse<S: Simd, const B: usize>(simd: S, total: &Lanes<B>) -> Lanes<B> {
+    let [zero, one, least] = [0.0, 1.0, f64::MIN_POSITIVE].map(|x| simd.splat_f64s(x));
+    map(simd, total, |t| simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero))
+}

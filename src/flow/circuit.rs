@@ -1,0 +1,132 @@
+//! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
+
+use super::boundary::Boundary;
+use super::poiseuille::Tube;
+use crate::error::{Error, Result};
+use crate::network::{Condition, Network};
+
+/// Pressures closer than this share of the larger one are one.
+const SAME: f64 = 1e-12;
+
+/// Whether two pressures, Pa above a circuit's level, are one but for rounding.
+pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.max(b)
+}
+
+/// A resistor network in SI units. Kirchhoff's current law at every free node j, over its vessels e to nodes i:
+/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Circuit {
+    /// The two nodes of each vessel.
+    pub ends: Vec<[usize; 2]>,
+    /// C = 1/R of each vessel, m³/(Pa s).
+    pub conductance: Vec<f64>,
+    /// The pressure of each node where it is fixed, Pa above [`Circuit::level`].
+    pub fixed: Vec<Option<f64>>,
+    /// g: conductance of each node's terminal resistance, m³/(Pa s).
+    pub shunt: Vec<f64>,
+    /// s: flow into each node from terminals and injections, m³/s at pressures above the level.
+    pub source: Vec<f64>,
+    /// Whether a flow is injected at some node.
+    pub injects: bool,
+    /// The lowest pressure of any condition, Pa. Solving above it keeps every term of the elimination non-negative.
+    pub level: f64,
+}
+
+impl Circuit {
+    /// The circuit of a network with all its vessels.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance is zero, infinite or not a number.
+    pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
+        Self::of_tubes(network, boundary, &Tube::at_rest(network, viscosity))
+    }
+
+    /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance is infinite, not a number, or too small for a double.
+    pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
+        let conductance = conductances(network, tubes)?;
+        let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
+        let level = grounds.fold(f64::INFINITY, f64::min);
+        let level = if level.is_finite() { level } else { 0.0 };
+        let nodes = network.node_count();
+        let mut circuit = Self {
+            ends: network.vessels().map(|(ends, _)| ends).collect(),
+            conductance,
+            fixed: vec![None; nodes],
+            shunt: vec![0.0; nodes],
+            source: vec![0.0; nodes],
+            injects: false,
+            level,
+        };
+        for (node, condition) in &boundary.conditions {
+            match condition {
+                Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
+                Condition::Resistance { resistance, venous } => {
+                    circuit.shunt[*node] = 1.0 / resistance;
+                    circuit.source[*node] = (venous - level) / resistance;
+                }
+                Condition::Flow(q) => {
+                    circuit.source[*node] = *q;
+                    circuit.injects = true;
+                }
+            }
+        }
+        Ok(circuit)
+    }
+
+    /// How many nodes there are.
+    pub fn node_count(&self) -> usize {
+        self.fixed.len()
+    }
+
+    /// How many vessels there are.
+    pub fn vessel_count(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether the node itself fixes the pressure level of its component.
+    pub fn grounds(&self, node: usize) -> bool {
+        self.fixed[node].is_some() || self.shunt[node] > 0.0
+    }
+
+    /// The pressure to which the node is tied, by itself or through its terminal resistance, Pa above the level.
+    pub fn ground(&self, node: usize) -> Option<f64> {
+        self.fixed[node].or_else(|| (self.shunt[node] > 0.0).then(|| self.source[node] / self.shunt[node]))
+    }
+
+    /// Whether nothing but vessels leads to the node.
+    pub fn is_inner(&self, node: usize) -> bool {
+        self.fixed[node].is_none() && self.shunt[node] == 0.0 && self.source[node] == 0.0
+    }
+
+    /// The pressures (Pa) of nodes that lie so far above the level.
+    pub fn pressures(&self, above_level: &[Option<f64>]) -> Vec<Option<f64>> {
+        above_level.iter().map(|p| p.map(|p| p + self.level)).collect()
+    }
+}
+
+/// C = 1/R of each vessel, m³/(Pa s), zero of an occluded one.
+///
+/// # Errors
+///
+/// The conductance of an open vessel is infinite, not a number, or too small for a double.
+pub fn conductances(network: &Network, tubes: &[Tube]) -> Result<Vec<f64>> {
+    let conductance = |(row, tube): (usize, &Tube)| {
+        let (c, [a, b]) = (1.0 / tube.resistance, network.ends(row));
+        let holds = c.is_normal() || a == b || !tube.is_open();
+        if holds { Ok(c) } else { Err(beyond_doubles(network, row, "conductance")) }
+    };
+    tubes.iter().enumerate().map(conductance).collect()
+}
+
+/// The error of a vessel so large or small that no double can hold what it `has`.
+pub fn beyond_doubles(network: &Network, row: usize, has: &str) -> Error {
+    let vessel = network.vessel(row);
+    let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
+    Error::parameter(network.vessel_name(row), size, format!("expected a {has} that a double can hold"))
+}

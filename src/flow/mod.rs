@@ -1,0 +1,19 @@
+//! Blood flow in a network of rigid vessels: Poiseuille's law, boundary conditions, Kirchhoff's current law.
+
+pub mod batch;
+pub mod boundary;
+pub mod cholesky;
+pub mod circuit;
+mod dead_ends;
+pub mod floating;
+pub mod peeling;
+pub mod poiseuille;
+pub mod pressures;
+pub mod residual;
+pub mod resilience;
+pub mod state;
+
+pub use batch::star_mesh::StarMesh;
+pub use boundary::{Boundary, FoundOutlets, Given};
+pub use circuit::Circuit;
+pub use poiseuille::{Factors, Tube};

@@ -1,0 +1,217 @@
+//! The best single explanation: the maximum spanning arborescence over a virtual ground, by Edmonds' algorithm.
+//!
+//! In O(m log n), with mergeable heaps and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
+
+use super::Forests;
+
+/// Scores beyond this are cut.
+const MOST_SCORE: f64 = 1000.0;
+/// Scores are compared in units of 2⁻⁶⁰.
+const SCORE_BITS: i32 = 60;
+/// Below them, the sum of the bridges' rows. Lowered costs stay within twice the largest: 119 bits.
+const ROW_BITS: u32 = 48;
+
+/// The explanation with the largest sum of scores: per fragment the bridge it hangs by, `None` for a root.
+///
+/// `bridges` and `roots` are the scores of each; they are taken to 2⁻⁶⁰ and summed exactly, cut at ±1000. A bridge scored -∞ is not taken.
+/// Among explanations of the same score the one with the smallest sum of rows wins, roots counted after all bridges;
+/// what still ties goes to the lower row.
+///
+/// # Panics
+///
+/// The scores belong to other forests.
+pub fn arborescence(forests: &Forests, bridges: &[f64], roots: &[f64]) -> Vec<Option<usize>> {
+    assert_eq!(bridges.len(), forests.bridges().len(), "one score per bridge");
+    assert_eq!(roots.len(), forests.fragments(), "one score per fragment");
+    let ground = forests.fragments();
+    let between = forests.bridges().iter().zip(bridges).enumerate().map(|(row, (bridge, score))| Arc {
+        from: bridge.parent,
+        to: bridge.child,
+        cost: cost(*score, row),
+        row: Some(row),
+    });
+    let to_ground = roots.iter().enumerate().map(|(fragment, score)| Arc {
+        from: ground,
+        to: fragment,
+        cost: cost(*score, bridges.len() + fragment),
+        row: None,
+    });
+    let possible = between.filter(|arc| arc.row.is_some_and(|row| bridges[row] != f64::NEG_INFINITY));
+    let arcs: Vec<Arc> = possible.chain(to_ground).collect();
+    chosen(&arcs, ground).into_iter().map(|arc| arcs[arc].row).collect()
+}
+
+/// An arc from what a fragment hangs on to the fragment.
+struct Arc {
+    from: usize,
+    to: usize,
+    cost: i128,
+    row: Option<usize>,
+}
+
+/// The score first, then the row, as one whole number: smaller is better, and no sum is rounded.
+fn cost(score: f64, row: usize) -> i128 {
+    let units = (score.clamp(-MOST_SCORE, MOST_SCORE) * 2_f64.powi(SCORE_BITS)).round() as i128;
+    (-units << ROW_BITS) + row as i128
+}
+
+/// A cycle that became one node, to be opened again.
+struct Cycle {
+    node: usize,
+    joins: usize,
+    arcs: Vec<usize>,
+}
+
+/// Per node below `root` the arc of the cheapest arborescence that enters it. Every node has an arc from the root.
+fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
+    let mut heaps = Heaps::new(arcs.iter().map(|arc| arc.cost).collect());
+    let mut heap: Vec<Option<usize>> = vec![None; root + 1];
+    for (at, arc) in arcs.iter().enumerate() {
+        heap[arc.to] = heaps.meld(heap[arc.to], Some(at));
+    }
+    let mut union = UnionFind::new(root + 1);
+    let mut seen = vec![usize::MAX; root + 1];
+    seen[root] = root;
+    let mut enters = vec![usize::MAX; root + 1];
+    let mut cycles = Vec::new();
+    for start in 0..root {
+        let (mut path, mut node) = (Vec::new(), start);
+        while seen[node] == usize::MAX {
+            let Some(arc) = heap[node] else { break };
+            heap[node] = heaps.pop_and_lower(arc);
+            path.push((node, arc));
+            seen[node] = start;
+            node = union.find(arcs[arc].from);
+            if seen[node] == start {
+                // Back on the path: what lies on the cycle becomes one node with all its arcs.
+                let (joins, end) = (union.joins(), path.len());
+                let (mut whole, mut from) = (None, end);
+                loop {
+                    from -= 1;
+                    let member = path[from].0;
+                    whole = heaps.meld(whole, heap[member]);
+                    if !union.join(node, member) {
+                        break;
+                    }
+                }
+                node = union.find(node);
+                heap[node] = whole;
+                seen[node] = usize::MAX;
+                cycles.push(Cycle { node, joins, arcs: path.drain(from..).map(|(_, arc)| arc).collect() });
+            }
+        }
+        for (_, arc) in path {
+            enters[union.find(arcs[arc].to)] = arc;
+        }
+    }
+    for cycle in cycles.iter().rev() {
+        union.roll_back(cycle.joins);
+        let from_outside = enters[cycle.node];
+        for arc in &cycle.arcs {
+            enters[union.find(arcs[*arc].to)] = *arc;
+        }
+        enters[union.find(arcs[from_outside].to)] = from_outside;
+    }
+    enters.truncate(root);
+    enters
+}
+
+/// Heaps over numbered items; a heap is named by its top.
+#[derive(Debug, Clone)]
+pub struct Heaps {
+    key: Vec<i128>,
+    /// To be added to the keys of both subheaps.
+    owed: Vec<i128>,
+    children: Vec<[Option<usize>; 2]>,
+    /// Length of the shortest way down.
+    rank: Vec<u32>,
+}
+
+impl Heaps {
+    /// Every item is a heap of its own.
+    pub fn new(key: Vec<i128>) -> Self {
+        let items = key.len();
+        Self { key, owed: vec![0; items], children: vec![[None; 2]; items], rank: vec![1; items] }
+    }
+
+    /// One heap of two; the smaller key is on top, the lower item on ties.
+    pub fn meld(&mut self, a: Option<usize>, b: Option<usize>) -> Option<usize> {
+        let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
+        let (top, below) = if (self.key[a], a) <= (self.key[b], b) { (a, b) } else { (b, a) };
+        self.settle(top);
+        let right = self.meld(self.children[top][1], Some(below));
+        let left = self.children[top][0];
+        let rank = |child: Option<usize>| child.map_or(0, |child| self.rank[child]);
+        let (low, high) = (rank(left).min(rank(right)), rank(left) >= rank(right));
+        self.children[top] = if high { [left, right] } else { [right, left] };
+        self.rank[top] = low + 1;
+        Some(top)
+    }
+
+    /// Takes the top off a heap and lowers all other keys by its own.
+    pub fn pop_and_lower(&mut self, top: usize) -> Option<usize> {
+        self.owed[top] -= self.key[top];
+        self.settle(top);
+        let [left, right] = std::mem::take(&mut self.children[top]);
+        self.rank[top] = 1;
+        self.meld(left, right)
+    }
+
+    fn settle(&mut self, item: usize) {
+        let owed = std::mem::take(&mut self.owed[item]);
+        for child in self.children[item].into_iter().flatten() {
+            self.key[child] += owed;
+            self.owed[child] += owed;
+        }
+    }
+}
+
+/// Sets of numbered items, each with a representative.
+#[derive(Debug, Clone)]
+pub struct UnionFind {
+    parent: Vec<usize>,
+    size: Vec<usize>,
+    /// The representatives that ceased to be ones, in order.
+    joined: Vec<usize>,
+}
+
+impl UnionFind {
+    /// Every item by itself.
+    pub fn new(items: usize) -> Self {
+        Self { parent: (0..items).collect(), size: vec![1; items], joined: Vec::new() }
+    }
+
+    /// The representative of an item's set.
+    pub fn find(&self, mut item: usize) -> usize {
+        while self.parent[item] != item {
+            item = self.parent[item];
+        }
+        item
+    }
+
+    /// Joins two sets; `false` when they are one already.
+    pub fn join(&mut self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.find(a), self.find(b));
+        if a == b {
+            return false;
+        }
+        let (large, small) = if self.size[a] >= self.size[b] { (a, b) } else { (b, a) };
+        self.parent[small] = large;
+        self.size[large] += self.size[small];
+        self.joined.push(small);
+        true
+    }
+
+    /// How many joins there were and still are.
+    pub fn joins(&self) -> usize {
+        self.joined.len()
+    }
+
+    /// Undoes the last joins until so many are left.
+    pub fn roll_back(&mut self, joins: usize) {
+        for small in self.joined.drain(joins..).rev() {
+            self.size[self.parent[small]] -= self.size[small];
+            self.parent[small] = small;
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Edges of a ready graph: each is a vessel as it stands, never merged, contracted or put in another order.
+
+use std::collections::BTreeMap;
+
+use super::records::Records;
+use super::{AREA, Item, Name, RESISTANCE};
+use crate::error::Fault;
+use crate::io::tables::number::counted;
+use crate::network::centerlines::is_radius;
+use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
+use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use crate::support::geometry::distance;
+
+/// What an edge is asked for beside its sizes.
+pub(crate) const ASKED: [&str; 11] =
+    ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
+
+/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should
+/// know. A radius that is missing, where it may, is NaN.
+pub(in crate::io) fn vessels(
+    network: &mut Network,
+    ends: &[[usize; 2]],
+    records: &Records,
+    scale: &Scale,
+    radius_optional: bool,
+) -> Result<Vec<String>, Fault> {
+    let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
+    let mut names = BTreeMap::new();
+    for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
+        let [a, b] = ends.map(|end| network.node(end));
+        let item = Item { record, name: Name::Edge(row, [&a.id, &b.id]) };
+        let path = path(&item, [a, b])?;
+        let length = match length(&item, scale, *ends)? {
+            Some(length) => length,
+            None if path.is_empty() => {
+                straight += 1;
+                gap(&item, [a, b], *ends)?
+            }
+            None => path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
+        };
+        let radius = match item.radius(scale)? {
+            Some((key, radius)) if is_radius(radius) => {
+                if !key.starts_with("radius") || key == "radius_avg" {
+                    *names.entry(key).or_insert(0) += 1;
+                }
+                radius
+            }
+            Some((key, _)) => {
+                let value = item.text(key).unwrap_or_default();
+                return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
+            }
+            None if path.is_empty() => {
+                if let (Some(p), Some(q)) = (a.radius, b.radius) {
+                    from_nodes += 1;
+                    p.min(q)
+                } else if radius_optional {
+                    f64::NAN
+                } else {
+                    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
+                    return Err(item.lacks("radius", accepted));
+                }
+            }
+            None => RadiusRule::Mean.radius(&path),
+        };
+        let origin = match item.text("origin") {
+            None => None,
+            Some("observed") => Some(Origin::Observed),
+            Some("candidate") => Some(Origin::Candidate),
+            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed or candidate")),
+        };
+        origins += usize::from(origin.is_some());
+        let vessel = Vessel {
+            length,
+            radius,
+            resistance: resistance(&item)?,
+            label: item.text("label").unwrap_or_default().to_owned(),
+            origin: origin.unwrap_or(Origin::Candidate),
+            prior: prior(&item)?,
+            certain: item.boolean("certain")?.unwrap_or(false),
+            evidence: evidence(&item)?,
+            kept: item.boolean("kept")?,
+            path,
+        };
+        network.add_vessel(*ends, vessel);
+    }
+    let mut notes = Vec::new();
+    if origins == 0 && !ends.is_empty() {
+        notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
+    }
+    if straight > 0 {
+        notes.push(format!("{} without length_mm: took the distance between the nodes", counted(straight, "edge")));
+    }
+    for (name, edges) in names {
+        let means = match name {
+            AREA => "sqrt(avgCrossSection/π)".to_owned(),
+            "diameter" | "d" => format!("half of {name}"),
+            name => name.to_owned(),
+        };
+        notes.push(format!("the radius of {} is {means}", counted(edges, "edge")));
+    }
+    if from_nodes > 0 {
+        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", counted(from_nodes, "edge")));
+    }
+    Ok(notes)
+}
+
+/// The length that the edge states, m. A self-loop carries no flow, so it alone may have none.
+fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
+    let Some((key, length)) = item.length(scale)? else { return Ok(None) };
+    if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
+        return Ok(Some(length));
+    }
+    Err(item.fault(format!("{key} {}", item.text(key).unwrap_or_default()), "expected a positive number"))
+}
+
+/// The distance between the nodes, m.
+fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
+    let [Some(p), Some(q)] = nodes.map(|node| node.position) else {
+        return Err(item.lacks("length", "expected length_mm, or the positions of both nodes"));
+    };
+    match distance(p, q) {
+        length if (length > 0.0 || ends[0] == ends[1]) && length.is_finite() => Ok(length),
+        _ => Err(item.fault("no length_mm and both nodes in one place", "expected length_mm")),
+    }
+}
+
+/// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
+fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
+    match item.real(RESISTANCE)?.filter(|r| !r.is_nan()) {
+        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
+        stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
+    }
+}
+
+fn prior(item: &Item) -> Result<f64, Fault> {
+    Ok(item.share("prior")?.unwrap_or(1.0))
+}
+
+/// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.
+fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
+    let Some(probability) = item.share("probability")? else { return Ok(None) };
+    let mut evidence = Evidence::undirected(probability);
+    if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
+        evidence.hangs = [a, b];
+    }
+    if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
+        evidence.continues = [a, b];
+    }
+    Ok(Some(evidence))
+}
+
+/// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs
+/// write the two ends of an edge in either order.
+fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
+    let Some(text) = item.text("points") else { return Ok(Vec::new()) };
+    let mut path = Vec::new();
+    for (n, point) in text.split(';').map(str::trim).filter(|point| !point.is_empty()).enumerate() {
+        let wrong = || item.fault(format!("points: point {n} \"{point}\""), "expected x y z r in mm, r positive");
+        let mut figures = [0.0; 4];
+        let mut words = point.split_whitespace();
+        for figure in &mut figures {
+            *figure = words.next().and_then(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).ok_or_else(wrong)?;
+        }
+        let [x, y, z, radius] = figures.map(metres);
+        if words.next().is_some() || !is_radius(radius) {
+            return Err(wrong());
+        }
+        path.push(PathPoint { position: [x, y, z], radius, id: None });
+    }
+    let length: f64 = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r"));
+    }
+    if let ([Some(a), Some(b)], Some(first), Some(last)) = (nodes.map(|n| n.position), path.first(), path.last()) {
+        let stay = distance(first.position, a) + distance(last.position, b);
+        if distance(first.position, b) + distance(last.position, a) < stay {
+            path.reverse();
+        }
+    }
+    Ok(path)
+}

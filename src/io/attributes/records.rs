@@ -1,0 +1,100 @@
+//! The attributes of many nodes or edges as text, in one buffer: a graph has millions.
+
+use std::collections::HashMap;
+
+/// The texts of all items under the names of their attributes.
+#[derive(Debug, Clone, Default)]
+pub(in crate::io) struct Records {
+    /// The names of the attributes by number; none for what is not to be read.
+    names: Vec<Option<String>>,
+    /// What an item has that does not say otherwise.
+    defaults: HashMap<String, String>,
+    text: String,
+    fields: Vec<Field>,
+    items: Vec<Place>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Field {
+    name: u32,
+    length: u32,
+    start: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    line: usize,
+    first: usize,
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::io) struct Record<'a> {
+    all: &'a Records,
+    fields: &'a [Field],
+    /// The line on which it stands.
+    pub(in crate::io) line: usize,
+}
+
+impl Records {
+    /// Without items, of attributes with these names.
+    pub(in crate::io) fn named(names: &[impl AsRef<str>]) -> Self {
+        Self { names: names.iter().map(|name| Some(name.as_ref().to_owned())).collect(), ..Self::default() }
+    }
+
+    /// Names the attributes, in the order of their numbers, and says what items have that do not say otherwise.
+    pub(in crate::io) fn name(&mut self, names: Vec<Option<String>>, defaults: HashMap<String, String>) {
+        (self.names, self.defaults) = (names, defaults);
+    }
+
+    /// Begins an item.
+    pub(in crate::io) fn begin(&mut self, line: usize) {
+        self.items.push(Place { line, first: self.fields.len() });
+    }
+
+    /// Gives the last item a text, in place of one that it has under the same name.
+    pub(in crate::io) fn put(&mut self, name: usize, text: &str) {
+        let text = text.trim();
+        self.fields.push(Field { name: name as u32, length: text.len() as u32, start: self.text.len() });
+        self.text.push_str(text);
+    }
+
+    /// How many items there are.
+    pub(in crate::io) fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    /// An item.
+    pub(in crate::io) fn get(&self, row: usize) -> Record<'_> {
+        let Place { line, first } = self.items[row];
+        let end = self.items.get(row + 1).map_or(self.fields.len(), |next| next.first);
+        Record { all: self, fields: &self.fields[first..end], line }
+    }
+
+    /// All items.
+    pub(in crate::io) fn iter(&self) -> impl Iterator<Item = Record<'_>> {
+        (0..self.len()).map(|row| self.get(row))
+    }
+}
+
+impl<'a> Record<'a> {
+    /// The text under a name, without the blanks around it. An empty one is as good as none.
+    pub(in crate::io) fn text(&self, name: &str) -> Option<&'a str> {
+        let named = |field: &&Field| self.all.names[field.name as usize].as_deref() == Some(name);
+        let text = match self.fields.iter().rfind(named) {
+            Some(field) => &self.all.text[field.start..field.start + field.length as usize],
+            None => self.all.defaults.get(name)?.trim(),
+        };
+        Some(text).filter(|text| !text.is_empty())
+    }
+
+    /// The names under which there is something.
+    pub(in crate::io) fn names(&self) -> Vec<&'a str> {
+        let own = self.fields.iter().filter_map(|field| self.all.names[field.name as usize].as_deref());
+        let mut names: Vec<&str> = own.chain(self.all.defaults.keys().map(String::as_str)).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| self.text(name).is_some());
+        names
+    }
+}

@@ -1,0 +1,118 @@
+//! Which files readers take beside the one that is named: the other of two tables, what iCafe leaves beside a tracing.
+
+use std::fs::{File, read_dir};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::format::{Format, HEAD, format_of};
+use super::read::without_mark;
+use super::tables::rows::Rows;
+use crate::error::Fault;
+
+/// What a table of nodes is called where the table of edges is called `edges`.
+const NODES: [&str; 2] = ["nodes", "vertices"];
+/// The column of the first node of an edge, in any table of edges.
+const FIRST_NODE: [&str; 4] = ["node1id", "source id", "source", "node_a"];
+/// iCafe's table of vessels.
+pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
+/// What iCafe says of the image.
+const IMAGE: &str = "Image_info.txt";
+
+/// The files that [`read`](super::read::read) takes beside `path` as the folder is now, in the order of their names.
+pub fn files_beside(path: &Path) -> Vec<PathBuf> {
+    let head = head(path);
+    let bytes = without_mark(&head);
+    let mut found: Vec<PathBuf> = match format_of(path, bytes) {
+        Ok(Format::Csv) => nodes_beside(path).into_iter().collect(),
+        Ok(Format::Voreen | Format::VesselVio) => {
+            other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
+        }
+        Ok(Format::Swc) => [table_of_vessels_beside(path), image_beside(path)].into_iter().flatten().collect(),
+        Ok(Format::ICafe) => [tracing_beside(path).ok(), image_beside(path)].into_iter().flatten().collect(),
+        _ => Vec::new(),
+    };
+    found.sort();
+    found
+}
+
+/// The first bytes of a file; none where it cannot be read.
+fn head(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    // What cannot be read here is refused where it is read.
+    let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
+    bytes
+}
+
+/// The table of nodes beside a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
+/// `vertices.csv`.
+pub(crate) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
+    first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
+}
+
+/// The table of edges beside a table of nodes, by the same names.
+pub(crate) fn edges_beside(nodes: &Path) -> Option<PathBuf> {
+    first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))
+}
+
+fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let capital = |word: &str| word[..1].to_uppercase() + &word[1..];
+    let (mut names, mut plain) = (Vec::new(), Vec::new());
+    for (from, to) in swaps {
+        names.extend([name.replace(from, to), name.replace(&capital(from), &capital(to))]);
+        plain.push(format!("{to}.csv"));
+    }
+    names.into_iter().chain(plain).filter(|n| n != name).map(|n| path.with_file_name(n)).find(|p| p.is_file())
+}
+
+/// Whether a table of two is that of edges, and the other one, if it is beside it.
+pub(crate) fn other_table(path: &Path, bytes: &[u8]) -> Result<(bool, Option<PathBuf>), Fault> {
+    let is_edges = Rows::open(bytes)?.find(&FIRST_NODE).is_some();
+    Ok((is_edges, if is_edges { nodes_beside(path) } else { edges_beside(path) }))
+}
+
+/// Whether the edges of a table refer to the rows of the table of nodes, as VesselVio's do: that table has no names.
+pub(crate) fn refers_to_rows(edges: &Path) -> bool {
+    let Some(nodes) = nodes_beside(edges) else { return false };
+    Rows::open(&head(&nodes)).is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
+}
+
+/// Where the table of nodes goes beside a table of edges that is written; `None` when that is its own name.
+pub(crate) fn nodes_path(edges: &Path) -> Option<PathBuf> {
+    let name = edges.file_name()?.to_string_lossy();
+    let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
+    (nodes != name).then(|| edges.with_file_name(nodes))
+}
+
+/// The table of vessels beside a tracing of iCafe.
+pub(crate) fn table_of_vessels_beside(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
+}
+
+/// What iCafe says of the image beside a tracing or its table of vessels.
+pub(crate) fn image_beside(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
+}
+
+/// The one tracing beside a table of vessels.
+pub(crate) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
+    let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> =
+        files.filter(|path| path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    found.sort();
+    match found.len() {
+        0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
+        1 => Ok(found.remove(0)),
+        many => {
+            let names: Vec<_> =
+                found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
+            let found = format!(
+                "{many} SWC files beside the table of vessels ({}{})",
+                names.join(", "),
+                if many > 3 { ", ..." } else { "" }
+            );
+            Err(Fault::file(found, "give the one that it belongs to as INPUT"))
+        }
+    }
+}

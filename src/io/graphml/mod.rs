@@ -1,0 +1,5 @@
+//! GraphML as NetworkX, igraph and this program write it.
+
+mod keys;
+pub(crate) mod read;
+pub(crate) mod write;

@@ -1,0 +1,178 @@
+//! How large an input may be, as it lies on the disk and unpacked.
+
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use super::checksum::Checksummed;
+use crate::error::{Error, Fault, Result};
+
+/// Bytes of an input at the most where nothing else is said: 2 GiB.
+pub const MAX_INPUT: u64 = 2 << 30;
+/// A file may unpack to so many times its size, and to [`SMALL`] in any case. Coordinates and radii do not compress to a
+/// hundredth; what does is made to fill the memory.
+const MOST_INFLATION: u64 = 100;
+const SMALL: u64 = 64 << 20;
+const OPTION: &str = "--max-input allows more";
+
+/// The number of bytes that a text such as `500MB`, `2GiB` or `100000` says.
+///
+/// # Errors
+///
+/// What is accepted in its place.
+pub fn byte_count(text: &str) -> Result<u64, &'static str> {
+    const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
+    const UNITS: [(&str, u64); 8] = [
+        ("", 1),
+        ("B", 1),
+        ("kB", 1000),
+        ("KiB", 1 << 10),
+        ("MB", 1_000_000),
+        ("MiB", 1 << 20),
+        ("GB", 1_000_000_000),
+        ("GiB", 1 << 30),
+    ];
+    let text = text.trim();
+    let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = (&text[..end], text[end..].trim());
+    let (_, factor) = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).ok_or(ACCEPTED)?;
+    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * *factor as f64;
+    if (1.0..=9e15).contains(&bytes) { Ok(bytes as u64) } else { Err(ACCEPTED) }
+}
+
+/// A number of bytes for people.
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_048_576 => format!("{bytes} bytes"),
+        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
+        _ => format!("{:.1} GiB", bytes as f64 / 1_073_741_824.0),
+    }
+}
+
+fn too_large(found: &str, most: u64, more: &str) -> Fault {
+    Fault::file(found, format!("expected at most {}{more}", size(most)))
+}
+
+/// A file that counts and hashes what is read of it, up to a limit.
+pub(crate) struct Counted {
+    file: Checksummed<File>,
+    most: u64,
+    read: u64,
+}
+
+impl Counted {
+    /// Opens a file of at most `most` bytes.
+    pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
+        let unread = |source| Error::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(unread)?;
+        let length = file.metadata().map_err(unread)?.len();
+        if length > most {
+            return Err(too_large(&size(length), most, &format!("; {OPTION}")).in_file(path));
+        }
+        Ok(Self { file: Checksummed::new(file), most, read: 0 })
+    }
+
+    /// The SHA-256 of what was read, in hexadecimal digits.
+    pub(crate) fn checksum(self) -> String {
+        self.file.finish()
+    }
+}
+
+impl Read for Counted {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(out)?;
+        self.read += count as u64;
+        // What is no plain file does not say how long it is.
+        if self.read > self.most {
+            let found = format!("more than {}; {OPTION}", size(self.most));
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, found));
+        }
+        Ok(count)
+    }
+}
+
+/// All bytes of a file that has at most `most`.
+///
+/// # Errors
+///
+/// It cannot be read, or has more.
+pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
+    bytes_up_to(path, most, &format!("; {OPTION}"))
+}
+
+/// All bytes of a file that has at most `most`; an error says how to allow `more`.
+///
+/// # Errors
+///
+/// It cannot be read, or has more.
+pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unread)?;
+    let length = file.metadata().map_err(unread)?.len();
+    if length > most {
+        return Err(too_large(&size(length), most, more).in_file(path));
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
+    if bytes.len() as u64 > most {
+        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
+    }
+    Ok(bytes)
+}
+
+/// What the compressed parts of a file may still unpack to, all together.
+#[derive(Debug)]
+pub(crate) struct Room {
+    most: u64,
+    left: Cell<u64>,
+    accepted: &'static str,
+}
+
+impl Room {
+    /// For a file of so many bytes, where `most` are allowed.
+    pub(crate) fn of(file: usize, most: u64) -> Self {
+        let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
+        let accepted = if most <= usual { OPTION } else { "expected centerlines, which do not compress to a hundredth" };
+        let most = most.min(usual);
+        Self { most, left: Cell::new(most), accepted }
+    }
+
+    /// The bytes that are left.
+    pub(crate) fn left(&self) -> usize {
+        usize::try_from(self.left.get()).unwrap_or(usize::MAX)
+    }
+
+    /// Takes some of them; else says what was found and what is accepted.
+    pub(crate) fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
+        let left = self.left.get().checked_sub(bytes as u64);
+        self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Room, byte_count};
+
+    #[test]
+    fn sizes_are_read_with_and_without_units() {
+        for (text, bytes) in [("100000", 100_000), ("500MB", 500_000_000), ("2GiB", 2_147_483_648), ("1.5 kib", 1536), ("7B", 7)]
+        {
+            assert_eq!(byte_count(text), Ok(bytes), "{text}");
+        }
+        for wrong in ["", "MB", "-1", "0", "1e9", "2TB", "nan", "9999999999GiB", "1.2.3"] {
+            assert!(byte_count(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn room_is_shared_by_all_parts_of_a_file() {
+        let room = Room::of(1 << 30, 1000);
+        assert!(room.take(600).is_ok() && room.left() == 400);
+        let (found, accepted) = room.take(401).unwrap_err();
+        assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "--max-input allows more"));
+        // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
+        assert_eq!(Room::of(10, u64::MAX).left(), 64 << 20);
+    }
+}

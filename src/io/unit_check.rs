@@ -1,0 +1,141 @@
+//! Whether the lengths of a file look like the unit in which they were taken.
+
+use super::read::Content;
+use crate::error::Fault;
+use crate::network::centerlines::is_radius;
+use crate::network::units::{LengthUnit, Scale, millimetres};
+use crate::support::geometry::{Point, box_diagonal};
+use crate::support::statistics::median;
+
+/// Median radii of brain vessels, mm: from capillaries to the internal carotid artery.
+const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
+/// Median radii, and extents, that arteries of a brain have where their centimetres are taken as millimetres.
+const RADIUS_OF_CM: std::ops::Range<f64> = 0.02..0.15;
+const EXTENT_OF_CM: std::ops::Range<f64> = 3.0..30.0;
+/// No coordinate lies so far off, m.
+const MOST_METRES: f64 = 1e9;
+/// A share of coordinates or radii above which they are called whole numbers.
+const MOST: f64 = 0.95;
+/// Fewer points than this prove nothing.
+const FEWEST: usize = 10;
+/// How far from a whole number a voxel index or a squared distance of voxels may lie.
+const ROUNDING: f64 = 1e-4;
+
+/// Refuses positions whose distances no number holds.
+pub(crate) fn check_extent(content: &Content) -> Result<(), Fault> {
+    let check = |item: &dyn Fn() -> String, p: Point| match p.into_iter().find(|x| x.abs() > MOST_METRES) {
+        None => Ok(()),
+        Some(x) => {
+            let found = format!("coordinate {:e} mm", millimetres(x));
+            Err(Fault::item(item(), found, format!("expected one within {:e} mm", millimetres(MOST_METRES))))
+        }
+    };
+    match content {
+        Content::Centerlines(lines) => {
+            lines.points.iter().zip(&lines.ids).try_for_each(|(p, id)| check(&|| format!("point {id}"), *p))
+        }
+        Content::Vessels(network) | Content::Graph(network) => network.nodes().try_for_each(|node| {
+            let item = || format!("node {}", node.id);
+            node.position.map_or(Ok(()), |p| check(&item, p))
+        }),
+    }
+}
+
+/// What a person should know about the unit, one line each; nothing where all looks like vessels.
+pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
+    let (points, radii) = measures(content);
+    let mut notes = Vec::new();
+    if scale.unit != LengthUnit::Voxel && points.len() >= FEWEST {
+        let file = |mm: f64, axis: usize| millimetres(mm) / scale.axes()[axis];
+        let whole = |x: f64| (x - x.round()).abs() <= ROUNDING;
+        let share = |n: usize, of: usize| n as f64 >= MOST * of as f64;
+        let lattice = points.iter().filter(|p| (0..3).all(|axis| whole(2.0 * file(p[axis], axis)))).count();
+        let is_square = |r: f64| r * r > 0.5 && whole(r * r);
+        let squares = radii.iter().filter(|r| is_square(file(**r, 0))).count();
+        let distinct = radii.iter().any(|r| *r != radii[0]);
+        if share(lattice, points.len()) {
+            notes.push(format!("the coordinates are whole or half numbers, {VOXELS}"));
+        } else if radii.len() >= FEWEST && distinct && share(squares, radii.len()) {
+            notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives, {VOXELS}"));
+        }
+    }
+    notes.extend(centimetres(&points, &radii, scale));
+    let Some(found) = median(&radii).map(millimetres).filter(|r| !MEDIAN_RADIUS_MM.contains(r)) else { return notes };
+    let per_unit = |unit: LengthUnit| Scale { unit, spacing: None }.axes()[0];
+    let raw = found / scale.axes()[0];
+    let others = [LengthUnit::Micrometre, LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre];
+    let fitting = others.into_iter().filter(|unit| *unit != scale.unit && MEDIAN_RADIUS_MM.contains(&(raw * per_unit(*unit))));
+    let advice = if scale.unit == LengthUnit::Voxel {
+        "see --spacing".to_owned()
+    } else {
+        let names: Vec<&str> = fitting.map(LengthUnit::symbol).chain(["voxels"]).collect();
+        format!("perhaps they are {}: see --units and --spacing", names.join(" or "))
+    };
+    notes.push(format!(
+        "the median radius is {:.3} mm and the extent {:.3} mm, with lengths in {}, which no brain vessels have; {advice}",
+        found,
+        millimetres(box_diagonal(points.iter().copied())),
+        scale.unit.symbol()
+    ));
+    notes
+}
+
+/// That lengths taken as mm may be cm: radii and an extent some ten times too small for the arteries of a brain.
+fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String> {
+    let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
+    let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
+    is_small.then(|| {
+        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give --units cm")
+    })
+}
+
+const VOXELS: &str = "as of voxels; if they are, give --units voxel --spacing S";
+
+/// Positions and radii, m: of the points, or of the nodes and vessels.
+fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {
+    match content {
+        Content::Centerlines(lines) => (lines.points.clone(), lines.radii.iter().copied().filter(|r| is_radius(*r)).collect()),
+        Content::Vessels(network) | Content::Graph(network) => (
+            network.nodes().filter_map(|n| n.position).collect(),
+            network.vessels().map(|(_, v)| v.radius).filter(|r| is_radius(*r)).collect(),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::centerlines::Centerlines;
+
+    /// Points of a spiral with the given radii, in mm, taken as `unit`.
+    fn notes(unit: LengthUnit, place: impl Fn(f64) -> f64, radius: impl Fn(usize) -> f64) -> String {
+        let scale = Scale { unit, spacing: None };
+        let mut lines = Centerlines::default();
+        for i in 0..20 {
+            let t = i as f64;
+            let position = scale.position([place(7.3 * t.sin()), place(7.3 * t.cos()), place(t * 1.1)]);
+            lines.add_point(position, scale.length(radius(i)), i as u64, 0);
+        }
+        unit_check(&Content::Centerlines(lines), &scale).join("\n")
+    }
+
+    #[test]
+    fn vessels_in_millimetres_pass_and_other_units_are_named() {
+        let mm = |i: usize| 1.2 + 0.013 * i as f64;
+        assert_eq!(notes(LengthUnit::Millimetre, |x| x, mm), "");
+        let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
+        assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
+        let cm = notes(LengthUnit::Millimetre, |x| 0.2 * x, |i| 0.05 * mm(i));
+        assert!(cm.contains("give --units cm"), "{cm}");
+        assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
+        assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
+        let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());
+        assert!(distance_transform.contains("distance transform"), "{distance_transform}");
+        assert_eq!(notes(LengthUnit::Millimetre, |x| x, |_| 1.0), "", "one radius for all proves nothing");
+        assert_eq!(
+            notes(LengthUnit::Millimetre, |x| x, |i| 0.003 + 1e-5 * i as f64),
+            "",
+            "capillaries, whose squares are nearly 0"
+        );
+    }
+}

@@ -1,0 +1,224 @@
+//! 3D Slicer markups: curves of control points, the radius a measurement at each.
+
+use std::io::{self, Write};
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::error::Fault;
+use crate::io::polylines::polylines;
+use crate::io::tables::column::real;
+use crate::io::vtk::polydata::radius::RadiusArray;
+use crate::network::Network;
+use crate::network::centerlines::{Centerlines, is_radius};
+use crate::network::units::{LengthUnit, Scale, millimetres};
+
+/// The usual names of the radius, the first one first; letters of either case.
+const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
+const CURVES: &str = "expected markups of type Curve, ClosedCurve or Line";
+
+#[derive(Deserialize)]
+struct File {
+    markups: Option<Vec<Markup>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Markup {
+    #[serde(rename = "type", default)]
+    kind: String,
+    name: Option<String>,
+    coordinate_system: Option<Value>,
+    coordinate_units: Option<Value>,
+    #[serde(default)]
+    control_points: Vec<ControlPoint>,
+    #[serde(default)]
+    measurements: Vec<Measurement>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct ControlPoint {
+    position: Option<Vec<Option<f64>>>,
+    position_status: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Measurement {
+    #[serde(default)]
+    name: String,
+    control_point_values: Option<Vec<Option<f64>>>,
+}
+
+/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also what a person should
+/// know.
+///
+/// Positions are kept in LPS, as VTK and ITK files of Slicer have them: those in RAS change the sign of x and y. The radius is the
+/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that `radius` names. Points
+/// whose position is not defined are left out. A curve's name is its label, its number in the file its strand; points are numbered
+/// from 0.
+///
+/// # Errors
+///
+/// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement with
+/// another number of values than points, a curve without radii unless `radius` says that they may lack, no curve.
+pub fn read_markups(bytes: &[u8], scale: &Scale, radius: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+    let file: File = serde_json::from_slice(bytes).map_err(|error| {
+        let text = error.to_string();
+        let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
+        Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
+    })?;
+    let markups = file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))?;
+    let mut lines = Centerlines::default();
+    let (mut undefined, mut flipped, mut others) = (0, 0, Vec::new());
+    for (row, markup) in markups.iter().enumerate() {
+        if !["Curve", "ClosedCurve", "Line"].contains(&markup.kind.as_str()) {
+            others.push(markup.kind.as_str());
+            continue;
+        }
+        let called = markup.name.as_deref().unwrap_or_default().trim();
+        let item = || format!("markup {row} \"{}\"", called.escape_debug());
+        let ras = is_ras(markup, item)?;
+        flipped += usize::from(ras);
+        let scale = unit(markup, scale, item)?;
+        let radii = radii(markup, radius, item)?;
+        let first = lines.points.len() as u32;
+        for (at, point) in markup.control_points.iter().enumerate() {
+            if point.position_status.as_deref().is_some_and(|status| status == "undefined") {
+                undefined += 1;
+                continue;
+            }
+            let position = point.position.as_deref().and_then(|p| match p {
+                [Some(x), Some(y), Some(z)] => Some(if ras { [0.0 - x, 0.0 - y, *z] } else { [*x, *y, *z] }),
+                _ => None,
+            });
+            let position = position.map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
+            let wrong = || Fault::item(item(), format!("control point {at} without a position"), "expected three finite numbers");
+            let radius = radii.and_then(|radii| radii[at]).map_or(f64::NAN, |r| scale.length(r));
+            let radius = if is_radius(radius) { radius } else { f64::NAN };
+            let point = lines.add_point(position.ok_or_else(wrong)?, radius, u64::from(lines.points.len() as u32), row as u32);
+            if point > first {
+                lines.add_link([point - 1, point], called);
+            }
+        }
+        let last = lines.points.len() as u32;
+        if markup.kind == "ClosedCurve" && last > first + 2 {
+            lines.add_link([last - 1, first], called);
+        }
+    }
+    if others.len() == markups.len() {
+        let landmarks = if others.contains(&"Fiducial") { ", which are landmarks and no centerlines" } else { "" };
+        others.sort_unstable();
+        others.dedup();
+        let found =
+            if others.is_empty() { "no markups".into() } else { format!("markups of type {}{landmarks}", others.join(", ")) };
+        return Err(Fault::file(found.escape_debug().to_string(), CURVES));
+    }
+    if lines.points.is_empty() {
+        return Err(Fault::file("curves without points", "expected control points"));
+    }
+    let mut notes = Vec::new();
+    if flipped > 0 {
+        notes.push(format!("markups in RAS, whose x and y changed sign because positions are kept in LPS: {flipped}"));
+    }
+    if undefined > 0 {
+        notes.push(format!("control points without a defined position, left out: {undefined}"));
+    }
+    if !others.is_empty() {
+        notes.push(format!("markups that are no curves, left out: {}", others.len()));
+    }
+    Ok((lines, notes))
+}
+
+/// Whether positions are in RAS; Slicer's older files say 0 for RAS and 1 for LPS.
+fn is_ras(markup: &Markup, item: impl Fn() -> String) -> Result<bool, Fault> {
+    let Some(system) = &markup.coordinate_system else { return Ok(false) };
+    let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
+    match text.as_str() {
+        "LPS" | "1" => Ok(false),
+        "RAS" | "0" => Ok(true),
+        other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
+    }
+}
+
+/// The unit that a markup states, unless a person said another one than mm.
+fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
+    let code = match &markup.coordinate_units {
+        None => return Ok(*scale),
+        Some(Value::Array(code)) => code.first().and_then(Value::as_str).unwrap_or_default(),
+        Some(code) => code.as_str().unwrap_or_default(),
+    };
+    let unit = match code {
+        "mm" | "" => LengthUnit::Millimetre,
+        "um" => LengthUnit::Micrometre,
+        "cm" => LengthUnit::Centimetre,
+        "m" => LengthUnit::Metre,
+        other => {
+            let found = format!("coordinateUnits {}", other.escape_debug());
+            return Err(Fault::item(item(), found, "expected mm, um, cm or m"));
+        }
+    };
+    Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
+}
+
+/// The radius at every control point of a markup; `None` where it has none and need not.
+fn radii<'a>(markup: &'a Markup, radius: RadiusArray<'_>, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
+    let called = |name: &str| {
+        let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
+        found.find_map(|m| m.control_point_values.as_deref().map(|values| (m.name.as_str(), values)))
+    };
+    let found = match radius {
+        RadiusArray::Named(name) => called(name),
+        RadiusArray::Usual | RadiusArray::Optional => RADIUS.iter().find_map(|name| called(name)),
+    };
+    match (found, radius) {
+        (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
+        (Some((name, values)), _) => {
+            let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
+            Err(Fault::item(item(), found, "expected one for each control point"))
+        }
+        (None, RadiusArray::Optional) => Ok(None),
+        (None, RadiusArray::Named(name)) => Err(Fault::item(
+            item(),
+            format!("no measurement {name} at its control points"),
+            "expected it, as --radius-array says",
+        )),
+        (None, RadiusArray::Usual) => {
+            let accepted = "expected a measurement Radius with a value for each control point, or give --default-radius";
+            Err(Fault::item(item(), "no radius", accepted))
+        }
+    }
+}
+
+const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+
+/// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the control
+/// points; LPS, millimetres. A vessel without a path is straight, a missing radius 0.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`), or the writer's own.
+pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
+    writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [")?;
+    for (row, points) in polylines(network)?.into_iter().enumerate() {
+        let before = if row > 0 { ",\n" } else { "" };
+        let name = serde_json::to_string(&network.vessel(row).label)?;
+        writeln!(
+            out,
+            "{before}{{\"type\": \"Curve\", \"name\": {name}, \"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\","
+        )?;
+        writeln!(out, "\"controlPoints\": [")?;
+        for (at, point) in points.iter().enumerate() {
+            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+            let comma = if at + 1 < points.len() { "," } else { "" };
+            writeln!(out, "{{\"id\": \"{}\", \"position\": [{x}, {y}, {z}]}}{comma}", at + 1)?;
+        }
+        let radius = |r: f64| if is_radius(r) { real(millimetres(r)) } else { "0".into() };
+        let radii: Vec<String> = points.iter().map(|p| radius(p.radius)).collect();
+        writeln!(out, "],\n\"measurements\": [{{\"name\": \"Radius\", \"enabled\": true, \"units\": \"mm\",")?;
+        write!(out, "\"controlPointValues\": [{}]}}]}}", radii.join(", "))?;
+    }
+    writeln!(out, "\n]\n}}")?;
+    out.flush()
+}

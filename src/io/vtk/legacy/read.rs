@@ -1,0 +1,197 @@
+//! Reads a legacy PolyData file section by section.
+
+use super::cursor::{Cursor, Kind};
+use crate::error::Fault;
+use crate::io::vtk::polydata::radius::RadiusArray;
+use crate::io::vtk::polydata::{LIMIT, PolyData, Values, centerlines};
+use crate::network::centerlines::Centerlines;
+use crate::network::units::Scale;
+
+pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
+
+/// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also what a person should know.
+///
+/// Points keep their row as id; those on no line are left out. `radius_array` says which array holds the radius. Lines that run
+/// together become one vessel; cell arrays such as `label` name their lines.
+///
+/// # Errors
+///
+/// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
+/// no radius array, or a surface instead of lines.
+pub fn read_vtk(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut cursor = Cursor::new(bytes);
+    head(&mut cursor)?;
+    let mut reader = Reader { cursor, choice: radius_array, ..Reader::default() };
+    while let Some(keyword) = reader.cursor.word() {
+        reader.section(keyword)?;
+    }
+    let (data, notes) = reader.finish()?;
+    let (lines, more) = centerlines(&[data], scale, radius_array)?;
+    Ok((lines, [notes, more].concat()))
+}
+
+/// The four lines before the data.
+fn head(cursor: &mut Cursor) -> Result<(), Fault> {
+    let version = cursor.line().unwrap_or_default();
+    if !version.starts_with("# vtk DataFile") {
+        return Err(Fault::line(1, format!("\"{}\"", version.trim()), "expected # vtk DataFile Version 2.0 to 5.1"));
+    }
+    cursor.line();
+    let encoding = cursor.need("ASCII or BINARY")?;
+    let is_binary = encoding.eq_ignore_ascii_case("BINARY");
+    if !is_binary && !encoding.eq_ignore_ascii_case("ASCII") {
+        return Err(cursor.fault(format!("\"{encoding}\""), "expected ASCII or BINARY"));
+    }
+    let (keyword, kind) = (cursor.need("DATASET POLYDATA")?, cursor.need("DATASET POLYDATA")?);
+    if !keyword.eq_ignore_ascii_case("DATASET") || !kind.eq_ignore_ascii_case("POLYDATA") {
+        return Err(cursor.fault(format!("{keyword} {kind}"), "expected DATASET POLYDATA"));
+    }
+    cursor.binary = is_binary;
+    Ok(())
+}
+
+/// Whose arrays come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Group {
+    Points,
+    Cells,
+}
+
+/// What has been read of a file.
+#[derive(Debug)]
+pub(crate) struct Reader<'a> {
+    pub(crate) cursor: Cursor<'a>,
+    pub(crate) choice: RadiusArray<'a>,
+    pub(crate) data: PolyData,
+    /// How many vertex cells, lines, polygons and strips there are.
+    cells: [usize; 4],
+    /// Whose arrays come, and how many values each has.
+    pub(crate) group: Option<(Group, usize)>,
+}
+
+impl Default for Reader<'_> {
+    fn default() -> Self {
+        let choice = RadiusArray::Usual;
+        Self { cursor: Cursor::new(b""), choice, data: PolyData::default(), cells: [0; 4], group: None }
+    }
+}
+
+impl Reader<'_> {
+    pub(crate) fn section(&mut self, keyword: &str) -> Result<(), Fault> {
+        let keyword = keyword.to_ascii_uppercase();
+        if keyword == "METADATA" {
+            // It ends with a blank line.
+            self.cursor.line();
+            while self.cursor.line().is_some_and(|line| !line.trim().is_empty()) {}
+            return Ok(());
+        }
+        self.cursor.section.clone_from(&keyword);
+        match keyword.as_str() {
+            "POINTS" => {
+                let count = self.cursor.count("the number of points", LIMIT)?;
+                let kind = self.kind()?;
+                let flat = self.cursor.numbers(kind, 3 * count)?;
+                self.data.points = flat.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+                Ok(())
+            }
+            "VERTICES" => self.connectivity(0),
+            "LINES" => self.connectivity(1),
+            "POLYGONS" => self.connectivity(2),
+            "TRIANGLE_STRIPS" => self.connectivity(3),
+            "POINT_DATA" | "CELL_DATA" => self.data_of(if keyword == "POINT_DATA" { Group::Points } else { Group::Cells }),
+            _ => self.attribute(&keyword),
+        }
+    }
+
+    fn data_of(&mut self, group: Group) -> Result<(), Fault> {
+        let count = self.cursor.count("a number of values", LIMIT)?;
+        let (expected, what) = match group {
+            Group::Points => (self.data.points.len(), "points"),
+            Group::Cells => (self.cells.iter().sum(), "cells"),
+        };
+        if count != expected {
+            return Err(self.cursor.fault(format!("{count} values"), format!("expected {expected}, one for each of the {what}")));
+        }
+        self.group = Some((group, count));
+        Ok(())
+    }
+
+    /// Cells: since version 5.1 offsets and points apart, before it each with its count before its points.
+    fn connectivity(&mut self, which: usize) -> Result<(), Fault> {
+        let first = self.cursor.count("a number of cells", LIMIT)?;
+        let second = self.cursor.count("a number of entries", LIMIT)?;
+        if !self.cursor.is_next("OFFSETS") {
+            let entries = self.cursor.wholes(Kind::INT, second)?;
+            return self.counted(which, first, &entries);
+        }
+        let mut ends = self.part("OFFSETS", first)?;
+        let cells = self.part("CONNECTIVITY", second)?;
+        // The first offset is 0: a cell ends where the next one starts.
+        ends.drain(..ends.len().min(1));
+        self.keep(which, ends, cells);
+        Ok(())
+    }
+
+    fn part(&mut self, word: &str, count: usize) -> Result<Vec<i64>, Fault> {
+        let found = self.cursor.need(word)?;
+        if !found.eq_ignore_ascii_case(word) {
+            return Err(self.cursor.fault(format!("\"{}\"", found.escape_debug()), format!("expected {word}")));
+        }
+        let kind = self.kind()?;
+        self.cursor.wholes(kind, count)
+    }
+
+    fn keep(&mut self, which: usize, ends: Vec<i64>, cells: Vec<i64>) {
+        self.cells[which] = ends.len();
+        if which == 1 {
+            (self.data.ends, self.data.cells) = (ends, cells);
+        }
+    }
+
+    fn counted(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
+        let (mut ends, mut cells, mut at) = (Vec::new(), Vec::new(), 0);
+        for n in 0..count {
+            let cell = entries.get(at).and_then(|size| entries.get(at + 1..(at + 1).checked_add(usize::try_from(*size).ok()?)?));
+            let cell = cell.ok_or_else(|| {
+                let found = entries.get(at).map_or("is missing".to_owned(), |size| format!("has {size} points"));
+                self.cursor.fault(format!("cell {n} {found}"), format!("expected {count} cells in {} entries", entries.len()))
+            })?;
+            cells.extend(cell);
+            at += 1 + cell.len();
+            ends.push(cells.len() as i64);
+        }
+        self.keep(which, ends, cells);
+        Ok(())
+    }
+
+    fn kind(&mut self) -> Result<Kind, Fault> {
+        let name = self.cursor.need("a type")?;
+        Kind::named(name).ok_or_else(|| self.cursor.fault(format!("type \"{name}\""), TYPES))
+    }
+
+    fn finish(mut self) -> Result<(PolyData, Vec<String>), Fault> {
+        let [verts, lines, polygons, strips] = self.cells;
+        let faces = polygons + strips;
+        if lines == 0 && faces > 0 {
+            return Err(Fault::file(format!("a surface of {faces} polygons, not centerlines"), "expected LINES"));
+        }
+        if lines == 0 {
+            return Err(Fault::file("no lines", "expected LINES"));
+        }
+        let mut notes = Vec::new();
+        for (n, what) in [(verts, "vertex cells"), (faces, "polygons")] {
+            if n > 0 {
+                notes.push(format!("{n} {what} are ignored"));
+            }
+        }
+        // Cell data counts vertex cells before lines, wherever they stand in the file.
+        for array in &mut self.data.line_data {
+            match &mut array.values {
+                Values::Numbers(values) => *values = values.iter().skip(verts).take(lines).copied().collect(),
+                Values::Texts(values) => *values = values.iter().skip(verts).take(lines).cloned().collect(),
+                Values::Unread => {}
+            }
+        }
+        Ok((self.data, notes))
+    }
+}

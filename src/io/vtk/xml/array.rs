@@ -1,0 +1,169 @@
+//! One VTK data array as numbers, whatever its type and encoding.
+
+use std::borrow::Cow;
+
+use super::block::{Encoding, Source};
+use crate::error::Fault;
+use crate::io::limit::Room;
+use crate::io::vtk::polydata::LIMIT;
+use crate::io::xml::tree::Element;
+
+/// What the arrays of a file share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Arrays<'a> {
+    pub(crate) encoding: Encoding,
+    /// The appended data, after its underscore.
+    pub(crate) appended: Option<Source<'a>>,
+    /// What they may unpack to, all together.
+    pub(crate) room: &'a Room,
+}
+
+/// The numbers of an array.
+enum Numbers {
+    Real(Vec<f64>),
+    Whole(Vec<i64>),
+}
+
+const TYPES: &str = "expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64";
+
+impl Arrays<'_> {
+    /// The first `count` numbers of an array.
+    pub(crate) fn reals(&self, array: &Element, count: usize) -> Result<Vec<f64>, Fault> {
+        Ok(match self.numbers(array, count)? {
+            Numbers::Real(values) => values,
+            Numbers::Whole(values) => values.into_iter().map(|x| x as f64).collect(),
+        })
+    }
+
+    /// The first `count` indices of an array.
+    pub(crate) fn indices(&self, array: &Element, count: usize) -> Result<Vec<i64>, Fault> {
+        match self.numbers(array, count)? {
+            Numbers::Whole(values) => Ok(values),
+            Numbers::Real(_) => {
+                Err(fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers"))
+            }
+        }
+    }
+
+    /// The first `count` texts of an array; each ends with a zero byte.
+    pub(crate) fn texts(&self, array: &Element, count: usize) -> Result<Vec<String>, Fault> {
+        let accepted = || format!("expected {count} texts");
+        let bytes = if is_ascii(array) {
+            let wrong = |word: &str| fault(array, format!("value \"{word}\""), "expected the codes of characters");
+            let codes = &array.text;
+            // Programs with signed characters write those above 127 below zero.
+            let code = |w: &str| w.parse().ok().filter(|c: &i16| (-128..256).contains(c)).map(|c| c as u8);
+            codes.split_ascii_whitespace().map(|w| code(w).ok_or_else(|| wrong(w))).collect::<Result<_, _>>()?
+        } else {
+            self.bytes(array, LIMIT, accepted())?
+        };
+        let mut texts: Vec<String> = bytes.split(|b| *b == 0).map(|text| String::from_utf8_lossy(text).into_owned()).collect();
+        // What follows the last zero byte is nothing.
+        texts.pop();
+        if texts.len() < count {
+            return Err(fault(array, format!("{} texts", texts.len()), accepted()));
+        }
+        texts.truncate(count);
+        Ok(texts)
+    }
+
+    fn numbers(&self, array: &Element, count: usize) -> Result<Numbers, Fault> {
+        let kind = array.attribute("type");
+        let size = match kind {
+            "Int8" | "UInt8" => 1,
+            "Int16" | "UInt16" => 2,
+            "Int32" | "UInt32" | "Float32" => 4,
+            "Int64" | "UInt64" | "Float64" => 8,
+            _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
+        };
+        let found = if is_ascii(array) { ascii(array, kind, count)? } else { self.binary(array, kind, size, count)? };
+        let length = match &found {
+            Numbers::Real(values) => values.len(),
+            Numbers::Whole(values) => values.len(),
+        };
+        if length == count { Ok(found) } else { Err(fault(array, format!("{length} values"), format!("expected {count}"))) }
+    }
+
+    /// The first `limit` bytes of an array that is not written in digits.
+    fn bytes(&self, array: &Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
+        let own;
+        let source = match array.attribute("format") {
+            "binary" => {
+                own = without_blanks(array.text.trim_ascii().as_bytes());
+                Some(Source::Base64(&own))
+            }
+            "appended" => {
+                let start = array.attribute("offset").trim().parse().unwrap_or(usize::MAX);
+                match self.appended {
+                    Some(Source::Raw(bytes)) => bytes.get(start..).map(Source::Raw),
+                    Some(Source::Base64(bytes)) => bytes.get(start..).map(Source::Base64),
+                    None => None,
+                }
+            }
+            other => return Err(fault(array, format!("format \"{other}\""), "expected ascii, binary or appended")),
+        };
+        let source = source.ok_or_else(|| {
+            let offset = array.attribute("offset").trim();
+            fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>")
+        })?;
+        let most = limit.min(self.room.left().saturating_add(1));
+        let bytes = self.encoding.bytes(source, most).map_err(|found| fault(array, found, accepted))?.into_owned();
+        self.room.take(bytes.len()).map_err(|(found, accepted)| fault(array, found, accepted))?;
+        Ok(bytes)
+    }
+
+    fn binary(&self, array: &Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
+        let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
+        let mut numbers = bytes.chunks_exact(size).map(|chunk| {
+            let mut word = [0_u8; 8];
+            for (place, byte) in chunk.iter().enumerate() {
+                word[if self.encoding.little { place } else { size - 1 - place }] = *byte;
+            }
+            u64::from_le_bytes(word)
+        });
+        // Shifting up and down again carries the sign of a shorter number.
+        let unused = 64 - 8 * size as u32;
+        Ok(match kind {
+            "Float32" => Numbers::Real(numbers.map(|w| f64::from(f32::from_bits(w as u32))).collect()),
+            "Float64" => Numbers::Real(numbers.map(f64::from_bits).collect()),
+            _ if kind.starts_with('I') => Numbers::Whole(numbers.map(|w| ((w << unused) as i64) >> unused).collect()),
+            _ => match numbers.try_fold(Vec::new(), |mut all, w| {
+                all.push(i64::try_from(w).ok()?);
+                Some(all)
+            }) {
+                Some(values) => Numbers::Whole(values),
+                None => return Err(fault(array, "a whole number above 2^63 - 1", "expected a smaller one")),
+            },
+        })
+    }
+}
+
+fn is_ascii(array: &Element) -> bool {
+    matches!(array.attribute("format"), "ascii" | "")
+}
+
+/// Base64 without blanks and line ends.
+fn without_blanks(text: &[u8]) -> Cow<'_, [u8]> {
+    if text.iter().any(u8::is_ascii_whitespace) {
+        text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect()
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+fn ascii(array: &Element, kind: &str, count: usize) -> Result<Numbers, Fault> {
+    let wrong = |word: &str| fault(array, format!("value \"{word}\""), format!("expected {count} numbers of type {kind}"));
+    let words = array.text.split_ascii_whitespace().take(count);
+    if kind == "Float32" {
+        let single = |w: &str| w.parse().map(|x: f32| f64::from(x)).map_err(|_| wrong(w));
+        return words.map(single).collect::<Result<_, _>>().map(Numbers::Real);
+    }
+    if kind.starts_with('F') {
+        return words.map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>().map(Numbers::Real);
+    }
+    words.map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>().map(Numbers::Whole)
+}
+
+fn fault(array: &Element, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
+    Fault::item(format!("array \"{}\" of {}", array.attribute("Name").trim(), array.within), found.to_string(), accepted)
+}

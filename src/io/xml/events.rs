@@ -1,0 +1,232 @@
+//! An XML file as a stream of elements and texts: no document in memory, no entities of its own, bounded depth.
+
+use std::borrow::Cow;
+use std::io::BufRead;
+
+use quick_xml::escape::resolve_xml_entity;
+use quick_xml::events::Event;
+use quick_xml::events::attributes::{Attribute, Attributes};
+use quick_xml::{Error, Reader, XmlVersion};
+
+use super::tree::Lines;
+use crate::error::Fault;
+
+/// Elements within elements at the most.
+const MOST_DEPTH: usize = 256;
+/// Attributes of one element at the most: each is compared with all before it.
+const MOST_ATTRIBUTES: usize = 256;
+const ACCEPTED: &str = "expected a complete XML file";
+const NO_ENTITIES: &str = "expected no entities but those of XML itself";
+
+/// What comes next in a file. An empty element has a start and an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::io) enum Step {
+    /// An element begins: see [`Events::tag`].
+    Start,
+    /// The innermost element ends.
+    End,
+    /// A part of the text within the innermost element, see [`Events::part`]; comments and references cut a text into parts.
+    Text,
+}
+
+/// The start of an element.
+#[derive(Debug, Clone, Default)]
+pub(in crate::io) struct Tag {
+    /// Its line, counted from 1.
+    pub(in crate::io) line: usize,
+    /// What stands between the angles.
+    content: String,
+    /// The length of the name with its prefix.
+    whole_name: usize,
+}
+
+/// Walks through a file.
+pub(in crate::io) struct Events<R> {
+    reader: Reader<Lines<R>>,
+    buffer: Vec<u8>,
+    tag: Tag,
+    part: String,
+    depth: usize,
+    /// Whether the root element has been seen.
+    rooted: bool,
+}
+
+impl<R: BufRead> Events<R> {
+    /// At the start of a file in UTF-8.
+    pub(in crate::io) fn new(input: R) -> Self {
+        let mut reader = Reader::from_reader(Lines::new(input));
+        reader.config_mut().expand_empty_elements = true;
+        Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
+    }
+
+    /// How many elements are open.
+    pub(in crate::io) fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// The last element that began.
+    pub(in crate::io) fn tag(&self) -> &Tag {
+        &self.tag
+    }
+
+    /// The part of a text that was read last.
+    pub(in crate::io) fn part(&self) -> &str {
+        &self.part
+    }
+
+    /// Goes on to what comes next; `None` at the end of a well-formed file.
+    ///
+    /// # Errors
+    ///
+    /// What is not well-formed; a document type with declarations of its own, a reference to another entity than the five
+    /// of XML, elements deeper or with more attributes than any file has.
+    pub(in crate::io) fn next(&mut self) -> Result<Option<Step>, Fault> {
+        loop {
+            self.buffer.clear();
+            let line = self.reader.get_ref().passed + 1;
+            let broken = |what: &dyn std::fmt::Display| Fault::line(line, format!("not well-formed XML: {what}"), ACCEPTED);
+            let inside = self.depth > 0;
+            let outside = || broken(&"text outside of the root element");
+            match self.reader.read_event_into(&mut self.buffer) {
+                Err(Error::Io(error)) => return Err(Fault::file(format!("cannot be read: {error}"), ACCEPTED)),
+                Err(Error::Encoding(_)) => return Err(Fault::line(line, "text that is not UTF-8", "expected UTF-8 text")),
+                Err(error) => return Err(broken(&error)),
+                Ok(Event::Start(tag)) => {
+                    self.tag.line = line;
+                    self.tag.whole_name = tag.name().into_inner().len();
+                    self.tag.content.clear();
+                    self.tag.content.push_str(&tag);
+                    return self.start().map(|()| Some(Step::Start));
+                }
+                Ok(Event::End(_)) => {
+                    self.depth -= 1;
+                    return Ok(Some(Step::End));
+                }
+                Ok(Event::Text(text)) if inside => put(&mut self.part, &text.xml10_content()),
+                Ok(Event::CData(text)) if inside => put(&mut self.part, &text.xml10_content()),
+                Ok(Event::GeneralRef(name)) if inside => {
+                    self.part.clear();
+                    match name.resolve_char_ref().map_err(|error| broken(&error))? {
+                        Some(c) => self.part.push(c),
+                        None => self.part.push_str(
+                            resolve_xml_entity(&name)
+                                .ok_or_else(|| Fault::line(line, format!("the entity &{};", &*name), NO_ENTITIES))?,
+                        ),
+                    }
+                }
+                Ok(Event::Text(text)) if text.trim_ascii().is_empty() => continue,
+                Ok(Event::Text(_) | Event::CData(_) | Event::GeneralRef(_)) => return Err(outside()),
+                Ok(Event::DocType(text)) if text.contains('[') => {
+                    return Err(Fault::line(line, "a document type with declarations of its own", NO_ENTITIES));
+                }
+                Ok(Event::Eof) if inside || !self.rooted => {
+                    let what = if inside { "the file ends within an element" } else { "no element" };
+                    return Err(Fault::line(
+                        line - self.reader.get_ref().trailing,
+                        format!("not well-formed XML: {what}"),
+                        ACCEPTED,
+                    ));
+                }
+                Ok(Event::Eof) => return Ok(None),
+                Ok(Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::Empty(_) | Event::DocType(_)) => continue,
+            }
+            return match self.part.bytes().find(|b| is_forbidden(*b)) {
+                None => Ok(Some(Step::Text)),
+                Some(byte) => Err(broken(&format!("character {byte} in a text"))),
+            };
+        }
+    }
+
+    /// Checks the element that begins.
+    fn start(&mut self) -> Result<(), Fault> {
+        let fault = |what: String, accepted: &str| Fault::line(self.tag.line, what, accepted);
+        if self.depth == 0 && self.rooted {
+            return Err(fault("not well-formed XML: a second root element".to_owned(), ACCEPTED));
+        }
+        (self.depth, self.rooted) = (self.depth + 1, true);
+        if self.depth > MOST_DEPTH {
+            return Err(fault(format!("more than {MOST_DEPTH} elements within one another"), "expected fewer"));
+        }
+        for (count, attribute) in Attributes::new(&self.tag.content, self.tag.whole_name).enumerate() {
+            if count == MOST_ATTRIBUTES {
+                return Err(fault(format!("an element with more than {MOST_ATTRIBUTES} attributes"), "expected fewer"));
+            }
+            attribute.map_err(|error| fault(format!("not well-formed XML: {error}"), ACCEPTED))?;
+        }
+        Ok(())
+    }
+
+    /// Passes what is left of the innermost element; `seen` is shown the elements within it.
+    pub(in crate::io) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
+        self.text(seen, &mut String::new())
+    }
+
+    /// Puts the text that stands directly within the innermost element in place of `out`, up to its end; `seen` is shown the
+    /// elements within it.
+    pub(in crate::io) fn text(&mut self, mut seen: impl FnMut(&Tag) -> Result<(), Fault>, out: &mut String) -> Result<(), Fault> {
+        out.clear();
+        let depth = self.depth;
+        while self.depth >= depth {
+            match self.next()? {
+                Some(Step::Text) if self.depth == depth => out.push_str(&self.part),
+                Some(Step::Start) => seen(&self.tag)?,
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Tag {
+    /// Its name without prefix.
+    pub(in crate::io) fn name(&self) -> &str {
+        self.content[..self.whole_name].rsplit(':').next().unwrap_or_default()
+    }
+
+    /// The value of an attribute, its references resolved.
+    ///
+    /// # Errors
+    ///
+    /// A reference to another entity than the five of XML, or to a character that XML forbids.
+    pub(in crate::io) fn attribute(&self, name: &str) -> Result<Option<Cow<'_, str>>, Fault> {
+        self.raw().find(|a| a.key.as_ref() == name).map(|a| self.value(&a)).transpose()
+    }
+
+    /// All attributes by name.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Tag::attribute`].
+    pub(in crate::io) fn attributes(&self) -> Result<Vec<(String, String)>, Fault> {
+        self.raw().map(|a| Ok((a.key.into_inner().to_owned(), self.value(&a)?.into_owned()))).collect()
+    }
+
+    /// The attributes, which were checked when the element began.
+    fn raw(&self) -> impl Iterator<Item = Attribute<'_>> {
+        let mut all = Attributes::new(&self.content, self.whole_name);
+        all.with_checks(false);
+        all.flatten()
+    }
+
+    fn value<'a>(&self, attribute: &Attribute<'a>) -> Result<Cow<'a, str>, Fault> {
+        let name = attribute.key.into_inner();
+        let value = attribute
+            .normalized_value(XmlVersion::Implicit1_0)
+            .map_err(|error| Fault::line(self.line, format!("attribute {name}: {error}"), NO_ENTITIES))?;
+        match value.bytes().find(|b| is_forbidden(*b)) {
+            None => Ok(value),
+            Some(byte) => Err(Fault::line(self.line, format!("attribute {name}: character {byte}"), ACCEPTED)),
+        }
+    }
+}
+
+fn put(part: &mut String, text: &str) {
+    part.clear();
+    part.push_str(text);
+}
+
+/// Whether XML forbids a character.
+fn is_forbidden(byte: u8) -> bool {
+    byte < b' ' && !b"\t\n\r".contains(&byte)
+}

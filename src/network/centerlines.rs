@@ -1,0 +1,85 @@
+//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
+
+use std::collections::BTreeMap;
+
+use crate::support::geometry::Point;
+
+/// Points with radii and the links between consecutive ones. Lengths in m.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Centerlines {
+    /// Positions, m.
+    pub points: Vec<Point>,
+    /// Radii, m; whatever the file said, so NaN, zero and negative values are missing radii.
+    pub radii: Vec<f64>,
+    /// The point's number in the file (SWC index, VTP row).
+    pub ids: Vec<u64>,
+    /// The polyline (VTP cell, SWC tree) that a point belongs to first.
+    pub strand: Vec<u32>,
+    /// Pairs of linked points.
+    pub links: Vec<[u32; 2]>,
+    /// The anatomical names of the links.
+    pub labels: Labels,
+    /// Points that were made one with another: their numbers in the file, and the row of the other.
+    pub merged: Vec<(u64, u32)>,
+}
+
+impl Centerlines {
+    /// Adds a point (m) of a strand and returns its row.
+    pub fn add_point(&mut self, position: Point, radius: f64, id: u64, strand: u32) -> u32 {
+        self.points.push(position);
+        self.radii.push(radius);
+        self.ids.push(id);
+        self.strand.push(strand);
+        self.points.len() as u32 - 1
+    }
+
+    /// Links two points, under an anatomical name unless it is empty.
+    pub fn add_link(&mut self, ends: [u32; 2], label: &str) {
+        self.links.push(ends);
+        if !label.is_empty() {
+            self.labels.set(self.links.len() - 1, label);
+        }
+    }
+}
+
+/// Whether a file's radius can be used: finite and positive.
+pub fn is_radius(r: f64) -> bool {
+    r.is_finite() && r > 0.0
+}
+
+/// The anatomical names of links; most have none.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Labels {
+    names: Vec<String>,
+    row_of: BTreeMap<String, u32>,
+    /// Per link the row of its name plus one; 0, or beyond the end, for none.
+    of_link: Vec<u32>,
+}
+
+impl Labels {
+    /// Names a link; an empty name is none.
+    pub fn set(&mut self, link: usize, name: &str) {
+        if name.is_empty() {
+            if let Some(slot) = self.of_link.get_mut(link) {
+                *slot = 0;
+            }
+            return;
+        }
+        let row = *self.row_of.entry(name.to_owned()).or_insert_with(|| {
+            self.names.push(name.to_owned());
+            self.names.len() as u32 - 1
+        });
+        if self.of_link.len() <= link {
+            self.of_link.resize(link + 1, 0);
+        }
+        self.of_link[link] = row + 1;
+    }
+
+    /// The name of a link; empty where it has none.
+    pub fn of(&self, link: usize) -> &str {
+        match self.of_link.get(link) {
+            None | Some(0) => "",
+            Some(row) => &self.names[*row as usize - 1],
+        }
+    }
+}

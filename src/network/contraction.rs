@@ -1,0 +1,224 @@
+//! From centerlines to vessels: maximal runs of points between points whose degree is not two.
+
+use super::Network;
+use super::centerlines::{Centerlines, is_radius};
+use super::node::Node;
+use super::vessel::{Origin, PathPoint, Vessel};
+use crate::error::Fault;
+use crate::support::geometry::distance;
+
+/// Which radius stands for a whole vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub enum RadiusRule {
+    /// The mean over arc length, r = (1/l) ∫ r dz (Moriconi et al. 2019, eq. 1), by the trapezoid rule.
+    #[default]
+    Mean,
+    /// (l / ∫ dz/r⁴)^¼: keeps the series resistance of a tapering vessel, exactly for radii linear between points.
+    Effective,
+}
+
+/// A network made of centerlines, and what had to be mended on the way.
+#[derive(Debug, Clone, Default)]
+pub struct Contraction {
+    /// The network; every vessel is observed.
+    pub network: Network,
+    /// Points whose radius was missing, zero or not finite and was interpolated.
+    pub repaired_radii: usize,
+    /// Vessels that had no radius at all and took the default.
+    pub default_radii: usize,
+    /// Vessels whose links have different names.
+    pub mixed_labels: usize,
+}
+
+impl RadiusRule {
+    /// The word on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Effective => "effective",
+        }
+    }
+
+    /// The radius (m) that stands for a vessel with these points.
+    pub fn radius(self, path: &[PathPoint]) -> f64 {
+        let (mut length, mut sum) = (0.0, 0.0);
+        for pair in path.windows(2) {
+            let (p, q, dz) = (pair[0].radius, pair[1].radius, distance(pair[0].position, pair[1].position));
+            length += dz;
+            sum += dz
+                * match self {
+                    Self::Mean => 0.5 * (p + q),
+                    Self::Effective => (p * p + p * q + q * q) / (3.0 * (p * q).powi(3)),
+                };
+        }
+        match self {
+            _ if length <= 0.0 => path.first().map_or(0.0, |p| p.radius),
+            Self::Mean => sum / length,
+            Self::Effective => (length / sum).powf(0.25),
+        }
+    }
+}
+
+impl Vessel {
+    /// An observed vessel along a centerline.
+    pub fn along(path: Vec<PathPoint>, rule: RadiusRule) -> Self {
+        let length = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+        let radius = rule.radius(&path);
+        Self { path, ..Self::new(length, radius, Origin::Observed) }
+    }
+}
+
+/// Contracts centerlines to a network of observed vessels.
+///
+/// Nodes are the points of degree other than two, in point order, and the first point of every pure ring. Missing
+/// radii are interpolated linearly over arc length along their vessel. A vessel has the name that the longest part of it has.
+///
+/// # Errors
+///
+/// A vessel without any valid radius when `default_radius` (m) is `None`, or without length.
+pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f64>) -> Result<Contraction, Fault> {
+    let mut neighbours = vec![Vec::new(); lines.points.len()];
+    for (link, [a, b]) in lines.links.iter().enumerate() {
+        neighbours[*a as usize].push((*b as usize, link));
+        neighbours[*b as usize].push((*a as usize, link));
+    }
+    let mut is_node: Vec<bool> = neighbours.iter().map(|n| n.len() != 2).collect();
+    let mut walks = Vec::new();
+    let mut used = vec![false; lines.links.len()];
+    for pass in 0..2 {
+        for start in 0..lines.points.len() {
+            // Second pass: what is left are pure rings; their first point becomes a node.
+            if pass == 1 && neighbours[start].len() == 2 && !is_node[start] && !used[neighbours[start][0].1] {
+                is_node[start] = true;
+            } else if pass == 1 || !is_node[start] {
+                continue;
+            }
+            for (next, link) in &neighbours[start] {
+                if !used[*link] {
+                    walks.push(walk(start, *next, *link, &neighbours, &is_node, &mut used));
+                }
+            }
+        }
+    }
+    let mut out = Contraction::default();
+    let mut row_of = vec![usize::MAX; lines.points.len()];
+    for point in (0..lines.points.len()).filter(|p| is_node[*p]) {
+        row_of[point] = out.network.add_node(Node {
+            id: lines.ids[point].to_string(),
+            position: Some(lines.points[point]),
+            radius: Some(lines.radii[point]).filter(|r| is_radius(*r)),
+            ..Node::default()
+        });
+    }
+    for (id, point) in &lines.merged {
+        if let Some(row) = row_of.get(*point as usize).filter(|row| **row != usize::MAX) {
+            out.network.node_mut(*row).also.push(id.to_string());
+        }
+    }
+    let mut interpolated = vec![false; lines.points.len()];
+    for walk in walks {
+        let ends = [0, walk.points.len() - 1].map(|at| row_of[walk.points[at]]);
+        let has_radii = add(&mut out, lines, &walk, ends, rule, default_radius)?;
+        for point in walk.points.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
+            interpolated[*point] = true;
+        }
+    }
+    out.repaired_radii = interpolated.iter().filter(|point| **point).count();
+    Ok(out)
+}
+
+/// A run from node to node.
+struct Walk {
+    points: Vec<usize>,
+    links: Vec<usize>,
+}
+
+/// The run from a node along a link to the next node.
+fn walk(start: usize, next: usize, link: usize, neighbours: &[Vec<(usize, usize)>], is_node: &[bool], used: &mut [bool]) -> Walk {
+    let (mut walk, mut at) = (Walk { points: vec![start, next], links: vec![link] }, next);
+    used[link] = true;
+    while !is_node[at] {
+        let Some((next, link)) = neighbours[at].iter().find(|(_, link)| !used[*link]) else { break };
+        used[*link] = true;
+        at = *next;
+        walk.points.push(at);
+        walk.links.push(*link);
+    }
+    walk
+}
+
+/// The name that the longest part of a run has, and whether there are others.
+fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
+    let mut lengths: Vec<(&str, f64)> = Vec::new();
+    for (ends, link) in walk.points.windows(2).zip(&walk.links) {
+        let (name, length) = (lines.labels.of(*link), distance(lines.points[ends[0]], lines.points[ends[1]]));
+        match lengths.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += length,
+            None => lengths.push((name, length)),
+        }
+    }
+    let longest = lengths.iter().fold(("", -1.0), |best, this| if this.1 > best.1 { *this } else { best });
+    (longest.0.to_owned(), lengths.len() > 1)
+}
+
+/// Adds the vessel of a run; whether any of its points has a radius.
+fn add(
+    out: &mut Contraction,
+    lines: &Centerlines,
+    walk: &Walk,
+    ends: [usize; 2],
+    rule: RadiusRule,
+    default_radius: Option<f64>,
+) -> Result<bool, Fault> {
+    let points = &walk.points;
+    let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
+    let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
+    let has_radii = interpolate(&mut radii, points, lines);
+    if !has_radii {
+        let radius = default_radius.ok_or_else(|| {
+            Fault::item(
+                name(),
+                format!("no valid radius on any of its {} points", points.len()),
+                "expected a positive radius, or give --default-radius",
+            )
+        })?;
+        radii.fill(radius);
+        out.default_radii += 1;
+    }
+    let path = points.iter().zip(&radii);
+    let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
+    let (label, mixed) = label(lines, walk);
+    out.mixed_labels += usize::from(mixed);
+    let vessel = Vessel { label, ..Vessel::along(path, rule) };
+    if vessel.length <= 0.0 {
+        return Err(Fault::item(name(), "length 0", "expected points at different positions"));
+    }
+    for (end, radius) in [(ends[0], radii[0]), (ends[1], radii[radii.len() - 1])] {
+        out.network.node_mut(end).radius.get_or_insert(radius);
+    }
+    out.network.add_vessel(ends, vessel);
+    Ok(has_radii)
+}
+
+/// Fills missing radii linearly over arc length between valid neighbours, level beyond the outermost; false when
+/// there is no valid one.
+fn interpolate(radii: &mut [f64], points: &[usize], lines: &Centerlines) -> bool {
+    let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
+    let (Some(first), Some(last)) = (valid.first().copied(), valid.last().copied()) else { return false };
+    let mut arc = vec![0.0; radii.len()];
+    for i in 1..points.len() {
+        arc[i] = arc[i - 1] + distance(lines.points[points[i - 1]], lines.points[points[i]]);
+    }
+    let (head, tail) = (radii[first], radii[last]);
+    radii[..first].fill(head);
+    radii[last..].fill(tail);
+    for pair in valid.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let (ra, rb, span) = (radii[a], radii[b], arc[b] - arc[a]);
+        for i in a + 1..b {
+            let share = if span > 0.0 { (arc[i] - arc[a]) / span } else { 0.5 };
+            radii[i] = ra + share * (rb - ra);
+        }
+    }
+    true
+}

@@ -1,0 +1,123 @@
+//! Figures with a unit, as a person types them: `12mm`, `100 mmHg`, `3.5cP`; a bare number takes the customary unit.
+
+use super::units::{cubic_metres_per_second, metres, pascal_seconds, pascal_seconds_per_cubic_metre, pascals};
+use crate::support::suggestions::did_you_mean;
+
+type Unit = (&'static str, fn(f64) -> f64);
+
+const LENGTHS: &[Unit] = &[("mm", metres), ("um", |x| x / 1e6), ("µm", |x| x / 1e6), ("cm", |x| x / 1e2), ("m", |x| x)];
+const PRESSURES: &[Unit] =
+    &[("mmHg", pascals), ("Pa", |x| x), ("kPa", |x| x * 1e3), ("dyn/cm2", |x| x / 10.0), ("cmH2O", |x| x * 98.0665)];
+const FLOWS: &[Unit] = &[("mL/min", cubic_metres_per_second), ("mL/s", |x| x / 1e6), ("L/min", |x| x / 6e4), ("m3/s", |x| x)];
+const RESISTANCES: &[Unit] = &[
+    ("mmHg.s/mL", pascal_seconds_per_cubic_metre),
+    ("mmHg·s/mL", pascal_seconds_per_cubic_metre),
+    ("mmHg*s/mL", pascal_seconds_per_cubic_metre),
+    ("Pa.s/m3", |x| x),
+    ("Pa·s/m3", |x| x),
+];
+const VISCOSITIES: &[Unit] = &[("cP", pascal_seconds), ("mPa.s", pascal_seconds), ("Pa.s", |x| x)];
+
+/// What a figure measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// m; bare numbers are mm.
+    Length,
+    /// Pa; bare numbers are mmHg.
+    Pressure,
+    /// m³/s; bare numbers are mL/min.
+    Flow,
+    /// Pa s/m³; bare numbers are mmHg·s/mL.
+    Resistance,
+    /// Pa s; bare numbers are cP.
+    Viscosity,
+}
+
+impl Dimension {
+    fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Length => LENGTHS,
+            Self::Pressure => PRESSURES,
+            Self::Flow => FLOWS,
+            Self::Resistance => RESISTANCES,
+            Self::Viscosity => VISCOSITIES,
+        }
+    }
+
+    /// The accepted form, for messages.
+    pub fn accepted(self) -> String {
+        let names: Vec<&str> = self.units().iter().map(|(name, _)| *name).collect();
+        format!("expected a number with a unit, one of {} (none means {})", names.join(", "), names[0])
+    }
+
+    /// The SI value of a figure such as `12`, `1.2e1mm` or `12 mm`; the error says what is accepted.
+    ///
+    /// # Errors
+    ///
+    /// No finite number, or a unit of another dimension.
+    pub fn parse(self, text: &str) -> Result<f64, String> {
+        let (number, unit) = parts(text).ok_or_else(|| self.accepted())?;
+        self.convert(number, unit)
+    }
+
+    /// The SI value of a number in a unit; without a unit it is the customary one.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, or a unit of another dimension: says what is accepted.
+    pub fn convert(self, number: f64, unit: &str) -> Result<f64, String> {
+        let names = || self.units().iter().map(|(name, _)| *name);
+        let name = if unit.is_empty() { self.units()[0].0 } else { unit };
+        let unknown = || did_you_mean(unit, names()) + &self.accepted();
+        let (_, to_si) = self.units().iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
+        Some(to_si(number)).filter(|si| si.is_finite()).ok_or_else(|| self.accepted())
+    }
+
+    /// `did you mean "mmHg"? ` for a number with almost a unit of this dimension; otherwise empty.
+    pub fn near(self, text: &str) -> String {
+        parts(text).map_or(String::new(), |(_, unit)| did_you_mean(unit, self.units().iter().map(|(name, _)| *name)))
+    }
+
+    /// Whether the text is a number followed by a unit of this dimension.
+    pub fn has_unit_in(self, text: &str) -> bool {
+        parts(text).is_some_and(|(_, unit)| self.units().iter().any(|(name, _)| *name == unit))
+    }
+}
+
+/// The longest leading number, and the unit after it.
+fn parts(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    let cuts = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
+    let (number, at) = cuts.filter_map(|at| Some((text[..at].trim_end().parse::<f64>().ok()?, at))).last()?;
+    let starts_well = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    starts_well.then(|| (number, text[at..].trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Dimension::*;
+
+    #[test]
+    fn figures_with_and_without_units() {
+        assert_eq!(Length.parse("12"), Ok(0.012));
+        assert_eq!(Length.parse("1.2e1 mm"), Ok(0.012));
+        assert_eq!(Pressure.parse("13.3kPa"), Ok(13300.0));
+        assert_eq!(Pressure.parse("1e3Pa"), Ok(1000.0));
+        assert_eq!(Viscosity.parse("3.5cP"), Ok(0.0035));
+        assert!(Resistance.has_unit_in("2.5mmHg.s/mL") && !Resistance.has_unit_in("2.5mmHg"));
+    }
+
+    #[test]
+    fn a_unit_mistyped_is_offered_rightly_typed() {
+        assert!(Pressure.parse("90mmhg").is_err_and(|e| e.starts_with("did you mean \"mmHg\"? expected ")));
+        assert_eq!(Resistance.near("20mmHg.s/ml"), "did you mean \"mmHg.s/mL\"? ");
+        assert_eq!(Pressure.near("90 furlongs") + &Length.near("mm"), "");
+    }
+
+    #[test]
+    fn other_text_is_refused() {
+        for text in ["", "mm", "12mmhg", "nan", "inf", "1,5", "12 furlongs"] {
+            assert!(Length.parse(text).is_err(), "{text}");
+        }
+    }
+}

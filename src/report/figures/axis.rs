@@ -1,0 +1,261 @@
+//! Ticks and what they say; those of counts, and of a logarithmic axis.
+
+/// The text at a tick: `text`, then a raised exponent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// What stands on the line.
+    pub text: String,
+    /// What is raised after it.
+    pub exponent: String,
+}
+
+/// A tick in the coordinate of its axis (the value, or its log10).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tick {
+    /// Where.
+    pub at: f64,
+    /// What it says.
+    pub label: Label,
+}
+
+impl Label {
+    /// A label without an exponent.
+    pub fn plain(text: impl Into<String>) -> Self {
+        Self { text: text.into(), exponent: String::new() }
+    }
+
+    /// This label after a sign.
+    pub fn after(self, sign: &str) -> Self {
+        Self { text: format!("{sign} {}", self.text), ..self }
+    }
+
+    /// Ten to an exponent, after what it is multiplied by.
+    pub fn power(prefix: &str, exponent: i32) -> Self {
+        Self { text: format!("{prefix}10"), exponent: exponent.to_string().replace('-', "\u{2212}") }
+    }
+}
+
+/// A range of positive values by their log10.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogRange {
+    /// log10 of the smallest value.
+    pub low: f64,
+    /// log10 of the largest value.
+    pub high: f64,
+    /// Whether smaller positive values were left out.
+    pub clipped: bool,
+}
+
+/// Decades below the largest value that an axis shows; what is smaller is rounding or as good as none.
+const DECADES: f64 = 12.0;
+
+impl LogRange {
+    /// The range of the positive ones among `values`, at least one decade and at most [`DECADES`] from the largest down.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let (low, high) =
+            values.into_iter().filter(|v| *v > 0.0).fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        if high <= 0.0 {
+            return None;
+        }
+        let (low, high) = (low.log10(), high.log10());
+        Some(if high - low > DECADES {
+            Self { low: (high - DECADES).ceil(), high, clipped: true }
+        } else {
+            Self { low: low.min(high - 1.0), high, clipped: false }
+        })
+    }
+
+    /// With a little air at each end, except below values that were left out.
+    pub fn padded(self) -> Self {
+        let air = (self.high - self.low) * 0.04;
+        Self { low: if self.clipped { self.low } else { self.low - air }, high: self.high + air, ..self }
+    }
+
+    /// The share of the range below `value`; negative below the range, which zero always is.
+    pub fn share(&self, value: f64) -> f64 {
+        self.share_of_log(value.log10())
+    }
+
+    /// The share of the range below the value with that log10.
+    pub fn share_of_log(&self, log: f64) -> f64 {
+        (log - self.low) / (self.high - self.low)
+    }
+
+    /// Powers of ten, or 1-2-5 steps where fewer than three powers are in the range.
+    pub fn ticks(&self) -> Vec<Tick> {
+        let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
+        if last - first >= 2 {
+            let step = (last - first) / 10 + 1;
+            let power = |e| Tick { at: f64::from(e), label: Label::power("", e) };
+            return (first..=last).step_by(step as usize).map(power).collect();
+        }
+        let short = self.low >= -3.0 && self.high < 5.0;
+        let mut ticks = Vec::new();
+        for e in first - 1..=last {
+            for m in [1, 2, 5] {
+                let at = f64::from(e) + f64::from(m).log10();
+                if at < self.low - 1e-9 || at > self.high + 1e-9 {
+                    continue;
+                }
+                let label = match m {
+                    _ if short => Label::plain(format!("{:.*}", (-e).max(0) as usize, f64::from(m) * 10_f64.powi(e))),
+                    1 => Label::power("", e),
+                    _ => Label::power(&format!("{m}\u{b7}"), e),
+                };
+                ticks.push(Tick { at, label });
+            }
+        }
+        ticks
+    }
+}
+
+/// Ticks at whole numbers from 0 to `last`, a step of 1, 2 or 5 times a power of ten apart, at most `most` beside 0.
+pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
+    let mut step = 1_u64;
+    for factor in [2, 5, 10].into_iter().cycle() {
+        if last / step <= most {
+            break;
+        }
+        step = 10_u64.pow(step.ilog10()).saturating_mul(factor);
+    }
+    (0..=last / step).map(|k| Tick { at: (k * step) as f64, label: count(k * step) }).collect()
+}
+
+/// A whole number with commas between its thousands, or as a power of ten where that would be too wide.
+fn count(n: u64) -> Label {
+    const WIDEST: u64 = 1_000_000;
+    match format!("{n:e}").split_once('e') {
+        Some((mantissa, exponent)) if n > WIDEST => Label { text: format!("{mantissa}\u{b7}10"), exponent: exponent.to_owned() },
+        _ => Label::plain(grouped(n)),
+    }
+}
+
+/// A whole number with commas between its thousands from five digits up.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(ticks: &[Tick]) -> Vec<String> {
+        let text = |label: &Label| match label.exponent.as_str() {
+            "" => label.text.clone(),
+            exponent => format!("{}^{exponent}", label.text),
+        };
+        ticks.iter().map(|tick| text(&tick.label)).collect()
+    }
+
+    #[test]
+    fn counts_are_a_few_round_numbers() {
+        assert_eq!(read(&count_ticks(0, 6)), ["0"]);
+        assert_eq!(read(&count_ticks(4, 6)), ["0", "1", "2", "3", "4"]);
+        assert_eq!(read(&count_ticks(59, 6)), ["0", "10", "20", "30", "40", "50"]);
+        assert_eq!(read(&count_ticks(29_999, 6)), ["0", "5000", "10,000", "15,000", "20,000", "25,000"]);
+        assert_eq!(read(&count_ticks(2_000_000, 6))[3..], ["1.5\u{b7}10^6", "2\u{b7}10^6"]);
+        assert!(count_ticks(u64::MAX, 6).len() <= 7);
+    }
+
+    #[test]
+    fn a_wide_range_has_powers_of_ten_and_a_narrow_one_steps_of_1_2_5() {
+        let ticks = |low: f64, high: f64| read(&LogRange::of([low, high, 0.0]).expect("positive values").ticks());
+        assert_eq!(ticks(0.5, 2e3), ["10^0", "10^1", "10^2", "10^3"]);
+        assert_eq!(ticks(3.0, 70.0), ["5", "10", "20", "50"]);
+        assert_eq!(ticks(7.0, 7.0), ["1", "2", "5"]);
+        assert_eq!(ticks(0.02, 0.3), ["0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(ticks(3e8, 3e8), ["5\u{b7}10^7", "10^8", "2\u{b7}10^8"]);
+        assert!(ticks(f64::MIN_POSITIVE, f64::MAX).len() <= 10);
+    }
+
+    #[test]
+    fn what_is_twelve_decades_below_the_largest_is_left_out() {
+        let range = LogRange::of([1e-20, 1e3]).expect("positive values");
+        assert!(range.clipped && range.share(1e-20) < 0.0 && range.share(1e3) >= 1.0);
+        assert_eq!(range.low.to_bits(), (-9.0_f64).to_bits());
+        assert_eq!(LogRange::of([0.0]), None);
+    }
+}
+
+/// A range of real numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearRange {
+    /// The smallest value.
+    pub low: f64,
+    /// The largest value, above it.
+    pub high: f64,
+}
+
+impl LinearRange {
+    /// The range of the finite ones among `values` with a little air at each end; `None` without any.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let finite = values.into_iter().filter(|v| v.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        if low > high {
+            return None;
+        }
+        let air = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-6);
+        Some(Self { low: low - air, high: high + air })
+    }
+
+    /// The share of the range below `value`.
+    pub fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// Ticks a step of 1, 2 or 5 times a power of ten apart, at most `most` (two or more) of them.
+    pub fn ticks(&self, most: usize) -> Vec<Tick> {
+        let rough = (self.high - self.low) / (most as f64 - 1.0);
+        let power = rough.log10().floor() as i32;
+        let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
+        let next = (1, power + 1);
+        let (factor, power) = [(1, power), (2, power), (5, power)].into_iter().find(wide).unwrap_or(next);
+        let step = factor as f64 * 10_f64.powi(power);
+        let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
+        (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor, power) }).collect()
+    }
+}
+
+/// `k` times ten to the `power`, written out where that is short.
+fn multiple(k: i64, power: i32) -> Label {
+    let sign = if k < 0 { "\u{2212}" } else { "" };
+    let digits = k.unsigned_abs();
+    match power {
+        _ if k == 0 => Label::plain("0"),
+        0..=4 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
+        -3..0 => Label::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
+        _ => Label::power(&format!("{sign}{digits}\u{b7}"), power),
+    }
+}
+
+#[cfg(test)]
+mod linear_tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_a_few_round_numbers() {
+        let read = |low, high, most| {
+            let text = |t: Tick| match t.label.exponent.as_str() {
+                "" => t.label.text,
+                exponent => format!("{}^{exponent}", t.label.text),
+            };
+            LinearRange { low, high }.ticks(most).into_iter().map(text).collect::<Vec<_>>()
+        };
+        assert_eq!(read(0.0, 1.0, 6), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(read(-3.2, 1.1, 6), ["\u{2212}3", "\u{2212}2", "\u{2212}1", "0", "1"]);
+        assert_eq!(read(0.0, 4200.0, 6), ["0", "1000", "2000", "3000", "4000"]);
+        assert_eq!(read(-120.0, 230.0, 7), ["\u{2212}100", "0", "100", "200"]);
+        assert_eq!(read(0.0, 0.04, 7), ["0", "0.01", "0.02", "0.03", "0.04"]);
+        assert_eq!(read(0.0, 5e-7, 6)[..2], ["0", "1\u{b7}10^\u{2212}7"]);
+        assert_eq!(LinearRange::of([f64::NAN]), None);
+        assert!(LinearRange::of([2.0, 2.0]).is_some_and(|r| r.low < 2.0 && r.high > 2.0));
+    }
+}

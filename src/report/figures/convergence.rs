@@ -1,0 +1,199 @@
+//! The convergence of the likelihood: mean contribution per sample against the number of samples.
+
+use super::axis::{Label, LogRange, count_ticks, grouped};
+use super::canvas::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
+use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
+use super::figure::Figure;
+use crate::error::{Error, Result};
+use crate::output::names::CONVERGENCE_PICTURE;
+use crate::sampling::Weight;
+
+const INCHES: [f64; 2] = [6.4, 4.6];
+/// Left, top, right and bottom of the axes, points.
+const BOX: [f64; 4] = [62.0, 50.0, 440.0, 284.0];
+/// Height of the title's middle, points.
+const TOP: f64 = 15.0;
+const TICK: f64 = 4.0;
+/// Height of the legend's middle, points.
+const LEGEND: f64 = 36.0;
+/// Height of the line of zeros, points.
+const ZERO: f64 = BOX[3] - 5.0;
+/// Between that line and the lowest positive value, points.
+const GAP: f64 = 16.0;
+
+/// More curves than this no one can tell apart.
+const MOST_CURVES: usize = 2000;
+
+/// The thinnest, thickest and threshold line, points.
+const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
+
+/// Draws the mean contribution per sample, L/n, of every uncertain vessel against the number of samples n, on a
+/// logarithmic axis, 6.4 by 4.6 inches.
+///
+/// - `samples`: n at each checkpoint, positive and rising.
+/// - `series`: a row a vessel, with L/n at each checkpoint, finite and not negative. Of more than 2,000 every so many is drawn.
+/// - `threshold`: the threshold on L/n at each checkpoint; NaN where there is none.
+/// - `kept`: for each vessel whether it stays.
+/// - `weight`: what L adds up, which says its unit.
+///
+/// Zeros, and what is more than twelve decades below the largest value, lie on a line of their own below the smallest
+/// positive value and are not joined to it. A single checkpoint is drawn as dashes. Without a vessel, a checkpoint or a
+/// positive value the picture says so.
+///
+/// # Errors
+///
+/// When lengths disagree, when `samples` does not rise, and when a value is negative or not finite.
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], weight: Weight) -> Result<Figure> {
+    validate(samples, series, threshold, kept)?;
+    let name = match weight {
+        Weight::Resilience | Weight::Global => "mean contribution per sample L/n (W/m\u{b3})",
+        Weight::Count => "share of samples L/n",
+    };
+    let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
+    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept, name)))
+}
+
+fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], name: &str) -> Result<()> {
+    let [left, top, right, bottom] = BOX;
+    let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
+    let title = Label::plain("Convergence of the likelihood of uncertain vessels");
+    sheet.text(&title, [middle[0], TOP], TITLE, Align::Middle, Run::Right)?;
+
+    let values = || series.iter().flatten().chain(threshold).copied();
+    let range = if series.is_empty() { None } else { LogRange::of(values()) };
+    let Some(range) = range.map(LogRange::padded) else {
+        let note = match (series.is_empty(), samples.is_empty()) {
+            (true, _) => "no uncertain vessel",
+            (_, true) => "no checkpoint",
+            _ => "no contribution above zero",
+        };
+        sheet.frame([left, top], [right - left, bottom - top])?;
+        sheet.text(&Label::plain(note), middle, TEXT, Align::Middle, Run::Right)?;
+        return Ok(());
+    };
+
+    let lowest = values().fold(f64::INFINITY, f64::min);
+    let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
+    axes.ticks(sheet, name)?;
+    // A few edges are drawn thick and dense, thousands thin and clear.
+    let crowd = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
+    let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
+    let opacity = 0.05 + 0.85 * crowd.powf(0.7);
+    for (values, kept) in series.iter().zip(kept).step_by(series.len().div_ceil(MOST_CURVES)) {
+        axes.curve(sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
+    }
+    axes.curve(sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;
+    axes.curve(sheet, samples, threshold, WIDTH[2], INK, 1.0)?;
+    sheet.frame([left, top], [right - left, bottom - top])?;
+    let stay = kept.iter().filter(|kept| **kept).count();
+    let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
+    let mut keys = vec![(count("kept", stay), WIDTH[1], KEPT), (count("pruned", kept.len() - stay), WIDTH[1], PRUNED)];
+    if threshold.iter().any(|cut| !cut.is_nan()) {
+        keys.push(("threshold".to_owned(), WIDTH[2], INK));
+    }
+    legend(sheet, &keys)
+}
+
+fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
+    let checkpoints = samples.len();
+    let length = |name: String, found: usize| {
+        let accepted = || format!("expected one for each of {checkpoints} checkpoints");
+        (found == checkpoints).then_some(()).ok_or_else(|| Error::parameter(name, format!("of {found} values"), accepted()))
+    };
+    if let Some(at) = (0..checkpoints).find(|at| samples[*at] == 0 || (*at > 0 && samples[*at] <= samples[at - 1])) {
+        return Err(Error::parameter(format!("samples at checkpoint {at}"), samples[at], "expected positive, rising numbers"));
+    }
+    length("threshold".to_owned(), threshold.len())?;
+    if kept.len() != series.len() {
+        let accepted = format!("expected one for each of {} vessels", series.len());
+        return Err(Error::parameter("kept", format!("of {} values", kept.len()), accepted));
+    }
+    let accepted = "expected a finite number from 0 up";
+    for (row, values) in series.iter().enumerate() {
+        length(format!("contribution of edge {row}"), values.len())?;
+        if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
+            return Err(Error::parameter(format!("contribution of edge {row}"), value, accepted));
+        }
+    }
+    match threshold.iter().find(|v| v.is_infinite() || **v < 0.0) {
+        Some(value) => Err(Error::parameter("threshold", value, accepted)),
+        None => Ok(()),
+    }
+}
+
+/// Where numbers of samples and contributions lie on the page.
+struct Axes {
+    last: u64,
+    range: LogRange,
+    /// Whether there is a line of zeros.
+    zeros: bool,
+}
+
+impl Axes {
+    fn x(&self, samples: f64) -> f64 {
+        // A little air after the last checkpoint.
+        BOX[0] + (BOX[2] - BOX[0]) * samples / (self.last as f64 * 1.02)
+    }
+
+    fn y(&self, share: f64) -> f64 {
+        let lowest = if self.zeros { ZERO - GAP } else { BOX[3] };
+        if share < 0.0 { ZERO } else { lowest - (lowest - BOX[1]) * share }
+    }
+
+    fn ticks(&self, sheet: &mut Sheet<'_>, name: &str) -> Result<()> {
+        let [left, top, right, bottom] = BOX;
+        for tick in count_ticks(self.last, 6) {
+            let x = self.x(tick.at);
+            sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
+            sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
+            sheet.text(&tick.label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
+        }
+        let powers = self.range.ticks();
+        let lowest = powers.first().filter(|_| self.range.clipped);
+        let below = lowest.map_or_else(|| Label::plain("0"), |tick| tick.label.clone().after("<"));
+        let zeros = self.zeros.then_some((ZERO, below));
+        let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
+        for (y, label) in powers.chain(zeros) {
+            sheet.line([[left, y], [right, y]], HAIR, GRID, 1.0)?;
+            sheet.line([[left - TICK, y], [left, y]], HAIR, INK, 1.0)?;
+            sheet.text(&label, [left - TICK - 3.0, y], TEXT, Align::End, Run::Right)?;
+        }
+        let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
+        sheet.text(&Label::plain("number of samples, n"), [middle[0], bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
+        sheet.text(&Label::plain(name), [10.0, middle[1]], TEXT, Align::Middle, Run::Up)
+    }
+
+    /// A curve over the checkpoints with gaps at NaN and between zero and more; a checkpoint on its own is a dash.
+    fn curve(&self, sheet: &mut Sheet<'_>, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+        let shares: Vec<_> = samples.iter().zip(values).map(|(n, v)| (*n, self.range.share(*v))).collect();
+        let joined = |a: f64, b: f64| (a < 0.0) == (b < 0.0) && a.is_nan() == b.is_nan();
+        for run in shares.chunk_by(|a, b| joined(a.1, b.1)).filter(|run| !run[0].1.is_nan()) {
+            let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
+            if let [[x, y]] = path[..] {
+                let half = 2.0 + 2.0 * width;
+                path = vec![[x - half, y], [x + half, y]];
+            }
+            sheet.line(path, width, rgb, opacity)?;
+        }
+        Ok(())
+    }
+}
+
+/// Keys in a row between the title and the axes.
+fn legend(sheet: &mut Sheet<'_>, keys: &[(String, f64, Rgb)]) -> Result<()> {
+    const KEY: f64 = 20.0;
+    const SPACE: f64 = 5.0;
+    const APART: f64 = 18.0;
+    let mut widths = Vec::new();
+    for (text, ..) in keys {
+        widths.push(KEY + SPACE + sheet.text_width(text, TEXT)?);
+    }
+    let whole = widths.iter().sum::<f64>() + APART * (keys.len() as f64 - 1.0);
+    let mut x = f64::midpoint(BOX[0], BOX[2]) - whole / 2.0;
+    for ((text, width, rgb), wide) in keys.iter().zip(widths) {
+        sheet.line([[x, LEGEND], [x + KEY, LEGEND]], width.max(1.5), *rgb, 1.0)?;
+        sheet.text(&Label::plain(text), [x + KEY + SPACE, LEGEND], TEXT, Align::Begin, Run::Right)?;
+        x += wide + APART;
+    }
+    Ok(())
+}

@@ -1,0 +1,204 @@
+//! The flows of a simulation as horizontal bars, each vessel's flow before a perturbation beside that after it.
+
+use super::axis::{Label, LinearRange, Tick};
+use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
+use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::figure::Figure;
+use crate::error::{Error, Result};
+use crate::output::names::FLOW_PICTURE;
+
+const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
+/// Above the bars with and without a legend, points.
+const TOP: [f64; 2] = [50.0, 31.0];
+/// Below the bars, points.
+const BOTTOM: f64 = 46.0;
+/// Thickness of a bar, points.
+const BAR: f64 = 8.0;
+/// Between the bars of two vessels, points.
+const GAP: f64 = 7.0;
+const TICK: f64 = 4.0;
+/// Height of the figures at the bars, points.
+const FIGURE: f64 = 8.0;
+/// Room for a figure at the end of a bar, points.
+const ROOM: f64 = 40.0;
+/// The widest name of a vessel; longer ones are cut, points.
+const NAME: f64 = 170.0;
+/// Vessels shown at the most.
+const MOST: usize = 40;
+/// Where there is no flow at all the axis still has a range, mL/min.
+const NO_FLOW: f64 = 1.0;
+
+/// The flow of one vessel, mL/min.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VesselFlow {
+    /// What the vessel is called.
+    pub name: String,
+    /// Q in the network as it is.
+    pub unperturbed: f64,
+    /// Q in the perturbed network, where there is one; positive in the same direction.
+    pub perturbed: Option<f64>,
+}
+
+impl VesselFlow {
+    /// The flows along the direction that the blood has before the perturbation; without flow before, after it.
+    fn along(&self) -> (f64, Option<f64>) {
+        let first = if self.unperturbed == 0.0 { self.perturbed.unwrap_or(0.0) } else { self.unperturbed };
+        let sign = if first < 0.0 { -1.0 } else { 1.0 };
+        // Adding zero leaves no negative zero.
+        (sign * self.unperturbed + 0.0, self.perturbed.map(|q| sign * q + 0.0))
+    }
+
+    /// By what a vessel earns its place: its largest flow or its change of flow.
+    fn rank(&self) -> f64 {
+        let after = self.perturbed.unwrap_or(self.unperturbed);
+        self.unperturbed.abs().max(after.abs()).max((after - self.unperturbed).abs())
+    }
+}
+
+/// Draws the flow (mL/min) of the up to 40 vessels of largest flow or change of flow, the largest on top, 6.8 inches
+/// wide.
+///
+/// A flow counts along the direction that the blood has in the unperturbed network, so that only a flow that has
+/// turned round lies left of zero.
+///
+/// # Errors
+///
+/// When a flow is not finite.
+pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
+    if let Some(f) = flows.iter().find(|f| !f.rank().is_finite()) {
+        return Err(Error::parameter(format!("flow of {}", f.name), f.unperturbed, "expected finite numbers of mL/min"));
+    }
+    let mut shown: Vec<&VesselFlow> = flows.iter().collect();
+    // By 24 bits, so that equal flows stay in their order whatever the last roundings are.
+    shown.sort_by(|a, b| (b.rank() as f32).total_cmp(&(a.rank() as f32)));
+    shown.truncate(MOST);
+    let shown: Vec<VesselFlow> = shown.into_iter().cloned().collect();
+    let pair = flows.iter().any(|f| f.perturbed.is_some());
+    let title = match (flows.len(), pair) {
+        (n, _) if n > MOST => format!("Flow in the {MOST} vessels of largest flow{}", if pair { " or change" } else { "" }),
+        _ => "Flow in the vessels".to_owned(),
+    };
+    let each = GAP + if pair { 2.0 * BAR } else { BAR };
+    let top = if pair { TOP[0] } else { TOP[1] };
+    let bottom = top + each * shown.len() as f64;
+    let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
+    Ok(Figure::new(FLOW_PICTURE, inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
+}
+
+fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
+    let each = GAP + if pair { 2.0 * BAR } else { BAR };
+    let mut names = Vec::new();
+    let mut widest: f64 = 0.0;
+    for flow in shown {
+        let name = fitting(sheet, &flow.name)?;
+        widest = widest.max(sheet.text_width(&name, TEXT)?);
+        names.push(name);
+    }
+    let axis = Axis::new(shown, [widest + 22.0, WIDTH - 14.0]);
+    axis.draw(sheet, [top, bottom], pair)?;
+    let middle = f64::midpoint(axis.span[0], axis.span[1]);
+    sheet.text(&Label::plain(title), [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
+    if pair {
+        legend(sheet, middle)?;
+    }
+    for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
+        let above = top + GAP / 2.0 + each * row as f64;
+        let centre = above + (each - GAP) / 2.0;
+        sheet.text(&Label::plain(name), [axis.span[0] - 8.0, centre], TEXT, Align::End, Run::Right)?;
+        let (before, after) = flow.along();
+        axis.bar(sheet, above, before, UNPERTURBED)?;
+        if let Some(after) = after {
+            axis.bar(sheet, above + BAR, after, PERTURBED)?;
+        }
+    }
+    let zero = axis.x(0.0);
+    sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
+}
+
+/// More letters than there is room for, however narrow.
+const MOST_LETTERS: usize = 200;
+
+/// A name with its middle left out where there is no room for it.
+fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
+    let letters: Vec<char> = name.chars().collect();
+    let shortened = |kept: usize| {
+        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
+        first.iter().chain(&['\u{2026}']).chain(last).collect::<String>()
+    };
+    let mut kept = letters.len().min(MOST_LETTERS);
+    let mut cut = if kept < letters.len() { shortened(kept) } else { name.to_owned() };
+    while sheet.text_width(&cut, TEXT)? > NAME {
+        kept -= 1;
+        cut = shortened(kept);
+    }
+    Ok(cut)
+}
+
+/// Where flows lie across the page.
+struct Axis {
+    /// Left and right end, points.
+    span: [f64; 2],
+    /// The flows at the ends of the bars furthest left and right, mL/min; zero lies between.
+    range: LinearRange,
+}
+
+impl Axis {
+    fn new(shown: &[VesselFlow], span: [f64; 2]) -> Self {
+        let flows = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
+        let (low, high) = (flows().fold(0.0, f64::min), flows().fold(0.0, f64::max));
+        Self { span, range: LinearRange { low, high: if high > low { high } else { NO_FLOW } } }
+    }
+
+    fn x(&self, flow: f64) -> f64 {
+        let LinearRange { low, high } = self.range;
+        let left = self.span[0] + if low < 0.0 { ROOM } else { 0.0 };
+        left + (self.span[1] - ROOM - left) * (flow - low) / (high - low)
+    }
+
+    fn draw(&self, sheet: &mut Sheet<'_>, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
+        for Tick { at, label } in self.range.ticks(7) {
+            let x = self.x(at);
+            sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
+            sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
+            sheet.text(&label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
+        }
+        sheet.line([[self.span[0], bottom], [self.span[1], bottom]], HAIR, INK, 1.0)?;
+        let name = if pair { "flow along its unperturbed direction (mL/min)" } else { "flow (mL/min)" };
+        let middle = f64::midpoint(self.span[0], self.span[1]);
+        sheet.text(&Label::plain(name), [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)
+    }
+
+    fn bar(&self, sheet: &mut Sheet<'_>, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
+        let (zero, end) = (self.x(0.0), self.x(flow));
+        let [from, to] = [zero.min(end), zero.max(end)].map(|x| sheet.pixels(x));
+        let [above, below] = [top, top + BAR].map(|y| sheet.pixels(y));
+        sheet.fill([from, above], [to - from, below - above], rgb)?;
+        let (at, align) = if flow < 0.0 { (end - 3.0, Align::End) } else { (end + 3.0, Align::Begin) };
+        sheet.text(&figure(flow), [at, top + BAR / 2.0], FIGURE, align, Run::Right)
+    }
+}
+
+/// A flow with three significant digits, more before the point and fewer as a power of ten.
+fn figure(flow: f64) -> Label {
+    let sign = if flow < 0.0 { "\u{2212}" } else { "" };
+    let size = flow.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        let text = format!("{size:.1e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return Label { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
+    }
+    let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
+    Label::plain(format!("{sign}{size:.decimals$}"))
+}
+
+/// The two colours between the title and the bars.
+fn legend(sheet: &mut Sheet<'_>, middle: f64) -> Result<()> {
+    const HEIGHT: f64 = 36.0;
+    for (x, name, rgb) in [(middle - 84.0, "unperturbed", UNPERTURBED), (middle + 14.0, "perturbed", PERTURBED)] {
+        let corner = [x, HEIGHT - BAR / 2.0].map(|p| sheet.pixels(p));
+        let size = [14.0, BAR].map(|p| sheet.pixels(p));
+        sheet.fill(corner, size, rgb)?;
+        sheet.text(&Label::plain(name), [x + 19.0, HEIGHT], TEXT, Align::Begin, Run::Right)?;
+    }
+    Ok(())
+}

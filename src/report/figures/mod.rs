@@ -1,0 +1,24 @@
+//! The pictures of a run, as PNG and as SVG: the likelihood matrix and its convergence, the flows of a simulation.
+//!
+//! The pictures need no font of the system, and the same input gives the same bytes.
+
+mod axis;
+mod bitmap;
+mod canvas;
+pub(crate) mod colour;
+pub(crate) mod convergence;
+pub(crate) mod figure;
+pub(crate) mod flow_bars;
+mod font;
+pub(crate) mod heat_map;
+pub(crate) mod hypertension;
+pub(crate) mod modulation;
+mod svg;
+
+pub use colour::{ZERO, colour};
+pub use convergence::convergence;
+pub use figure::{DEFAULT_DPI, Figure, check_dpi};
+pub use flow_bars::{VesselFlow, flow_bars};
+pub use heat_map::{Matrix, heat_map};
+pub use hypertension::{Histogram, Histograms, hypertension};
+pub use modulation::{Boxes, Panel, modulation};

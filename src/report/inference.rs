@@ -1,0 +1,259 @@
+//! How far runs with different occlusion probabilities agree.
+
+use std::path::Path;
+
+use super::figures::convergence::convergence;
+use super::figures::heat_map::{Matrix, heat_map};
+use super::page::lists::Figure;
+use super::page::{infer_page, write_page};
+use super::record::Summary;
+use crate::decision::{Decision, ExpectedErrors, Keep, Topology, threshold};
+use crate::error::{Error, Result};
+use crate::flow::{Boundary, Circuit, pressures};
+use crate::io::{
+    Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+};
+use crate::network::{Condition, Network, Role, fragments};
+use crate::output::atomic::write_file;
+use crate::output::json::write_record;
+use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
+use crate::sampling::{Likelihood, Method, Snapshot, Weight};
+
+/// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
+/// how many.
+pub fn agreement(decisions: &[(f64, Decision)], uncertain: &[bool]) -> Vec<Column> {
+    let pairs: Vec<(usize, usize)> = (0..decisions.len()).flat_map(|i| (i + 1..decisions.len()).map(move |j| (i, j))).collect();
+    let same = |(i, j): &(usize, usize)| {
+        let (a, b) = (&decisions[*i].1.kept, &decisions[*j].1.kept);
+        a.iter().zip(b).zip(uncertain).filter(|((a, b), uncertain)| **uncertain && a == b).count()
+    };
+    let uncertain_count = uncertain.iter().filter(|u| **u).count();
+    vec![
+        Column::real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0)),
+        Column::real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0)),
+        Column::whole("decided_alike", pairs.iter().map(same)),
+        Column::whole("uncertain", pairs.iter().map(|_| uncertain_count)),
+    ]
+}
+
+/// The largest matrix written densely, in nodes.
+pub const DENSE_LIMIT: usize = 8192;
+/// The largest network that gets a page: a browser takes seconds for so many vessels.
+const PAGE_LIMIT: usize = 100_000;
+
+/// An inference and everything its files are made of.
+#[derive(Debug)]
+pub struct Outcome<'a> {
+    /// The over-connected graph.
+    pub network: &'a Network,
+    /// Its boundary conditions.
+    pub boundary: &'a Boundary,
+    /// What the samples say.
+    pub result: &'a Likelihood,
+    /// The rule that decided.
+    pub rule: Keep,
+    /// The decisions.
+    pub answer: &'a Decision,
+    /// The kept graph.
+    pub kept: Topology,
+    /// The graph above the median.
+    pub above_median: Topology,
+    /// The errors that the evidence expects of the kept graph, where there is evidence.
+    pub expected: Option<ExpectedErrors>,
+    /// Whether A = 1 was used instead of the vessels' own priors.
+    pub uniform_prior: bool,
+    /// What a vessel of the forest contributed.
+    pub weight: Weight,
+    /// Whether every pattern was enumerated.
+    pub exact: bool,
+    /// How the samples were computed.
+    pub method: Method,
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+}
+
+/// Writes every file of an inference into a folder and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written, or pressures that cannot be solved for.
+pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary, dpi: u32) -> Result<Vec<String>> {
+    let mut notes = Vec::new();
+    let network = outcome.network;
+    let vessels = vessel_columns(outcome);
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
+    let kept_nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &vessels, &mut notes)?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &kept_nodes))?;
+    if outcome.answer.kept == outcome.answer.above_median {
+        copy(folder, ["graphml", "vtp"])?;
+    } else {
+        topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    }
+    let matrix = outcome.result.matrix(network);
+    write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
+    if network.node_count() <= DENSE_LIMIT {
+        write_file(&folder.join(DENSE_LIKELIHOOD), |out| write_npy(out, network.node_count(), &matrix))?;
+    } else {
+        notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
+    }
+    summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
+    let figures = pictures(folder, outcome, &matrix, dpi)?;
+    write_record(folder, summary)?;
+    if network.vessel_count() <= PAGE_LIMIT {
+        let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
+        write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
+    } else {
+        notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));
+    }
+    Ok(notes)
+}
+
+/// Gives the topology above the median the files of the kept one, which it is.
+fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
+    for ending in endings {
+        let [from, to] = [TOPOLOGY, MEDIAN_TOPOLOGY].map(|name| folder.join(format!("{name}.{ending}")));
+        if from.exists() {
+            std::fs::copy(&from, &to).map_err(|source| Error::Write { path: to, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
+fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
+    let mut graph = outcome.boundary.stated_in(outcome.network.clone());
+    if outcome.uniform_prior {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    let (nodes, vessels) = graph_columns(&graph);
+    let mut sum = String::new();
+    write_file(path, |out| {
+        let mut summed = Checksummed::new(out);
+        write_graphml(&mut summed, &graph, &nodes, &vessels)?;
+        sum = summed.finish();
+        Ok(())
+    })?;
+    Ok(sum)
+}
+
+/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
+fn topology(
+    folder: &Path,
+    name: &str,
+    outcome: &Outcome<'_>,
+    kept: &[bool],
+    vessels: &[Column],
+    notes: &mut Vec<String>,
+) -> Result<Vec<Column>> {
+    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    for (node, role) in outcome.boundary.roles.iter().enumerate() {
+        graph.node_mut(node).role = Some(*role);
+    }
+    let circuit = Circuit::new(&graph, outcome.boundary, outcome.viscosity)?;
+    let pressure = pressures::pressures(&circuit, |_| true)?;
+    let mut nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(&graph, outcome.boundary));
+    let mut vessels = select(vessels, &rows);
+    for column in vessels.iter_mut().filter(|column| column.name == "kept") {
+        *column = Column::whole("kept", rows.iter().map(|_| 1));
+    }
+    let file = |ending: &str| folder.join(format!("{name}.{ending}"));
+    write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
+    if graph.has_positions() {
+        write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
+        if name == TOPOLOGY {
+            if is_forest(&graph) {
+                write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
+            } else {
+                notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
+            }
+        }
+    } else if name == TOPOLOGY {
+        notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
+    }
+    Ok(nodes)
+}
+
+fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
+    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix }, outcome.weight)?;
+    matrix.write(folder, dpi)?;
+    let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
+    let matrix = Figure::new("Likelihood matrix", says, &matrix)?;
+
+    let result = outcome.result;
+    let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
+    let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
+    let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
+    let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
+    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &uncertain, s)).collect();
+    let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
+    let traces = convergence(&samples, &series, &threshold, &kept, outcome.weight)?;
+    traces.write(folder, dpi)?;
+    let says = if threshold.iter().any(|cut| !cut.is_nan()) {
+        "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \
+         lines that are still moving at the right end call for more samples."
+    } else {
+        "The mean contribution per sample of every uncertain vessel against the number of samples; \
+         lines that are still moving at the right end call for more samples."
+    };
+    Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
+}
+
+/// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
+fn running_threshold(outcome: &Outcome<'_>, uncertain: &[usize], snapshot: &Snapshot) -> f64 {
+    match outcome.rule {
+        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) => return f64::NAN,
+        Keep::Value(x) => return x / outcome.result.samples as f64,
+        _ => {}
+    }
+    let so_far = Likelihood {
+        likelihood: snapshot.likelihood.clone(),
+        std_error: vec![0.0; uncertain.len()],
+        frequency: vec![0.0; uncertain.len()],
+        uncertain: vec![true; uncertain.len()],
+        network_resilience: 0.0,
+        residual: 0.0,
+        samples: 1,
+        trace: Vec::new(),
+    };
+    threshold(outcome.rule, &so_far).map_or(f64::NAN, |cut| cut / snapshot.samples as f64)
+}
+
+/// The columns of nodes.csv. `pressure` in Pa.
+pub fn node_columns(network: &Network, boundary: &Boundary, pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
+    let roles: Vec<Option<Role>> = boundary.roles.iter().copied().map(Some).collect();
+    crate::io::node_columns(network, &roles, pressure, component)
+}
+
+/// The terminal resistances and flows of the nodes, by which a graph file keeps its boundary conditions.
+pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> {
+    let conditions: Vec<Option<Condition>> = (0..network.node_count()).map(|node| boundary.condition(node)).collect();
+    crate::io::condition_columns(&conditions)
+}
+
+/// The columns of edges.csv.
+pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
+    let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);
+    let flag = |name, flags: &[bool]| Column::whole(name, flags.iter().map(|f| usize::from(*f)));
+    let mut columns = crate::io::vessel_columns(network);
+    columns.extend([
+        Column::real("prior", network.vessels().map(|(_, v)| if outcome.uniform_prior { 1.0 } else { v.prior })),
+        Column::real("likelihood", result.likelihood.iter().copied()),
+        Column::real("std_error", result.std_error.iter().copied()),
+        Column::real("frequency", result.frequency.iter().copied()),
+        Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
+        flag("above_median", &answer.above_median),
+        flag("kept", &answer.kept),
+    ]);
+    columns
+}
+
+/// The rows of some columns.
+pub fn select(columns: &[Column], rows: &[usize]) -> Vec<Column> {
+    let pick = |values: &Values| match values {
+        Values::Real(v) => Values::Real(rows.iter().map(|r| v[*r]).collect()),
+        Values::Integer(v) => Values::Integer(rows.iter().map(|r| v[*r]).collect()),
+        Values::Text(v) => Values::Text(rows.iter().map(|r| v[*r].clone()).collect()),
+    };
+    columns.iter().map(|c| Column { name: c.name.clone(), values: pick(&c.values) }).collect()
+}

@@ -1,0 +1,115 @@
+//! The page of an inference: vessels by likelihood, and the threshold to move.
+
+use serde_json::Value;
+
+use super::lists::{Figure, conditions};
+use super::scene::scene;
+use super::{Colouring, Fact, Page, Scale, Table, Threshold, record, take, title};
+use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
+use crate::io::{Column, END_PLACES};
+use crate::report::inference::Outcome;
+use crate::report::record::{Summary, unit_of};
+
+/// The column of the page that is 1 where a vessel is uncertain.
+const UNCERTAIN: &str = "uncertain";
+const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
+
+/// The page of an inference from the columns of edges.csv and nodes.csv.
+pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
+    let mut record = record(summary);
+    let conditions = conditions(&take(&mut record, "boundary_conditions"));
+    // The page draws them.
+    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&&*c.name);
+    let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
+    columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
+    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
+    let unit = unit_of(outcome.weight);
+    let evidence = has_evidence(outcome.network);
+    Page {
+        title: title("infer", &record),
+        facts: facts(
+            &record,
+            if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit },
+            evidence,
+        ),
+        record,
+        scene: scene(outcome.network, outcome.boundary),
+        colourings: colourings(unit, evidence),
+        threshold: Some(threshold(outcome, unit)),
+        figures,
+        tables: [Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)), conditions]
+            .into_iter()
+            .flatten()
+            .collect(),
+    }
+}
+
+fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
+    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
+    let mut facts = vec![
+        fact("nodes", "/counts/nodes", ""),
+        fact("observed vessels", "/counts/observed", ""),
+        fact("candidates", "/counts/candidates", ""),
+        fact("uncertain vessels", "/counts/uncertain", ""),
+        fact("kept of these", "/counts/topology/kept", ""),
+        fact("undecided", "/convergence/undecided", ""),
+        fact("rule", "/threshold/rule", ""),
+        fact("threshold", "/threshold/value", unit),
+        fact("samples", "/parameters/samples", ""),
+        fact("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
+        fact("seed", "/seed", ""),
+        fact("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ];
+    if evidence {
+        facts.push(fact("wrong connections expected", "/expected_errors/wrong", ""));
+        facts.push(fact("missed connections expected", "/expected_errors/missed", ""));
+    }
+    facts
+}
+
+fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
+    let colouring = |name, unit, scale, uncertain_only, column| Colouring {
+        name,
+        unit,
+        scale,
+        uncertain_only,
+        variants: vec![(String::new(), 0, String::from(column))],
+    };
+    let mut all = vec![
+        colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
+        colouring("frequency in the forest", "", Scale::Linear, true, "frequency"),
+        colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
+    ];
+    if evidence {
+        all.insert(0, colouring("probability P", "", Scale::Linear, true, "probability"));
+    }
+    all
+}
+
+fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
+    let rule = outcome.rule;
+    let (figure, name) = match rule {
+        Keep::Probability(_) | Keep::Probable(_) => ("probability", "probability P"),
+        Keep::Frequency(_) => ("frequency", "frequency"),
+        _ => ("likelihood", "likelihood L"),
+    };
+    let of_likelihood = figure == "likelihood";
+    let no_threshold = matches!(rule, Keep::Probable(_));
+    Threshold {
+        figure,
+        name,
+        unit: if of_likelihood { unit } else { "" },
+        error: of_likelihood.then_some("std_error"),
+        samples: outcome.result.samples,
+        at_least: !of_likelihood,
+        midway: of_likelihood && !matches!(rule, Keep::Value(_)),
+        within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
+        cut: outcome.answer.threshold,
+        median: outcome.answer.median.filter(|_| of_likelihood),
+        kept: no_threshold.then_some("kept"),
+        middle: no_threshold.then_some(0.5),
+        band: rule.asks_evidence().then_some(UNDECIDED_BAND),
+        uncertain: UNCERTAIN,
+        nodes: outcome.network.node_count(),
+    }
+}

@@ -1,0 +1,121 @@
+//! The page of a resistance modulation: vessels by what becomes of them in each class.
+
+use serde_json::Value;
+
+use super::lists::{Figure, conditions};
+use super::scene::scene;
+use super::{Colouring, Fact, Page, Scale, Table, record, take, title};
+use crate::io::{Column, Values};
+use crate::report::modulation::ModulationOutcome;
+
+/// The tables of the folder, as they are written.
+#[derive(Debug)]
+pub struct Tables {
+    /// classes.csv.
+    pub classes: Vec<Column>,
+    /// nodes.csv.
+    pub nodes: Vec<Column>,
+    /// edges.csv: class by class, in it vessel by vessel, in it flow, drop, resilience and hypertension.
+    pub vessels: Vec<Column>,
+    /// hypertension.csv.
+    pub hypertension: Vec<Column>,
+}
+
+/// What a vessel has in a class, in the order of edges.csv: name, unit, how the names of its columns begin, the column of its
+/// variation.
+const QUANTITIES: [(&str, &str, &str, &str); 4] = [
+    ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
+    ("pressure drop", "mmHg", "drop_mmHg", "drop_variation"),
+    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation"),
+    ("hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation"),
+];
+/// What the colouring by that is called.
+const VARIATION: [&str; 4] =
+    ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
+
+/// The page of a modulation.
+pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Figure>) -> Page {
+    let mut record = record(of_run);
+    let facts = facts(&record);
+    let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
+    let plain = |title: &str, columns| Table { title: title.to_owned(), columns, exact: &[], of_vessels: false };
+    let mut all: Vec<Table> = classes
+        .iter()
+        .enumerate()
+        .map(|(at, class)| Table {
+            title: format!("Vessels, u in {class}"),
+            columns: of_class(outcome, &tables.vessels, at),
+            exact: &[],
+            of_vessels: true,
+        })
+        .collect();
+    all.push(plain("Classes", tables.classes));
+    all.push(plain("Nodes", tables.nodes));
+    all.push(plain("Hypertension", tables.hypertension));
+    all.extend(conditions(&take(&mut record, "boundary_conditions")));
+    Page {
+        title: title("modulate", &record),
+        record,
+        facts,
+        scene: scene(outcome.network, outcome.boundary),
+        colourings: colourings(&classes),
+        threshold: None,
+        figures,
+        tables: all,
+    }
+}
+
+fn facts(record: &Value) -> Vec<Fact> {
+    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
+    vec![
+        fact("nodes", "/counts/nodes", ""),
+        fact("vessels", "/counts/vessels", ""),
+        fact("instances a class", "/parameters/samples", ""),
+        fact("reading", "/parameters/reading", ""),
+        fact("seed", "/seed", ""),
+        fact("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
+        fact("inflow unperturbed", "/unperturbed/total_inflow_mL_per_min", "mL/min"),
+        fact("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
+    ]
+}
+
+/// A vessel a row, from the rows of edges.csv that are of one class.
+fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
+    let vessels = outcome.network.vessel_count();
+    let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;
+    let figures = |name: &str| match tidy.iter().find(|c| c.name == name).map(|c| &c.values) {
+        Some(Values::Real(values)) => &values[..],
+        _ => &[],
+    };
+    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
+    let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
+    let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
+    let mut columns = crate::report::inference::select(&of_rows, &rows);
+    for (quantity, (_, _, name, variation_name)) in QUANTITIES.into_iter().enumerate() {
+        let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
+        let (mean, std) = (of("mean"), of("std"));
+        let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
+        let variation: Vec<f64> = variation.collect();
+        columns.extend([
+            Column::real(format!("{name}_mean"), mean.into_iter()),
+            Column::real(format!("{name}_std"), std.into_iter()),
+            Column::real(variation_name, variation.into_iter()),
+            Column::real(format!("{name}_unperturbed"), of("unperturbed").into_iter()),
+        ]);
+    }
+    columns
+}
+
+fn colourings(classes: &[String]) -> Vec<Colouring> {
+    let by_class = |column: String| {
+        let variant = move |(at, class): (usize, &String)| (format!("u in {class}"), at, column.clone());
+        classes.iter().enumerate().map(variant)
+    };
+    let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
+        let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
+        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants };
+        let mean = colouring(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
+    });
+    each.flatten().collect()
+}

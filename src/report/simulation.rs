@@ -1,0 +1,251 @@
+//! run.json of a forward simulation: how it was made, ρ_G, the inflow, and what a perturbation changed.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::figures::flow_bars::{VesselFlow, flow_bars};
+use super::inference::condition_columns;
+use super::page::lists::Figure;
+use super::page::{simulation_page, write_page};
+use super::record::{Provenance, conditions, outlets_found};
+use crate::error::Result;
+use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
+use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{Column, axis, write_csv, write_vtp};
+use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+use crate::network::{Network, RadiusRule, Role};
+use crate::output::atomic::write_file;
+use crate::output::json::write_record;
+use crate::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use crate::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
+
+/// Collaterals that are named: those of the largest gain of flow.
+pub const MOST_COLLATERALS: usize = 5;
+
+/// Everything that run.json of a simulation holds.
+#[derive(Debug, Clone, Serialize)]
+pub struct FlowRecord {
+    willis: &'static str,
+    command: String,
+    input: Value,
+    parameters: Value,
+    boundary_conditions: Vec<Value>,
+    counts: Value,
+    #[serde(rename = "rho_G_W_per_m3")]
+    network_resilience: f64,
+    #[serde(rename = "rho_G_W_per_m3_perturbed", skip_serializing_if = "Option::is_none")]
+    network_resilience_perturbed: Option<f64>,
+    #[serde(rename = "total_inflow_mL_per_min")]
+    inflow: f64,
+    #[serde(rename = "total_inflow_mL_per_min_perturbed", skip_serializing_if = "Option::is_none")]
+    inflow_perturbed: Option<f64>,
+    not_laminar: Value,
+    perturbations: Vec<Value>,
+    collaterals: Vec<Value>,
+    reversed: Vec<Value>,
+    notes: Vec<String>,
+}
+
+impl FlowRecord {
+    /// Gathers the record of a simulation.
+    pub fn new(simulated: &Simulated<'_>, provenance: &Provenance, radius_rule: RadiusRule, outlets: FoundOutlets) -> Self {
+        let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+        let changes = simulated.perturbations;
+        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
+            after.map_or_else(Vec::new, |after| find(before, after, changes))
+        };
+        let turbulent = |state: &State| -> Vec<Value> {
+            let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
+            state.beyond_laminar().map(beyond).collect()
+        };
+        let mut counts = json!({
+            "nodes": network.node_count(),
+            "vessels": network.vessel_count(),
+            "inlets": boundary.count(Role::Inlet),
+            "outlets": boundary.count(Role::Outlet),
+            "diffused": before.diffused(),
+        });
+        let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
+        if let Some(after) = after {
+            counts["diffused_perturbed"] = json!(after.diffused());
+            not_laminar["vessels_perturbed"] = json!(turbulent(after));
+        }
+        Self {
+            willis: env!("CARGO_PKG_VERSION"),
+            command: provenance.command.clone(),
+            input: provenance.of_input(),
+            parameters: json!({
+                "viscosity_cP": centipoise(simulated.viscosity),
+                "radius": radius_rule.name(),
+                "outlets_found": outlets_found(outlets),
+                "stenosis_model": "poiseuille",
+            }),
+            boundary_conditions: conditions(network, boundary),
+            counts,
+            network_resilience: before.network_resilience,
+            network_resilience_perturbed: after.map(|state| state.network_resilience),
+            inflow: ml_per_min(before.inflow),
+            inflow_perturbed: after.map(|state| ml_per_min(state.inflow)),
+            not_laminar,
+            perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
+            collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
+            reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
+            notes: provenance.notes.clone(),
+        }
+    }
+}
+
+fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbation) -> Value {
+    let mut value = json!({ "edge": vessel, "label": network.vessel(*vessel).label });
+    match change {
+        Change::Occlusion => value["kind"] = json!("occlusion"),
+        Change::Tortuosity(factor) => {
+            value["kind"] = json!("tortuosity");
+            value["length_factor"] = json!(factor);
+        }
+        Change::Stenosis(stenosis) => {
+            value["kind"] = json!("stenosis");
+            value["open_diameter_share"] = json!(stenosis.open_diameter);
+            value["stretch_mm"] = json!(stenosis.stretch.map(millimetres));
+        }
+    }
+    value
+}
+
+fn collateral(network: &Network, c: &FlowChange) -> Value {
+    json!({
+        "edge": c.vessel,
+        "label": network.vessel(c.vessel).label,
+        "flow_mL_per_min": ml_per_min(c.before),
+        "flow_mL_per_min_perturbed": ml_per_min(c.after),
+        "gain_mL_per_min": ml_per_min(c.gain()),
+        "reversed": c.is_reversed(),
+    })
+}
+
+/// What ends the header of a figure of the perturbed network.
+pub const PERTURBED: &str = "_perturbed";
+
+/// The columns of nodes.csv.
+pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
+    let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+    let place = |of_axis: usize| network.nodes().map(move |n| axis(n.position, of_axis));
+    let pressure = |name, state: &State| Column::real(name, state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)));
+    let mut columns = vec![
+        Column::whole("node", 0..network.node_count()),
+        Column::text("id", network.nodes().map(|n| n.id.clone())),
+        Column::real("x_mm", place(0)),
+        Column::real("y_mm", place(1)),
+        Column::real("z_mm", place(2)),
+        Column::text("label", network.nodes().map(|n| n.label.clone())),
+        Column::text("role", boundary.roles.iter().map(|r| r.name().to_owned())),
+        pressure("pressure_mmHg", &result.unperturbed),
+    ];
+    columns.extend(result.perturbed.as_ref().map(|state| pressure("pressure_mmHg_perturbed", state)));
+    columns.extend(condition_columns(network, boundary));
+    columns
+}
+
+/// The columns of edges.csv.
+pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
+    let (network, result) = (simulated.network, simulated.result);
+    let mut columns = places(network);
+    columns.extend(flow_columns(&result.unperturbed, ""));
+    if let Some(perturbed) = &result.perturbed {
+        columns.extend(flow_columns(perturbed, PERTURBED));
+        let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
+        columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
+    }
+    columns
+}
+
+fn places(network: &Network) -> Vec<Column> {
+    let vessels = || network.vessels();
+    vec![
+        Column::whole("edge", 0..network.vessel_count()),
+        Column::whole("node_a", vessels().map(|(ends, _)| ends[0])),
+        Column::whole("node_b", vessels().map(|(ends, _)| ends[1])),
+        Column::text("label", vessels().map(|(_, v)| v.label.clone())),
+        Column::real("length_mm", vessels().map(|(_, v)| millimetres(v.length))),
+        Column::real("radius_mm", vessels().map(|(_, v)| millimetres(v.radius))),
+    ]
+}
+
+/// What flow does in each vessel; `suffix` ends the headers.
+fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
+    let figure = |name: &str, of: fn(&VesselState) -> f64| Column::real(format!("{name}{suffix}"), state.vessels.iter().map(of));
+    vec![
+        figure("resistance_mmHg_s_per_mL", |v| mmhg_s_per_ml(v.resistance)),
+        figure("drop_mmHg", |v| mmhg(v.drop)),
+        figure("flow_mL_per_min", |v| ml_per_min(v.flow)),
+        figure("velocity_mm_per_s", |v| millimetres(v.velocity)),
+        figure("wall_shear_Pa", |v| v.wall_shear),
+        figure("reynolds", |v| v.reynolds),
+        figure("resilience_W_per_m3", |v| v.resilience),
+        Column::whole(format!("diffused{suffix}"), state.vessels.iter().map(|v| usize::from(v.diffused))),
+    ]
+}
+
+/// A simulation and everything its files are made of.
+#[derive(Debug)]
+pub struct Simulated<'a> {
+    /// The vessels.
+    pub network: &'a Network,
+    /// Their boundary conditions.
+    pub boundary: &'a Boundary,
+    /// What was done to them.
+    pub perturbations: &'a [Perturbation],
+    /// The flow before and after.
+    pub result: &'a Simulation,
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+}
+
+/// Writes every file of a simulation into a folder and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRecord, dpi: u32) -> Result<Vec<String>> {
+    let mut notes = Vec::new();
+    let vessels = vessel_columns(simulated);
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
+    let nodes = node_columns(simulated);
+    write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
+    if simulated.network.has_positions() {
+        write_file(&folder.join(format!("{TOPOLOGY}.vtp")), |out| write_vtp(out, simulated.network, &vessels))?;
+    } else {
+        notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
+    }
+    let bars = flow_bars(&flows(simulated))?;
+    bars.write(folder, dpi)?;
+    let says = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
+    let figures = vec![Figure::new("Flow", says, &bars)?];
+    write_record(folder, record)?;
+    let page = simulation_page(simulated, record, vessels, nodes, figures);
+    write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
+    Ok(notes)
+}
+
+/// The flow of every vessel under its label; its row is added where it has none, or others have the same.
+fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
+    let mut carried = BTreeMap::new();
+    for (_, vessel) in simulated.network.vessels() {
+        *carried.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
+    }
+    let result = simulated.result;
+    let flow = |(row, (_, vessel)): (usize, (_, &crate::network::Vessel))| VesselFlow {
+        name: match vessel.label.as_str() {
+            "" => format!("edge {row}"),
+            label if carried[label] > 1 => format!("{label} (edge {row})"),
+            label => label.to_owned(),
+        },
+        unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),
+        perturbed: result.perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
+    };
+    simulated.network.vessels().enumerate().map(flow).collect()
+}

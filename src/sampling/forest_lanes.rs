@@ -1,0 +1,206 @@
+//! The maximum spanning forest of many samples at once, by elimination over the (max, min) semiring.
+//!
+//! Eliminating node k offers its neighbours i and j the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest
+//! way out of k belongs to the forest (Borůvka); to every other neighbour the new paths lead as k's own vessels did, by
+//! way of the widest one, so that the rest of the forest is the forest of the rest. The vessel stands in the low bits of
+//! its key, so that one pass through the order reads the whole forest off. Maxima and minima only select: the answer is
+//! exact, and there is no sort and no branch.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use super::forest::rows;
+use crate::support::elimination::{Elimination, NOWHERE};
+use crate::support::simd::{Lanes, Simd, zip};
+
+/// The compiled elimination of a graph's forests.
+#[derive(Debug, Clone)]
+pub struct Bottleneck {
+    program: Elimination,
+    steps: Vec<Step>,
+    offers: Vec<Offer>,
+    /// The rays that no vessel lies on.
+    fill: Vec<u32>,
+}
+
+/// Whether a vessel is in the forest of each sample of a group: zero or 255. There are as many as vessels, last vessel
+/// first, after one that means nothing.
+pub type Taken<const B: usize> = [u8; B];
+/// What marks a vessel of the forest.
+pub const TAKEN: u8 = u8::MAX;
+
+/// Where a vessel's keys go.
+#[derive(Debug, Clone, Copy)]
+pub struct Offer {
+    /// Its ray; `NOWHERE` for one that is in no forest.
+    ray: u32,
+    /// Whether it is the first of its ray.
+    first: bool,
+}
+
+impl Offer {
+    /// Of the vessels in order, each to a place of its own.
+    pub fn one_each(vessels: usize) -> Vec<Self> {
+        (0..vessels as u32).map(|ray| Self { ray, first: true }).collect()
+    }
+
+    /// Offers the keys of the vessel, one a lane, zero where it is not diffused.
+    #[inline(always)]
+    pub fn put<S: Simd, const B: usize>(self, simd: S, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
+        if let Some(m) = widest.get_mut(self.ray as usize) {
+            *m = if self.first { *keys } else { wider(simd, m, keys) };
+        }
+    }
+}
+
+impl Bottleneck {
+    /// Orders and compiles; `None` when it would take more than `limit` joins a sample. `None` among the ends is a vessel
+    /// that is in no forest.
+    pub fn compile(nodes: usize, ends: &[Option<[usize; 2]>], limit: usize) -> Option<Self> {
+        let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
+        let program = Elimination::compile(nodes, &links, limit)?;
+        let ray = |[a, b]: [usize; 2]| program.ray(program.place(a), program.place(b));
+        let mut bare = vec![true; program.rays()];
+        let offers = ends.iter().map(|e| {
+            let ray = e.filter(|[a, b]| a != b).map_or(NOWHERE, ray);
+            Offer { ray, first: bare.get_mut(ray as usize).is_some_and(std::mem::take) }
+        });
+        let offers = offers.collect();
+        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
+        Some(Self { steps: steps(&program), program, offers, fill })
+    }
+
+    /// The joins of one sample: the length of the program.
+    pub fn joins(&self) -> usize {
+        self.program.joins()
+    }
+
+    /// How many rays there are: the length of the memory that the other functions take.
+    pub fn rays(&self) -> usize {
+        self.program.rays()
+    }
+
+    /// Makes ready for the offers of the next group.
+    #[inline(always)]
+    pub fn clear<const B: usize>(&self, widest: &mut [Lanes<B>]) {
+        for ray in &self.fill {
+            widest[*ray as usize] = Lanes::ZERO;
+        }
+    }
+
+    /// Where the keys of each vessel go. All are offered, in order.
+    pub fn offers(&self) -> &[Offer] {
+        &self.offers
+    }
+
+    /// Grows the forests of the keys offered and marks their vessels.
+    #[inline(always)]
+    pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+        for step in &self.steps {
+            let k = step.k as usize;
+            if step.twin {
+                self.two(simd, k, widest, taken);
+            } else {
+                self.one(simd, k, widest, taken);
+            }
+        }
+    }
+
+    /// Eliminates the k-th node.
+    #[inline(always)]
+    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+        let star = self.program.star(k);
+        let (done, later) = widest.split_at_mut(star.end);
+        let mut mesh = self.program.mesh(k).iter();
+        let rays = &done[star.clone()];
+        let mut best = Lanes::ZERO;
+        for (i, a) in rays.iter().enumerate() {
+            best = wider(simd, &best, a);
+            for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
+                let m = &mut later[*target as usize - star.end];
+                *m = wider(simd, m, &narrower(simd, a, b));
+            }
+        }
+        take(simd, &best, taken);
+    }
+
+    /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
+    #[inline(always)]
+    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+        let (near, far) = (self.program.star(k), self.program.star(k + 1));
+        let (done, later) = widest.split_at_mut(far.end);
+        let (near, second) = done[near.start..].split_at_mut(near.len());
+        let (between, first) = (near[0], &near[1..]);
+        let (mut best, mut next) = (between, Lanes::ZERO);
+        for (a, b) in first.iter().zip(&mut *second) {
+            best = wider(simd, &best, a);
+            let c = wider(simd, &narrower(simd, &between, a), b);
+            next = wider(simd, &next, &c);
+            *b = c;
+        }
+        take(simd, &best, taken);
+        take(simd, &next, taken);
+        let mut mesh = self.program.mesh(k + 1).iter();
+        for i in 0..second.len() {
+            let (a, c) = (first[i], second[i]);
+            for ((b, d), target) in first[i + 1..].iter().zip(&second[i + 1..]).zip(&mut mesh) {
+                let m = &mut later[*target as usize - far.end];
+                *m = wider(simd, &wider(simd, m, &narrower(simd, &a, b)), &narrower(simd, &c, d));
+            }
+        }
+    }
+}
+
+/// One or two nodes eliminated at a time.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// The node's place.
+    k: u32,
+    /// Whether the next one has the same neighbours and goes with it.
+    twin: bool,
+}
+
+/// Pairs each node with its next where that is its neighbour and has all its other neighbours.
+fn steps(program: &Elimination) -> Vec<Step> {
+    let to = |k: usize| &program.ray_to()[program.star(k)];
+    let (mut out, mut k) = (Vec::new(), 0);
+    while k < program.nodes() {
+        let twin = k + 1 < program.nodes() && to(k).first() == Some(&(k as u32 + 1)) && to(k)[1..] == *to(k + 1);
+        out.push(Step { k: k as u32, twin });
+        k += 1 + usize::from(twin);
+    }
+    out
+}
+
+/// Marks the vessels of the keys, one a lane.
+#[inline(always)]
+fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [Taken<B>]) {
+    let vessels = taken.len() - 1;
+    let taken = taken.as_flattened_mut();
+    let mut at = [0; B];
+    for (i, (at, keys)) in S::as_mut_simd_u64s(&mut at).0.iter_mut().zip(keys.vectors::<S>()).enumerate() {
+        let mut row = rows(simd, *keys, vessels);
+        for _ in 0..B.ilog2() {
+            row = simd.add_u64s(row, row);
+        }
+        *at = simd.add_u64s(row, S::as_simd_u64s(&LANE).0[i]);
+    }
+    for at in at {
+        taken[at as usize] = TAKEN;
+    }
+}
+
+/// The numbers of the lanes.
+static LANE: [u64; 32] =
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31];
+
+/// The larger of two, lane by lane.
+#[inline(always)]
+fn wider<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| if S::IS_SCALAR { simd.select_f64s(simd.greater_than_f64s(a, b), a, b) } else { simd.max_f64s(a, b) })
+}
+
+/// The smaller of two, lane by lane.
+#[inline(always)]
+fn narrower<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| if S::IS_SCALAR { simd.select_f64s(simd.less_than_f64s(a, b), a, b) } else { simd.min_f64s(a, b) })
+}

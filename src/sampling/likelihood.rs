@@ -1,0 +1,139 @@
+//! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
+
+use super::dyadic_sums::Summed;
+use crate::network::Network;
+
+/// Sums over a range of samples, per vessel.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sums {
+    /// Σ of the contributions: L.
+    pub likelihood: Vec<f64>,
+    /// Σ of the squared contributions.
+    pub square: Vec<f64>,
+    /// Samples with the vessel in the forest; their probability in an enumeration.
+    pub count: Vec<f64>,
+    /// Σ ρ_G of the samples, W/m³.
+    pub network_resilience: f64,
+    /// The largest relative residual ‖b - A P‖/‖b‖ of the samples that were checked, one of a block.
+    pub residual: f64,
+    /// How many samples.
+    pub samples: u64,
+}
+
+impl Sums {
+    /// Nothing yet, for so many vessels.
+    pub fn zero(vessels: usize) -> Self {
+        Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0.0; vessels], ..Self::default() }
+    }
+
+    /// Back to nothing.
+    pub fn clear(&mut self) {
+        self.likelihood.fill(0.0);
+        self.square.fill(0.0);
+        self.count.fill(0.0);
+        self.network_resilience = 0.0;
+        self.residual = 0.0;
+        self.samples = 0;
+    }
+
+    /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
+    /// one contribution; not a number for fewer than two samples.
+    pub fn standard_errors(&self) -> Vec<f64> {
+        let n = self.samples as f64;
+        let each = self.likelihood.iter().zip(&self.square);
+        each.map(|(sum, square)| {
+            let spread = square - sum * sum / n;
+            // What equal contributions leave is rounding.
+            let spread = if spread <= 8.0 * f64::EPSILON * square { 0.0 } else { spread };
+            if n > 1.0 { (n * spread / (n - 1.0)).sqrt() } else { f64::NAN }
+        })
+        .collect()
+    }
+}
+
+impl Summed for Sums {
+    fn plus(mut self, right: &Self) -> Self {
+        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.likelihood, &right.likelihood);
+        add(&mut self.square, &right.square);
+        add(&mut self.count, &right.count);
+        self.network_resilience += right.network_resilience;
+        self.residual = self.residual.max(right.residual);
+        self.samples += right.samples;
+        self
+    }
+}
+
+/// The state of the uncertain vessels after some of the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    /// Samples so far.
+    pub samples: u64,
+    /// L of each uncertain vessel so far, in row order.
+    pub likelihood: Vec<f64>,
+}
+
+/// What the samples say of each vessel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Likelihood {
+    /// L of each vessel, W/m³.
+    pub likelihood: Vec<f64>,
+    /// The Monte-Carlo standard error of L, W/m³.
+    pub std_error: Vec<f64>,
+    /// Share of the samples with the vessel in the forest.
+    pub frequency: Vec<f64>,
+    /// Whether the vessel was uncertain.
+    pub uncertain: Vec<bool>,
+    /// Mean of ρ_G over the samples, W/m³.
+    pub network_resilience: f64,
+    /// The largest relative residual of the samples that were checked.
+    pub residual: f64,
+    /// How many samples there were.
+    pub samples: u64,
+    /// L of the uncertain vessels along the way.
+    pub trace: Vec<Snapshot>,
+}
+
+impl Likelihood {
+    /// From the sums over all samples.
+    pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
+        let n = sums.samples.max(1) as f64;
+        Self {
+            std_error: sums.standard_errors(),
+            frequency: sums.count.iter().map(|c| c / n).collect(),
+            network_resilience: sums.network_resilience / n,
+            residual: sums.residual,
+            samples: sums.samples,
+            likelihood: sums.likelihood,
+            uncertain,
+            trace,
+        }
+    }
+
+    /// From the sums over all patterns, weighted by probability: the expectation of a run of `samples`, without error.
+    pub fn exact(sums: Sums, uncertain: Vec<bool>, samples: u64) -> Self {
+        let n = samples as f64;
+        Self {
+            std_error: vec![0.0; sums.likelihood.len()],
+            likelihood: sums.likelihood.iter().map(|e| n * e).collect(),
+            frequency: sums.count,
+            network_resilience: sums.network_resilience,
+            residual: sums.residual,
+            samples,
+            uncertain,
+            trace: Vec::new(),
+        }
+    }
+
+    /// The upper triangle of the symmetric N x N matrix L, row by row: L(j1, j2) sums over parallel vessels; self-loops and
+    /// zeros are left out.
+    pub fn matrix(&self, network: &Network) -> Vec<(u32, u32, f64)> {
+        let mut cells = std::collections::BTreeMap::new();
+        for (([a, b], _), value) in network.vessels().zip(&self.likelihood) {
+            if a != b && *value != 0.0 {
+                *cells.entry((a.min(b) as u32, a.max(b) as u32)).or_insert(0.0) += value;
+            }
+        }
+        cells.into_iter().map(|((a, b), value)| (a, b, value)).collect()
+    }
+}

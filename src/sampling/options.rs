@@ -1,0 +1,148 @@
+//! The parameters of a run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use crate::network::{Network, Origin, Vessel};
+
+/// Which vessels are uncertain: occluded at random, and to be decided on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Uncertain {
+    /// The candidates; observed vessels are never occluded.
+    #[default]
+    Candidates,
+    /// Every vessel, as in the paper.
+    All,
+}
+
+impl Uncertain {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Candidates, Self::All];
+
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Candidates => "candidates",
+            Self::All => "all",
+        }
+    }
+
+    /// Per vessel whether it is uncertain; one marked certain never is.
+    pub fn vessels(self, network: &Network) -> Vec<bool> {
+        network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin == Origin::Candidate)).collect()
+    }
+}
+
+/// What a vessel of the forest contributes to L.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Weight {
+    /// Its resilience ρ, as in the paper.
+    #[default]
+    Resilience,
+    /// One.
+    Count,
+    /// The resilience ρ_G of the whole sample.
+    Global,
+}
+
+impl Weight {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Resilience, Self::Count, Self::Global];
+
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Resilience => "resilience",
+            Self::Count => "count",
+            Self::Global => "global",
+        }
+    }
+
+    /// The contribution of a vessel with resilience ρ in a sample with ρ_G, W/m³ or one.
+    pub fn of(self, resilience: f64, global: f64) -> f64 {
+        match self {
+            Self::Resilience => resilience,
+            Self::Count => 1.0,
+            Self::Global => global,
+        }
+    }
+}
+
+/// The solver of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Solver {
+    /// The fastest that the structure of the graph allows.
+    #[default]
+    Auto,
+    /// Star-mesh elimination, many samples at a time.
+    Lanes,
+    /// Conjugate gradients on the core that elimination leaves, eight samples at a time.
+    Gradients,
+    /// Sparse Cholesky factorisation.
+    Cholesky,
+}
+
+/// The parameters of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SamplingOptions {
+    /// Occlusion probability ε in [0, 1).
+    pub epsilon: f64,
+    /// Samples, at least 1.
+    pub samples: u64,
+    /// The seed.
+    pub seed: u64,
+    /// Which vessels are uncertain.
+    pub uncertain: Uncertain,
+    /// What a vessel of the forest contributes.
+    pub weight: Weight,
+    /// Whether A = 1 everywhere instead of the prior of each vessel.
+    pub uniform_prior: bool,
+    /// Blood viscosity µ, Pa s, positive.
+    pub viscosity: f64,
+    /// The solver.
+    pub solver: Solver,
+    /// Whether every pattern is enumerated with its probability instead of samples drawn; for 20 uncertain vessels at the
+    /// most. `samples` then only scales L.
+    pub exact: bool,
+}
+
+impl Default for SamplingOptions {
+    fn default() -> Self {
+        Self {
+            epsilon: 0.5,
+            samples: 1000,
+            seed: 0,
+            uncertain: Uncertain::default(),
+            weight: Weight::default(),
+            uniform_prior: false,
+            viscosity: BLOOD_VISCOSITY,
+            solver: Solver::default(),
+            exact: false,
+        }
+    }
+}
+
+impl SamplingOptions {
+    /// The chance of each vessel to be open in a sample: λA of an uncertain one, else 1.
+    pub fn keep_probabilities(&self, network: &Network) -> Vec<f64> {
+        let prior = |v: &Vessel| if self.uniform_prior { 1.0 } else { v.prior };
+        let keep = |v: &Vessel, uncertain: bool| if uncertain { (1.0 - self.epsilon) * prior(v) } else { 1.0 };
+        network.vessels().zip(self.uncertain.vessels(network)).map(|((_, v), uncertain)| keep(v, uncertain)).collect()
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if !(0.0..1.0).contains(&self.epsilon) {
+            return Err(Error::parameter("--epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
+        }
+        if self.samples == 0 || self.samples > 1 << 50 {
+            return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
+        }
+        check_viscosity(self.viscosity)
+    }
+}

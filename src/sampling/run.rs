@@ -1,0 +1,239 @@
+//! The sampling run: fixed blocks over the worker threads, summed over the dyadic tree of block indices.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::dyadic_sums::DyadicSums;
+use super::forest::MAX_VESSELS;
+use super::likelihood::{Likelihood, Sums};
+use super::options::SamplingOptions;
+use super::partial_run::PartialRun;
+use super::sampler::{Method, Sampler};
+use crate::decision::decide::decide;
+use crate::decision::rules::Keep;
+use crate::error::{Error, Result};
+use crate::flow::Boundary;
+use crate::network::Network;
+
+/// Samples that a run until stable begins and ends with.
+pub const FIRST_STABLE: u64 = 1 << 10;
+const LAST_STABLE: u64 = 1 << 20;
+/// Blocks that a worker sums up by itself before it hands them in, at the most.
+const UNIT: u64 = 16;
+/// Between two reports of a worker within them.
+const REPORT_AFTER: Duration = Duration::from_millis(50);
+/// Sums that a worker keeps for later, at the most.
+const SPARE: usize = 6;
+
+/// Hears how far a run is and may stop it.
+pub trait Progress: Send {
+    /// So many samples of the total are done; false stops the run.
+    fn report(&mut self, done: u64, total: u64) -> bool;
+
+    /// More of the run is finished; what stands here now can be gone on with later ([`Sampling::sample`]).
+    fn finished(&mut self, _part: &PartialRun) {}
+}
+
+impl<F: FnMut(u64, u64) -> bool + Send> Progress for F {
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self(done, total)
+    }
+}
+
+/// Samples an over-connected graph and returns what the samples say, with how they were computed.
+///
+/// # Errors
+///
+/// A parameter or vessel out of its range, a breakdown of the solver, or a stop by `progress`.
+pub fn infer(
+    network: &Network,
+    boundary: &Boundary,
+    params: &SamplingOptions,
+    progress: &mut impl Progress,
+) -> Result<(Likelihood, Method)> {
+    let sampling = Sampling::new(network, boundary, params)?;
+    let mut part = sampling.part();
+    sampling.sample(&mut part, 0..sampling.blocks(), progress)?;
+    Ok((sampling.likelihood(&part), sampling.method()))
+}
+
+/// A run made ready, to be sampled in parts.
+#[derive(Debug)]
+pub struct Sampling {
+    sampler: Sampler,
+    uncertain: Vec<bool>,
+    samples: u64,
+    /// Of an enumeration the samples that L is scaled to.
+    scaled_to: Option<u64>,
+}
+
+impl Sampling {
+    /// Prepares a run.
+    ///
+    /// # Errors
+    ///
+    /// A parameter or vessel out of its range.
+    pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
+        params.validate()?;
+        if network.vessel_count() >= MAX_VESSELS {
+            return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
+        }
+        let sampler = Sampler::new(network, boundary, params)?;
+        let samples = sampler.samples(params.samples);
+        let uncertain = params.uncertain.vessels(network);
+        Ok(Self { sampler, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
+    }
+
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        self.sampler.method()
+    }
+
+    /// Samples of the whole run.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Blocks of the whole run.
+    pub fn blocks(&self) -> u64 {
+        self.part().blocks()
+    }
+
+    /// The part of the run that is finished before it begins.
+    pub fn part(&self) -> PartialRun {
+        PartialRun::new(self.uncertain.clone(), self.samples)
+    }
+
+    /// Finishes a range of blocks of the run; those that `part` has already are not computed again.
+    ///
+    /// # Errors
+    ///
+    /// A breakdown of the solver, or a stop by `progress`; `part` then has what was finished.
+    pub fn sample(&self, part: &mut PartialRun, blocks: Range<u64>, progress: &mut impl Progress) -> Result<()> {
+        let total = part.samples_in(&blocks);
+        let gaps = part.gaps(blocks);
+        let done = total - gaps.iter().map(|gap| part.samples_in(gap)).sum::<u64>();
+        let unit = part.step().min(UNIT);
+        let (stop, shared) = (AtomicBool::new(false), Mutex::new(Shared { part, units: Units { gaps, unit }, done, progress }));
+        let hear = |shared: &mut Shared<'_, _>, fresh: u64| {
+            if !shared.hear(fresh, total) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let worker = |_| -> Result<()> {
+            let (mut work, mut spare) = (self.sampler.workspace(), Vec::new());
+            while !stop.load(Ordering::Relaxed) {
+                let Some(unit) = locked(&shared).units.next() else { break };
+                let (mut sum, mut fresh, mut said) = (DyadicSums::default(), 0, Instant::now());
+                for block in unit {
+                    let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
+                    self.sampler.block(block, self.samples - block * crate::support::random::BLOCK, &mut work, &mut sums)?;
+                    fresh += sums.samples;
+                    sum.insert(block, 1, sums, &mut spare, |_, _, _| {});
+                    if said.elapsed() > REPORT_AFTER {
+                        said = Instant::now();
+                        hear(&mut locked(&shared), std::mem::take(&mut fresh));
+                    }
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                }
+                let shared = &mut *locked(&shared);
+                for (first, blocks, sums) in sum.into_nodes() {
+                    shared.part.insert(first, blocks, sums, &mut spare);
+                }
+                spare.truncate(SPARE);
+                hear(shared, fresh);
+                shared.progress.finished(shared.part);
+            }
+            Ok(())
+        };
+        let ended = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|at| {
+            // One that fails stops the others.
+            worker(at).inspect_err(|_| stop.store(true, Ordering::Relaxed))
+        });
+        ended.collect::<Result<()>>()?;
+        let Shared { done, .. } = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
+    }
+
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no uncertain vessel is undecided under `rule`; one that was
+    /// begun goes on with the samples that `part` has come to.
+    ///
+    /// # Errors
+    ///
+    /// As [`Sampling::sample`].
+    pub fn until_stable(
+        &mut self,
+        part: &mut PartialRun,
+        network: &Network,
+        rule: Keep,
+        progress: &mut impl Progress,
+    ) -> Result<Likelihood> {
+        let rule = if rule.asks_evidence() { Keep::Median } else { rule };
+        self.samples = part.samples();
+        loop {
+            self.sample(part, 0..self.blocks(), progress)?;
+            let result = self.likelihood(part);
+            if self.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
+                return Ok(result);
+            }
+            self.samples *= 2;
+            part.double();
+        }
+    }
+
+    /// What the samples say, from a part that is the whole run.
+    pub fn likelihood(&self, part: &PartialRun) -> Likelihood {
+        let sums = part.total().unwrap_or_default();
+        match self.scaled_to {
+            Some(samples) => Likelihood::exact(sums, self.uncertain.clone(), samples),
+            None => Likelihood::new(sums, self.uncertain.clone(), part.trace()),
+        }
+    }
+}
+
+/// What the workers share.
+struct Shared<'a, P> {
+    part: &'a mut PartialRun,
+    units: Units,
+    done: u64,
+    progress: &'a mut P,
+}
+
+impl<P: Progress> Shared<'_, P> {
+    /// So many more samples of the total are done; false stops the run.
+    fn hear(&mut self, fresh: u64, total: u64) -> bool {
+        self.done += fresh;
+        self.progress.report(self.done, total)
+    }
+}
+
+/// What is to be done, in rising order, so that little stands alone while a run is under way.
+struct Units {
+    gaps: Vec<Range<u64>>,
+    /// Blocks of a unit, a power of two.
+    unit: u64,
+}
+
+impl Units {
+    fn next(&mut self) -> Option<Range<u64>> {
+        let gap = self.gaps.first_mut()?;
+        let first = gap.start;
+        let last = gap.end.min((first / self.unit + 1) * self.unit);
+        gap.start = last;
+        if gap.is_empty() {
+            self.gaps.remove(0);
+        }
+        Some(first..last)
+    }
+}
+
+/// The content of a lock; a panic elsewhere leaves it usable, for it is only sums and counts.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

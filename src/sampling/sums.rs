@@ -1,0 +1,165 @@
+//! The sums of a block over its forests, vessel by vessel.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use super::forest_lanes::Taken;
+use super::likelihood::Sums;
+use crate::support::random::BLOCK;
+use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat, zip};
+
+/// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
+const SUM_LANES: usize = 8;
+/// One figure for each sample of a block.
+pub type Samples = Lanes<{ BLOCK as usize }>;
+
+/// The forests of a block, in groups of `B` samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Tally<'a, const B: usize> {
+    /// As the forests left them, one group after another.
+    pub taken: &'a [Taken<B>],
+    /// How many vessels.
+    pub vessels: usize,
+}
+
+impl<const B: usize> Tally<'_, B> {
+    /// The sums of all vessels, given what a vessel contributes to the samples from one on.
+    #[inline(always)]
+    pub fn add_up<S: Simd>(&self, simd: S, value: impl Fn(usize, usize) -> Lanes<SUM_LANES>, sums: &mut Sums) {
+        for vessel in 0..self.vessels {
+            let word = self.word(vessel);
+            let (mut likelihood, mut square) = (Lanes::ZERO, Lanes::ZERO);
+            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
+                let value = masked_by(simd, &value(vessel, first), &ACROSS, word, first);
+                likelihood = plus(simd, &likelihood, &value);
+                square = plus_product(simd, &square, &value, &value);
+            }
+            sums.likelihood[vessel] = pairwise(&likelihood);
+            sums.square[vessel] = pairwise(&square);
+            sums.count[vessel] = f64::from(word.count_ones());
+        }
+    }
+
+    /// As [`Self::add_up`], for samples that count by their probability.
+    #[inline(always)]
+    pub fn add_up_weighted<S: Simd>(
+        &self,
+        simd: S,
+        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
+        probability: &[f64; BLOCK as usize],
+        sums: &mut Sums,
+    ) {
+        for vessel in 0..self.vessels {
+            let word = self.word(vessel);
+            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
+            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
+                let value = value(vessel, first);
+                let count = masked_by(simd, &part(probability, first), &ACROSS, word, first);
+                let weighted = zip(simd, &value, &count, |a, b| simd.mul_f64s(a, b));
+                likelihood = plus(simd, &likelihood, &weighted);
+                square = plus_product(simd, &square, &weighted, &value);
+                counted = plus(simd, &counted, &count);
+            }
+            sums.likelihood[vessel] = pairwise(&likelihood);
+            sums.square[vessel] = pairwise(&square);
+            sums.count[vessel] = pairwise(&counted);
+        }
+    }
+
+    /// The samples whose forest has the vessel, as the bits [`ACROSS`] of a word.
+    #[inline(always)]
+    fn word(&self, vessel: usize) -> u64 {
+        let (row, rows) = (self.vessels - vessel, self.vessels + 1);
+        let mut word = 0;
+        for eight in 0..BLOCK as usize / 8 {
+            let samples = self.taken[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
+            word |= u64::from_le_bytes(samples) & 0x0101_0101_0101_0101 << eight;
+        }
+        word
+    }
+}
+
+static ACROSS: Bits = Bits::ACROSS;
+
+/// The sum over the samples of what each gives, times what it counts.
+pub fn expectation(values: &Samples, probability: Option<&[f64; BLOCK as usize]>) -> f64 {
+    let mut lanes = [0.0; SUM_LANES];
+    for (sample, value) in values.iter().enumerate() {
+        lanes[sample % SUM_LANES] += value * probability.map_or(1.0, |p| p[sample]);
+    }
+    pairwise(&lanes)
+}
+
+/// The next figures of a group or block.
+#[inline(always)]
+pub fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
+    let mut out = Lanes::ZERO;
+    out.copy_from_slice(&values[first..first + SUM_LANES]);
+    out
+}
+
+/// The sum of the lanes, pairwise.
+pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// The number of words in which the bit of each sample is set.
+#[inline(always)]
+pub fn open_vessels<S: Simd>(simd: S, masks: &[u64]) -> Samples {
+    let mut planes = [0_u64; 32];
+    let (eights, rest) = masks.as_chunks();
+    for [a, b, c, d, e, f, g, h] in eights {
+        let pairs = [[a, b], [c, d], [e, f], [g, h]].map(|[a, b]| add_bits(&mut planes[0], *a, *b));
+        let fours = [[pairs[0], pairs[1]], [pairs[2], pairs[3]]].map(|[a, b]| add_bits(&mut planes[1], a, b));
+        let carry = add_bits(&mut planes[2], fours[0], fours[1]);
+        count_bits(&mut planes[3..], carry);
+    }
+    for mask in rest {
+        count_bits(&mut planes, *mask);
+    }
+    let (mut open, mut worth) = (Samples::ZERO, splat(simd, 1.0));
+    let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
+    for plane in &planes[..used] {
+        open = plus(simd, &open, &masked(simd, &worth, *plane, 0));
+        worth = plus(simd, &worth, &worth);
+    }
+    open
+}
+
+/// Adds two to a plane of bits; returns what is carried to the next one.
+#[inline(always)]
+fn add_bits(plane: &mut u64, a: u64, b: u64) -> u64 {
+    let differ = *plane ^ a;
+    let carry = (*plane & a) | (differ & b);
+    *plane = differ ^ b;
+    carry
+}
+
+/// Adds a word to the planes of a count.
+#[inline(always)]
+fn count_bits(planes: &mut [u64], mut carry: u64) {
+    for plane in planes {
+        if carry == 0 {
+            break;
+        }
+        (*plane, carry) = (*plane ^ carry, *plane & carry);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::simd::Scalar;
+
+    /// Every word has bit i set in the first i of them, so that sample i is open in min(i, words) of them.
+    #[test]
+    fn open_vessels_are_counted() {
+        for words in [0, 1, 7, 8, 9, 63, 64, 100] {
+            let masks: Vec<u64> = (0..words).map(|word| (0..64).filter(|i| word < *i).map(|i| 1 << i).sum()).collect();
+            let counted = open_vessels(Scalar::new(), &masks);
+            for (sample, counted) in counted.iter().enumerate() {
+                assert_eq!(*counted, sample.min(words) as f64, "{words} words, sample {sample}");
+            }
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! What every other module may use: random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
+
+pub mod elimination;
+pub mod gamma;
+pub mod geometry;
+pub mod parallel;
+pub mod random;
+pub mod simd;
+pub mod statistics;
+pub mod suggestions;
+
+pub use parallel::in_order;
+pub use statistics::Distribution;

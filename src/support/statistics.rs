@@ -1,0 +1,111 @@
+//! Statistics of plain samples: order statistics, distributions, the gamma distribution.
+
+/// The q-quantile by linear interpolation between order statistics, as `numpy.quantile`; `None` of nothing.
+pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    quantile_of_sorted(&sorted, q)
+}
+
+/// [`quantile`] of values in rising order.
+pub fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let at = q.clamp(0.0, 1.0) * last as f64;
+    let (low, share) = (at.floor() as usize, at.fract());
+    let high = (low + 1).min(last);
+    Some(sorted[low] + share * (sorted[high] - sorted[low]))
+}
+
+/// σ(x) = 1/(1 + e^-x), the logistic function: the probability of log-odds x.
+pub fn sigmoid(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+/// The median: the mean of the two middle values of an even number.
+pub fn median(values: &[f64]) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// Otsu's threshold: the cut between two groups that makes the variance between them largest, midway between the
+/// groups' nearest values (Otsu 1979, doi:10.1109/TSMC.1979.4310076). `None` of fewer than two different values.
+pub fn otsu(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let (n, total) = (sorted.len() as f64, sorted.iter().sum::<f64>());
+    let (mut below, mut best) = (0.0, None);
+    for cut in 1..sorted.len() {
+        below += sorted[cut - 1];
+        if sorted[cut] > sorted[cut - 1] {
+            let share = cut as f64 / n;
+            let gap = below / cut as f64 - (total - below) / (n - cut as f64);
+            let between = share * (1.0 - share) * gap * gap;
+            if best.is_none_or(|(most, _)| between > most) {
+                best = Some((between, 0.5 * (sorted[cut - 1] + sorted[cut])));
+            }
+        }
+    }
+    best.map(|(_, cut)| cut)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        // numpy.quantile([3, 1, 4, 1, 5, 9, 2, 6], [0.5, 0.1, 0.9])
+        let v = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+        assert_eq!(median(&v), Some(3.5));
+        assert_eq!(quantile(&v, 0.1), Some(1.0));
+        assert!((quantile(&v, 0.9).unwrap_or(0.0) - 6.9).abs() < 1e-12);
+        assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn otsu_cuts_between_two_clusters() {
+        assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0]), Some(6.0));
+        assert_eq!(otsu(&[2.0, 2.0]), None);
+    }
+}
+
+/// A sample in a few figures, all in its unit; NaN of a sample without values or with values that are no number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distribution {
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation √(Σ (x - mean)²/(n - 1)); NaN of a single value.
+    pub std: f64,
+    /// The quantiles of [`Distribution::LEVELS`], by linear interpolation between order statistics.
+    pub quantiles: [f64; 5],
+}
+
+impl Distribution {
+    /// Which quantiles are kept.
+    pub const LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+    /// The distribution of a sample, in the order in which its values are summed.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+        let std = if values.len() > 1 { (squares / (n - 1.0)).sqrt() } else { f64::NAN };
+        values.sort_unstable_by(f64::total_cmp);
+        let quantile = |q| if mean.is_nan() { f64::NAN } else { quantile_of_sorted(&values, q).unwrap_or(f64::NAN) };
+        Self { mean, std, quantiles: Self::LEVELS.map(quantile) }
+    }
+}
+
+#[cfg(test)]
+mod distribution_tests {
+    use super::*;
+
+    #[test]
+    fn the_figures_are_those_of_numpy() {
+        // numpy: mean, std(ddof=1), quantile of [3, 1, 4, 1, 5]
+        let d = Distribution::of(vec![3.0, 1.0, 4.0, 1.0, 5.0]);
+        assert!((d.mean - 2.8).abs() < 1e-15 && (d.std - 1.788_854_381_999_831_6).abs() < 1e-15);
+        assert_eq!(d.quantiles, [1.0, 1.0, 3.0, 4.0, 4.8]);
+        assert!(Distribution::of(vec![1.0, f64::NAN]).quantiles[0].is_nan());
+        assert!(Distribution::of(Vec::new()).mean.is_nan());
+    }
+}

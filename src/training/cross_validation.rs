@@ -1,0 +1,80 @@
+//! Cross-validation by subject: every case is judged by weights that never saw its subject.
+
+use std::collections::BTreeSet;
+
+use super::example::{Case, Example, share_of};
+use super::figures::{Told, figures, told};
+use super::fit::{Step, TrainParams, fit};
+use crate::candidates::model::weights::{Figures, Fold, Weights};
+use crate::error::{Error, Result};
+use crate::support::in_order;
+
+/// The fold, of so many, that holds a subject out: by a hash of its name.
+pub fn fold_of(subject: &str, folds: usize) -> usize {
+    ((share_of(&["fold", subject]) * folds as f64) as usize).min(folds.saturating_sub(1))
+}
+
+/// The outcome of a cross-validation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossValidation {
+    /// Over all cases.
+    pub figures: Vec<Figures>,
+    /// Fold by fold.
+    pub folds: Vec<Fold>,
+    /// The weights of each fold.
+    pub weights: Vec<Weights>,
+}
+
+/// Fits weights without each fold's subjects and judges them by those. `training` and `judged` are the same cases, measured for
+/// the one purpose and the other; `tell` hears of every pass with the number of the fold, counted from 1.
+///
+/// # Errors
+///
+/// Fewer than two folds, a fold without any subject on one side, and those of [`fit`].
+pub fn cross_validate(
+    training: &[&Example],
+    judged: &[&Example],
+    folds: usize,
+    params: &TrainParams,
+    tell: &mut dyn FnMut(usize, &Step),
+) -> Result<CrossValidation> {
+    let all: Vec<&Case> = training.iter().map(|e| e.case).collect();
+    check_folds(&all, folds)?;
+    let outside = |e: &Example, fold: usize| fold_of(&e.case.subject, folds) == fold;
+    let mut out = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
+    let mut everything: Vec<(&Example, Told)> = Vec::new();
+    for fold in 0..folds {
+        let inner: Vec<&Example> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
+        let mut weights = fit(&inner, params, &mut |step| tell(fold + 1, step))?;
+        let outer: Vec<&Example> = judged.iter().copied().filter(|e| outside(e, fold)).collect();
+        let answers = in_order(&outer, |_, e| told(e, &weights)).into_iter().collect::<Result<Vec<Told>>>()?;
+        let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
+        let held_out: Vec<String> = held_out.into_iter().cloned().collect();
+        weights.provenance.held_out.clone_from(&held_out);
+        let of: Vec<(&Example, &Told)> = outer.iter().copied().zip(&answers).collect();
+        weights.provenance.figures = figures(&of);
+        out.folds.push(Fold { held_out, figures: weights.provenance.figures.clone() });
+        out.weights.push(weights);
+        everything.extend(outer.into_iter().zip(answers));
+    }
+    out.figures = figures(&everything.iter().map(|(e, t)| (*e, t)).collect::<Vec<_>>());
+    Ok(out)
+}
+
+/// Whether every fold has subjects to fit to and subjects to judge by.
+///
+/// # Errors
+///
+/// It has not: says how many subjects there are.
+pub fn check_folds(cases: &[&Case], folds: usize) -> Result<()> {
+    let subjects: BTreeSet<&str> = cases.iter().map(|c| c.subject.as_str()).collect();
+    let taken: BTreeSet<usize> = subjects.iter().map(|s| fold_of(s, folds)).collect();
+    if folds < 2 || taken.len() < folds {
+        let accepted = match subjects.len() {
+            n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
+            _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
+        };
+        return Err(Error::parameter("--folds", folds, accepted));
+    }
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! Fits weights to cases: maximum conditional likelihood pass by pass, then the calibration.
+
+use std::borrow::Cow;
+
+use ndarray::Array2;
+
+use super::example::{Case, Example, share_of};
+use super::logistic::{calibrate, logistic};
+use super::minimise::minimise;
+use super::objective::{Objective, case_weights};
+use crate::candidates::features::Feedback;
+use crate::candidates::model::belief::last_pass;
+use crate::candidates::model::closures::{Closure, closures};
+use crate::candidates::model::decision_scores::{alone, hangs};
+use crate::candidates::model::weights::{Pass, Provenance, Weights};
+use crate::error::{Error, Result};
+use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
+use crate::support::in_order;
+
+/// Links no more probable than this are left out of calibration and figures.
+pub(crate) const LEAST_LISTED: f64 = 1e-3;
+/// Penalty of the standardised weights of closures.
+const CLOSURE_L2: f64 = 1e-3;
+
+/// How weights are fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainParams {
+    /// Penalty of the squares of standardised weights, not negative.
+    pub l2: f64,
+    /// Iterations of each pass; as many passes. One pass at least, one iteration at least.
+    pub iterations: Vec<usize>,
+    /// The share of cases that are used without their inlets, so that the weights serve where none are given; 0 to 1.
+    pub without_inlets: f64,
+}
+
+impl Default for TrainParams {
+    fn default() -> Self {
+        Self { l2: 0.01, iterations: vec![60, 40, 25], without_inlets: 0.3 }
+    }
+}
+
+impl TrainParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if !(0.0..=1e6).contains(&self.l2) {
+            return Err(Error::parameter("--l2", self.l2, "expected a number from 0 to 1e6"));
+        }
+        if self.iterations.is_empty() || self.iterations.contains(&0) {
+            let accepted = "expected one pass at least, of one iteration at least";
+            return Err(Error::parameter("iterations", format!("{:?}", self.iterations), accepted));
+        }
+        if !(0.0..=1.0).contains(&self.without_inlets) {
+            return Err(Error::parameter("share without inlets", self.without_inlets, "expected a number from 0 to 1"));
+        }
+        Ok(())
+    }
+}
+
+/// A pass that has been fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Its number, counted from 1.
+    pub pass: usize,
+    /// The objective before and after.
+    pub objective: [f64; 2],
+    /// How often it was evaluated.
+    pub evaluations: usize,
+}
+
+/// Whether a case is used without its inlets, by a hash of subject and name.
+pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
+    share_of(&["inlets", &case.subject, &case.name]) < share
+}
+
+/// Fits weights to cases, measured first: a share of them without their inlets.
+///
+/// # Errors
+///
+/// Parameters out of range, no case, none with a right bridge within reach, a node without position.
+pub fn train(cases: &[Case], params: &TrainParams, tell: &mut dyn FnMut(&Step)) -> Result<Weights> {
+    params.validate()?;
+    let measured = in_order(cases, |_, case| Example::new(case, !goes_without_inlets(case, params.without_inlets)));
+    let examples = measured.into_iter().collect::<Result<Vec<_>>>()?;
+    fit(&examples.iter().collect::<Vec<_>>(), params, tell)
+}
+
+/// Fits weights to measured cases; `tell` hears of every pass.
+///
+/// Pass k starts from the weights of the pass before and sees the features of its posterior. The same cases give the same bits
+/// at any number of threads.
+///
+/// # Errors
+///
+/// Parameters out of range, no case, none with a right bridge within reach.
+pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&Step)) -> Result<Weights> {
+    params.validate()?;
+    if !examples.iter().any(|e| e.allowed.contains(&true)) {
+        return Err(Error::parameter("cases", examples.len(), "expected one at least with a right bridge within reach"));
+    }
+    let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.rows.bridge)).collect();
+    let mut posteriors: Vec<(Forests, Marginals)> = Vec::new();
+    let mut passes: Vec<Pass> = Vec::new();
+    for (number, iterations) in params.iterations.iter().enumerate() {
+        if number > 0 {
+            let next = in_order(examples, |at, e| {
+                let (forests, marginals) = &posteriors[at];
+                Cow::Owned(e.rows.beside(&Feedback::new(&e.extraction, &e.rows.bridges).features(forests, marginals)))
+            });
+            designs = next;
+        }
+        let objective = Objective::new(examples, &designs, params.l2);
+        let start = objective.standardised(&first_guess(number, passes.last()));
+        let before = objective.at(&start).0;
+        let found = minimise(start, *iterations, &|y| objective.at(y));
+        let pass = objective.pass(&found.point);
+        tell(&Step { pass: number + 1, objective: [before, found.value], evaluations: found.evaluations });
+        let next = in_order(examples, |at, e| e.rows.forests(&pass, &designs[at]).map(|f| (marginals(&f), f)));
+        posteriors = next.into_iter().map(|p| p.map(|(m, f)| (f, m))).collect::<Result<_>>()?;
+        passes.push(pass);
+    }
+    let mut links = Vec::new();
+    for ((example, (_, marginals)), weight) in examples.iter().zip(&posteriors).zip(case_weights(examples)) {
+        let p = example.rows.summed(&marginals.bridges);
+        let listed = p.iter().zip(&example.right).filter(|(p, _)| **p > LEAST_LISTED);
+        links.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
+    }
+    let closure = fit_closures(examples, &passes[0], &posteriors);
+    let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
+    Ok(Weights { passes, calibration: calibrate(&links).0, closure, provenance })
+}
+
+/// The weights of closures by logistic regression; none where no case has a right one within reach.
+fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
+    let of_case = in_order(examples, |at, e| {
+        let (forests, marginals) = &posteriors[at];
+        let hangs = hangs(&e.extraction, &e.rows.bridges, marginals);
+        let kept = arborescence(forests, &hangs, &alone(&e.extraction, marginals));
+        let found = closures(&e.extraction, &e.rows, first, marginals, &kept);
+        let point = |c: &Closure| e.extraction.ends[c.bridge.end].point;
+        found
+            .iter()
+            .map(|c| (c.features.to_vec(), e.case.answer.right(point(c), c.bridge.point).is_some(), 1.0))
+            .collect::<Vec<_>>()
+    });
+    let rows: Vec<_> = of_case.into_iter().flatten().collect();
+    if rows.iter().any(|(_, right, _)| *right) { logistic(&rows, CLOSURE_L2) } else { Vec::new() }
+}
+
+/// Zeros, or the weights of the pass before with zeros for what it did not know.
+fn first_guess(number: usize, before: Option<&Pass>) -> Pass {
+    let mut pass = before.cloned().unwrap_or_else(|| Pass { bridge: Vec::new(), root: vec![0.0; Pass::root_features().count()] });
+    pass.bridge.resize(Pass::bridge_features(number).count(), 0.0);
+    pass
+}
+
+/// The posterior of the last pass of given weights on a measured case.
+pub(crate) fn posterior(example: &Example, weights: &Weights) -> Result<(Forests, Marginals)> {
+    last_pass(&example.extraction, &example.rows, weights)
+}

@@ -1,0 +1,48 @@
+//! Logistic regression with a penalty of large slopes.
+
+use super::minimise::minimise;
+use crate::candidates::model::belief::Calibration;
+use crate::support::statistics::sigmoid;
+
+const ITERATIONS: usize = 300;
+
+/// A row of a regression: its columns, of which the first is constant, whether it is true, and how much it counts.
+pub type Row = (Vec<f64>, bool, f64);
+
+/// The coefficients that minimise Σ ω (ln(1 + e^z) - z true) / Σ ω + l2 Σ b'², b' the slopes times the standard deviation of
+/// their column; the constant is free. Zeros without a row.
+pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
+    let columns = rows.first().map_or(0, |(x, ..)| x.len());
+    let total: f64 = rows.iter().map(|(.., weight)| weight).sum();
+    let mean = |f: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(x, ..)| f(x)).sum::<f64>() / rows.len().max(1) as f64;
+    let scale: Vec<f64> = (0..columns)
+        .map(|k| {
+            let middle = mean(&|x| x[k]);
+            let spread = mean(&|x| (x[k] - middle).powi(2)).sqrt();
+            if spread > 0.0 { spread } else { 1.0 }
+        })
+        .collect();
+    let loss = |y: &[f64]| {
+        let mut value = l2 * y.iter().skip(1).map(|y| y * y).sum::<f64>();
+        let mut slope: Vec<f64> = y.iter().enumerate().map(|(k, y)| if k > 0 { 2.0 * l2 * y } else { 0.0 }).collect();
+        for (x, is_true, weight) in rows {
+            let z: f64 = y.iter().zip(x).zip(&scale).map(|((y, x), s)| y / s * x).sum();
+            let truth = f64::from(u8::from(*is_true));
+            value += weight / total * (z.max(0.0) + (-z.abs()).exp().ln_1p() - truth * z);
+            let residual = weight / total * (sigmoid(z) - truth);
+            slope.iter_mut().zip(x).zip(&scale).for_each(|((g, x), s)| *g += residual * x / s);
+        }
+        (value, slope)
+    };
+    let found = minimise(vec![0.0; columns], ITERATIONS, &loss).point;
+    found.iter().zip(&scale).map(|(y, s)| y / s).collect()
+}
+
+const L2: f64 = 1e-5;
+
+/// The calibration of links with their probability by the model, whether they are right, and how much each counts.
+pub fn calibrate(links: &[(f64, bool, f64)]) -> Calibration {
+    let rows: Vec<Row> = links.iter().map(|(p, right, weight)| (Calibration::design(*p).to_vec(), *right, *weight)).collect();
+    let found = logistic(&rows, L2);
+    Calibration([0, 1, 2].map(|k| found.get(k).copied().unwrap_or(0.0)))
+}

@@ -1,0 +1,129 @@
+//! The answer as JSON: links between pieces as `gapbench` writes them, or the breaks of `willis phantom --break`.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::known_links::{KnownLinks, Link, LinkSide};
+use crate::candidates::NetworkPoint;
+use crate::candidates::features::Extraction;
+use crate::error::Fault;
+use crate::network::Network;
+use crate::network::units::metres;
+
+#[derive(Deserialize)]
+struct File {
+    subject: Option<String>,
+    voxel_mm: Option<f64>,
+    #[serde(default)]
+    nodes: Vec<Vec<f64>>,
+    links: Option<Vec<Vec<Member>>>,
+    breaks: Option<Vec<Gap>>,
+    #[serde(default)]
+    /// Ids from `willis phantom`; others write more than that, which is in a file of its own too.
+    inlets: Vec<serde_json::Value>,
+}
+
+#[derive(Deserialize)]
+struct Member {
+    role: LinkSide,
+    allowed: Vec<u64>,
+}
+
+#[derive(Deserialize)]
+struct Gap {
+    ids: [u64; 2],
+}
+
+/// The answer to an extraction, and the subject where it is named.
+///
+/// # Errors
+///
+/// No such JSON, a node that is not there, links that no point of the extraction reaches.
+pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownLinks, Option<String>), Fault> {
+    const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
+    let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+    let answer = match (file.links, file.breaks) {
+        (Some(links), None) => of_links(&links, &file.nodes, file.voxel_mm, extraction)?,
+        (None, Some(breaks)) => of_breaks(&breaks, &file.inlets, network, extraction)?,
+        (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
+        (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
+    };
+    Ok((answer, file.subject))
+}
+
+/// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a bridge may attach.
+fn of_links(
+    links: &[Vec<Member>],
+    nodes: &[Vec<f64>],
+    voxel_mm: Option<f64>,
+    extraction: &Extraction,
+) -> Result<KnownLinks, Fault> {
+    let mut points = Vec::with_capacity(nodes.len());
+    for (row, node) in nodes.iter().enumerate() {
+        match node[..] {
+            [x, y, z, ..] if [x, y, z].iter().all(|x| x.is_finite()) => points.push([x, y, z].map(metres)),
+            _ => return Err(Fault::item(format!("node {}", row + 1), format!("{node:?}"), "expected [x, y, z, r] in mm")),
+        }
+    }
+    let voxel = match voxel_mm {
+        Some(h) if h > 0.0 && h.is_finite() => metres(h),
+        Some(h) => return Err(Fault::item("voxel_mm", h.to_string(), "expected a positive number")),
+        None => extraction.spacing,
+    };
+    let mut out: Vec<Link> = Vec::new();
+    for (row, members) in links.iter().enumerate() {
+        let mut link = Link::new();
+        for member in members {
+            let mut rows = Vec::new();
+            for id in &member.allowed {
+                let there = usize::try_from(*id).ok().filter(|id| (1..=points.len()).contains(id));
+                let accepted = || format!("expected nodes from 1 to {}", points.len());
+                rows.push(there.ok_or_else(|| Fault::item(format!("link {row}"), format!("node {id}"), accepted()))? - 1);
+            }
+            link.push((member.role, rows));
+        }
+        out.push(link);
+    }
+    let answer = KnownLinks::snapped(extraction, &points, voxel, &out);
+    match answer.unreachable() {
+        Some((link, piece)) => {
+            let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();
+            let found = format!("no point of the fragments is at its nodes {}", nodes.join(", "));
+            Err(Fault::item(format!("link {link}"), found, "expected the answer to these fragments"))
+        }
+        None => Ok(answer),
+    }
+}
+
+/// Missing stretches between two points by their ids.
+fn of_breaks(
+    gaps: &[Gap],
+    inlets: &[serde_json::Value],
+    network: &Network,
+    extraction: &Extraction,
+) -> Result<KnownLinks, Fault> {
+    let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
+    for (point, place) in extraction.place.iter().enumerate() {
+        let id = match place {
+            NetworkPoint::Node(row) => network.node(*row).id.parse().ok(),
+            NetworkPoint::Along { vessel, point } => network.vessel(*vessel).path[*point].id,
+        };
+        point_of.extend(id.map(|id| (id, point)));
+    }
+    let find = |place: String, id: u64| {
+        let accepted = "expected the id of a point of the fragments";
+        point_of.get(&id).copied().ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
+    };
+    let mut bridges = Vec::new();
+    for (row, gap) in gaps.iter().enumerate() {
+        let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
+        bridges.push([a?, b?]);
+    }
+    let mut nodes = Vec::new();
+    for id in inlets.iter().filter_map(serde_json::Value::as_u64) {
+        let point = find("inlets".into(), id)?;
+        nodes.extend(Some(point).filter(|point| *point < network.node_count()));
+    }
+    Ok(KnownLinks::bridging(extraction, &bridges, &nodes))
+}
