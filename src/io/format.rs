@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::companions::{edges_beside, refers_to_rows};
-use super::tables::csv_graph;
+use super::tables::graph;
 use super::tables::rows::delimiter;
 use super::vendors::icafe;
 use super::xml;
@@ -147,7 +147,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
         Some(Format::Voreen)
     } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && refers_to_rows(path)) {
         Some(Format::VesselVio)
-    } else if csv_graph::is_header(header) {
+    } else if graph::is_header(header) {
         Some(Format::Csv)
     } else if has(&["fragment"]) {
         Some(Format::Points)

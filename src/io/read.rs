@@ -3,26 +3,25 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use super::companions::nodes_beside;
+use super::companions::{nodes_beside, read_vesselvio, read_voreen};
 use super::format::{Format, HEAD, format_of};
-use super::graphml::read::read_graphml;
-use super::itk::read::read_tre;
-use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
 use super::numpy::skeleton::unpack_skeleton_npz;
-use super::swc::loops::add_loops;
-use super::tables::csv_graph::{read_csv_edges, read_csv_nodes};
-use super::tables::number::counted;
 use super::tables::points::read_points;
-use super::tables::table_pair;
 use super::unit_check::{check_extent, unit_check};
 use super::vendors::icafe::{read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::read_markups;
 use super::vendors::vtrails::unpack_vtrails;
-use super::vtk::legacy::read::read_vtk;
 use super::vtk::polydata::radius::RadiusArray;
-use super::vtk::xml::read::unpack_vtp;
 use super::xml;
 use crate::error::{Error, Fault, Result};
+use crate::io::graphml::read_graphml;
+use crate::io::input::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
+use crate::io::itk::tubes::read_tre;
+use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
+use crate::io::tables::lists::add_loops;
+use crate::io::tables::rows::counted;
+use crate::io::vtk::legacy::read_vtk;
+use crate::io::vtk::xml::unpack_vtp;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -132,8 +131,8 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
         Format::Swc => return read_tracing(path, bytes, options),
         Format::ICafe => read_table_of_vessels(path, bytes, options),
         Format::Csv => read_tables(path, bytes, options),
-        Format::Voreen => table_pair::read_voreen(path, bytes, options),
-        Format::VesselVio => table_pair::read_vesselvio(path, bytes, options),
+        Format::Voreen => read_voreen(path, bytes, options),
+        Format::VesselVio => read_vesselvio(path, bytes, options),
         Format::GraphMl => {
             read_graphml(bytes, scale, optional).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes))
         }

@@ -3,23 +3,23 @@
 pub mod centerlines;
 mod coincident_points;
 mod contraction;
-pub(crate) mod fragments;
 pub(crate) mod locate;
 mod node;
 pub mod quantity;
-mod serialize;
 pub mod units;
 mod vessel;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use contraction::{RadiusRule, contract};
-pub use fragments::{Fragments, cycles, fragments};
 pub use locate::{Called, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use node::{Condition, INLET_PRESSURE, Node, Role};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
+use petgraph::unionfind::UnionFind;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]
@@ -143,5 +143,76 @@ impl Network {
     /// Whether every node has a position.
     pub fn has_positions(&self) -> bool {
         self.nodes().all(|n| n.position.is_some())
+    }
+}
+
+/// The connected parts of a network, numbered in the order of their first node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fragments {
+    /// Per node the number of its part.
+    pub of_node: Vec<usize>,
+    /// How many parts there are.
+    pub count: usize,
+}
+
+/// The connected parts over the vessels that `counts` admits; a node without vessel is a part of its own.
+pub fn fragments(network: &Network, counts: impl Fn(usize, &Vessel) -> bool) -> Fragments {
+    let mut parts = UnionFind::<usize>::new(network.node_count());
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        if counts(row, vessel) {
+            parts.union(ends[0], ends[1]);
+        }
+    }
+    let mut number = vec![usize::MAX; network.node_count()];
+    let mut count = 0;
+    let of_node = (0..network.node_count())
+        .map(|node| {
+            let slot = &mut number[parts.find(node)];
+            if *slot == usize::MAX {
+                *slot = count;
+                count += 1;
+            }
+            *slot
+        })
+        .collect();
+    Fragments { of_node, count }
+}
+
+/// The number of independent cycles, E - N + parts, self-loops and parallel vessels included.
+pub fn cycles(network: &Network) -> usize {
+    network.vessel_count() + fragments(network, |_, _| true).count - network.node_count()
+}
+
+/// The rows of a network; those of the vessels with their two nodes.
+#[derive(Serialize, Deserialize)]
+struct Rows<N, V> {
+    nodes: Vec<N>,
+    vessels: Vec<([usize; 2], V)>,
+}
+
+impl Serialize for Network {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows: Rows<&Node, &Vessel> = Rows { nodes: self.nodes().collect(), vessels: self.vessels().collect() };
+        rows.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Network {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let rows: Rows<Node, Vessel> = Rows::deserialize(deserializer)?;
+        let mut network = Self::new();
+        for node in rows.nodes {
+            network.add_node(node);
+        }
+        for (ends, vessel) in rows.vessels {
+            if ends.iter().any(|node| *node >= network.node_count()) {
+                return Err(D::Error::custom(format!(
+                    "a vessel between nodes {} and {}, which are not all there",
+                    ends[0], ends[1]
+                )));
+            }
+            network.add_vessel(ends, vessel);
+        }
+        Ok(network)
     }
 }

@@ -5,12 +5,12 @@ use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::disk::DiskFile;
 use super::in_progress::{
     IN_THE_MAKING, Making, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error,
 };
 use super::ownership::{entries, stranger};
 use crate::error::{Error, Result};
+use crate::output::files::DiskFile;
 
 /// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
 fn vacant(target: &Path, force: bool) -> Result<()> {

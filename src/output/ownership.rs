@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::in_progress::is_in_the_making;
-use super::json::read_json;
 use super::names::{
     AGREEMENT, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, FAILURE,
     FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
     MODULATION_PICTURE, NODES, PAGE, PHENOTYPE, PHENOTYPE_TABLE, RECORD, SHARD, SHARD_SUMS, TOPOLOGY,
 };
+use crate::output::files::read_json;
 
 /// What the folder of a run may hold beside pictures and topologies; --force replaces no folder with anything else in it.
 const FILES: [&str; 13] = [

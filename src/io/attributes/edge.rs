@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::records::Records;
 use super::{AREA, Item, Name, RESISTANCE};
 use crate::error::Fault;
-use crate::io::tables::number::counted;
+use crate::io::tables::rows::counted;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};

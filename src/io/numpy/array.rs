@@ -8,7 +8,7 @@ use zip::ZipArchive;
 
 use super::matrix::NamedArray;
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::input::{MAX_INPUT, Room};
 
 /// Values of one array at the most: 1 GiB of float64.
 const MOST_VALUES: usize = 1 << 27;

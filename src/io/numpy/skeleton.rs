@@ -9,11 +9,11 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::array::Array;
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::companions::add_straight;
+use crate::io::input::{MAX_INPUT, Room};
 use crate::io::polylines::positions;
+use crate::io::polylines::{centerlines, is_straight, radii_of_points, skeleton};
 use crate::io::read::Content;
-use crate::io::skeleton::{centerlines, is_straight, radii_of_points, skeleton};
-use crate::io::tables::table_pair::add_straight;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, Node};

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use super::column::real;
 use super::rows::{Rows, columns as describe};
 use super::write::plain;
 use crate::error::Fault;
 use crate::io::polylines::polylines;
+use crate::io::tables::write::real;
 use crate::network::Network;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{Scale, millimetres};

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use super::csv_graph;
+use super::graph;
 use super::rows::Rows;
 use crate::error::Fault;
 use crate::io::attributes;
@@ -12,7 +12,7 @@ use crate::io::format::Format;
 use crate::io::read::bytes_of;
 use crate::io::vtk::polydata;
 use crate::io::vtk::polydata::radius::RadiusArray;
-use crate::io::xml::events::{Events, Step, Tag};
+use crate::io::xml::{Events, Step, Tag};
 
 /// Columns that a network says itself, by its rows and places, and VTK's own arrays.
 const STRUCTURE: [&str; 16] = [
@@ -46,7 +46,7 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     .unwrap_or_default();
     let is_read = |name: &str| match format {
         Format::Vtp => polydata::is_wanted(name, RadiusArray::Usual),
-        Format::Csv => csv_graph::is_wanted(name),
+        Format::Csv => graph::is_wanted(name),
         _ => attributes::is_wanted(name),
     };
     let mut seen = std::collections::HashSet::new();

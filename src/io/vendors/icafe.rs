@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Fault, Result};
 use crate::io::companions::{TABLE_OF_VESSELS, image_beside, table_of_vessels_beside, tracing_beside};
 use crate::io::format::Format;
-use crate::io::limit::bytes_within;
+use crate::io::input::bytes_within;
 use crate::io::read::{Content, ReadOptions, without_mark};
 use crate::io::swc::read_swc;
 use crate::io::tables::rows::Rows;

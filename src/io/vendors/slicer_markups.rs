@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::error::Fault;
 use crate::io::polylines::polylines;
-use crate::io::tables::column::real;
+use crate::io::tables::write::real;
 use crate::io::vtk::polydata::radius::RadiusArray;
 use crate::network::Network;
 use crate::network::centerlines::{Centerlines, is_radius};

@@ -3,14 +3,14 @@
 use std::io::{self, Write};
 
 use crate::error::Fault;
+use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
+use crate::io::polylines::{centerlines, is_straight, skeleton};
 use crate::io::read::Content;
-use crate::io::skeleton::{centerlines, is_straight, skeleton};
-use crate::io::tables::column::Column;
-use crate::io::tables::graph_columns::axis;
-use crate::io::tables::number::counted;
+use crate::io::tables::graph::axis;
+use crate::io::tables::rows::counted;
 use crate::io::tables::rows::{Row, Rows};
-use crate::io::tables::table_pair::add_straight;
+use crate::io::tables::write::Column;
 use crate::io::tables::write::write_csv;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, millimetres};

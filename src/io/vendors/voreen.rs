@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::error::Fault;
+use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
-use crate::io::tables::column::Column;
-use crate::io::tables::csv_graph::NodeTable;
-use crate::io::tables::graph_columns::axis;
-use crate::io::tables::number::counted;
+use crate::io::tables::graph::NodeTable;
+use crate::io::tables::graph::axis;
 use crate::io::tables::rows::Rows;
-use crate::io::tables::table_pair::add_straight;
+use crate::io::tables::rows::counted;
+use crate::io::tables::write::Column;
 use crate::io::tables::write::write_table;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, millimetres};

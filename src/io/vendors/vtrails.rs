@@ -6,7 +6,7 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::input::{MAX_INPUT, Room};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::Scale;
 

@@ -1,4 +1,4 @@
-//! Walks through a legacy file: words and lines in both encodings, numbers and texts in digits or big-endian binary.
+//! Walks through a legacy VTK file: words and lines in both encodings, numbers and texts in ASCII or big-endian binary.
 
 use crate::error::Fault;
 

@@ -1,13 +1,11 @@
-//! Reads the lines and radii of a VTP file.
+//! Reads the lines and radii of a VTK XML PolyData file (VTP).
 
-use super::array::Arrays;
-use super::block::{Encoding, Source};
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::input::{MAX_INPUT, Room};
+use crate::io::vtk::array::{Arrays, Encoding, Source};
 use crate::io::vtk::polydata::radius::RadiusArray;
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
-use crate::io::xml;
-use crate::io::xml::tree::Element;
+use crate::io::xml::{self, Element};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::Scale;
 
