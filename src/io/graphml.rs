@@ -7,11 +7,11 @@ use crate::error::Fault;
 use crate::io::attributes::edge::vessels;
 use crate::io::attributes::records::Records;
 use crate::io::attributes::{is_wanted, nodes};
+use crate::io::read::ReadOptions;
 use crate::io::tables::graph::points;
 use crate::io::tables::write::{Column, Values, check_rows};
 use crate::io::xml::{Events, Step, Tag, escape};
 use crate::network::Network;
-use crate::network::units::Scale;
 
 /// What has been read of a file.
 #[derive(Default)]
@@ -39,7 +39,7 @@ enum End {
 ///
 /// XML that is not well-formed or declares entities, more or fewer than one graph, a nested graph, hyperedge or port, a key
 /// that is not declared, a node id that comes twice, an edge to a node that does not exist, an attribute that is wrong.
-pub fn read_graphml(input: impl BufRead, scale: &Scale, radius_optional: bool) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
     let mut events = Events::new(input);
     let mut graph = Graph::default();
     let mut graphs = 0;
@@ -60,7 +60,7 @@ pub fn read_graphml(input: impl BufRead, scale: &Scale, radius_optional: bool) -
     if graphs != 1 {
         return Err(Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"));
     }
-    graph.network(scale, radius_optional)
+    graph.network(options)
 }
 
 /// Refuses what is no simple graph.
@@ -111,19 +111,19 @@ impl Graph {
         Ok(())
     }
 
-    fn network(mut self, scale: &Scale, radius_optional: bool) -> Result<(Network, Vec<String>), Fault> {
+    fn network(mut self, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
         if self.ids.is_empty() {
             return Err(Fault::file("the graph has no nodes", "expected <node> elements"));
         }
         self.keys.name(&mut self.nodes, "node")?;
         self.keys.name(&mut self.edges, "edge")?;
         let mut network = Network::new();
-        for node in nodes(&self.ids, &self.nodes, scale)? {
+        for node in nodes(&self.ids, &self.nodes, &options.scale)? {
             network.add_node(node);
         }
         (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
-        let mut notes = vessels(&mut network, &ends, &self.edges, scale, radius_optional)?;
+        let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
         if self.directed {
             notes.push("the graph is directed: its edges are taken as undirected".to_owned());
         }

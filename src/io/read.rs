@@ -5,23 +5,22 @@ use std::path::{Path, PathBuf};
 
 use super::companions::{nodes_beside, read_vesselvio, read_voreen};
 use super::format::{Format, HEAD, format_of};
-use super::numpy::skeleton::unpack_skeleton_npz;
+use super::numpy::skeleton::read_skeleton_npz;
 use super::tables::points::read_points;
 use super::unit_check::{check_extent, unit_check};
 use super::vendors::icafe::{read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::read_markups;
-use super::vendors::vtrails::unpack_vtrails;
-use super::vtk::polydata::radius::RadiusArray;
+use super::vendors::vtrails::read_vtrails;
 use super::xml;
 use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
-use crate::io::input::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
+use crate::io::input::{Counted, MAX_INPUT, bytes_up_to, bytes_within};
 use crate::io::itk::tubes::read_tre;
 use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::rows::counted;
 use crate::io::vtk::legacy::read_vtk;
-use crate::io::vtk::xml::unpack_vtp;
+use crate::io::vtk::xml::read_vtp;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -102,8 +101,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
-        let (graph, notes) =
-            read_graphml(stream, &options.scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
+        let (graph, notes) = read_graphml(stream, options).map_err(|fault| fault.in_file(path))?;
         return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
     }
     file.read_to_end(&mut all).map_err(unread)?;
@@ -116,13 +114,6 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
 
 /// The format of a file with what lies beside it, what it holds, and what a person should know about it.
 fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
-    let (scale, optional) = (&options.scale, options.radius_optional);
-    let radius = match options.radius_array.as_deref() {
-        Some(name) => RadiusArray::Named(name),
-        None if optional => RadiusArray::Optional,
-        None => RadiusArray::Usual,
-    };
-    let room = Room::of(bytes.len(), options.max_input);
     let here = |fault: Fault| fault.in_file(path);
     let lines = |read: Result<(Centerlines, Vec<String>), Fault>| {
         read.map_err(here).map(|(lines, notes)| (Content::Centerlines(lines), notes))
@@ -133,30 +124,27 @@ fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> 
         Format::Csv => read_tables(path, bytes, options),
         Format::Voreen => read_voreen(path, bytes, options),
         Format::VesselVio => read_vesselvio(path, bytes, options),
-        Format::GraphMl => {
-            read_graphml(bytes, scale, optional).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes))
-        }
-        Format::Npz => unpack_skeleton_npz(bytes, scale, optional, &room).map_err(here),
-        Format::Vtp => lines(unpack_vtp(bytes, scale, radius, &room)),
-        Format::Vtk => lines(read_vtk(bytes, scale, radius)),
-        Format::Tre => lines(read_tre(bytes, scale, optional)),
-        Format::Markups => lines(read_markups(bytes, scale, radius)),
-        Format::Points => lines(read_points(bytes, scale, optional)),
-        Format::VTrails => lines(unpack_vtrails(bytes, scale, optional, &room)),
+        Format::GraphMl => read_graphml(bytes, options).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
+        Format::Npz => read_skeleton_npz(bytes, options).map_err(here),
+        Format::Vtp => lines(read_vtp(bytes, options)),
+        Format::Vtk => lines(read_vtk(bytes, options)),
+        Format::Tre => lines(read_tre(bytes, options)),
+        Format::Markups => lines(read_markups(bytes, options)),
+        Format::Points => lines(read_points(bytes, options)),
+        Format::VTrails => lines(read_vtrails(bytes, options)),
     };
     read.map(|(content, notes)| (format, content, notes))
 }
 
 /// A table of edges, with the table of nodes beside it.
 fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let (beside, scale) = (nodes_beside(path), &options.scale);
+    let beside = nodes_beside(path);
     let read = |nodes: &PathBuf| {
         let bytes = bytes_within(nodes, options.max_input)?;
-        read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
+        read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
     };
     let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) =
-        read_csv_edges(bytes, nodes, scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
+    let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
     notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
     Ok((Content::Graph(network), notes))
 }

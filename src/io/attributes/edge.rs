@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::records::Records;
 use super::{AREA, Item, Name, RESISTANCE};
 use crate::error::Fault;
+use crate::io::read::ReadOptions;
 use crate::io::tables::rows::counted;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
@@ -21,9 +22,9 @@ pub(in crate::io) fn vessels(
     network: &mut Network,
     ends: &[[usize; 2]],
     records: &Records,
-    scale: &Scale,
-    radius_optional: bool,
+    options: &ReadOptions,
 ) -> Result<Vec<String>, Fault> {
+    let scale = &options.scale;
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
     let mut names = BTreeMap::new();
     for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
@@ -53,7 +54,7 @@ pub(in crate::io) fn vessels(
                 if let (Some(p), Some(q)) = (a.radius, b.radius) {
                     from_nodes += 1;
                     p.min(q)
-                } else if radius_optional {
+                } else if options.radius_optional {
                     f64::NAN
                 } else {
                     let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use crate::error::Fault;
 use crate::io::itk::scene::{Nearest, Object, read_scene};
 use crate::io::polylines::polylines;
+use crate::io::read::ReadOptions;
 use crate::io::swc::clean;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
@@ -26,7 +27,7 @@ use crate::support::geometry::Point;
 /// A scene that is cut off or miscounts its objects or points, values that are no numbers, a coordinate that is not finite, a
 /// parent point that does not exist, a tube that is its own ancestor, tubes without a column for the radius unless
 /// `radius_optional`, no tube.
-pub fn read_tre(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let objects = read_scene(bytes)?;
     let mut notes = Vec::new();
     let mut row_of = HashMap::new();
@@ -45,13 +46,13 @@ pub fn read_tre(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(C
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
-        if !radius_optional && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
+        if !options.radius_optional && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
             let (line, _) = object.field("PointDim").unwrap_or((object.line, ""));
             let found = format!("{} has no radius", object.name());
             return Err(Fault::line(line, found, "expected a column r in PointDim, or give --default-radius"));
         }
         let spacing = spacing(object)?;
-        let scale = unit(object, scale)?;
+        let scale = unit(object, &options.scale)?;
         let stretch = to_scene[row].map_or(1.0, |transform| transform.stretch());
         let label = object.field("Name").map_or("", |(_, name)| name);
         let first = lines.points.len();

@@ -10,12 +10,12 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::array::Array;
 use crate::error::Fault;
 use crate::io::companions::add_straight;
-use crate::io::input::{MAX_INPUT, Room};
+use crate::io::input::Room;
 use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, radii_of_points, skeleton};
-use crate::io::read::Content;
+use crate::io::read::{Content, ReadOptions};
 use crate::network::centerlines::is_radius;
-use crate::network::units::{Scale, millimetres};
+use crate::network::units::millimetres;
 use crate::network::{Network, Node};
 use crate::support::geometry::Point;
 
@@ -41,18 +41,10 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 ///
 /// A broken archive, another kind of `.npz` (a sparse matrix), Python objects, an array that is missing or whose shape or
 /// type is another, a row that `coords` lacks, a position that is not finite.
-pub fn read_skeleton_npz(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Content, Vec<String>), Fault> {
-    unpack_skeleton_npz(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
-}
-
-/// The same, of arrays that unpack to so much at the most.
-pub(in crate::io) fn unpack_skeleton_npz(
-    bytes: &[u8],
-    scale: &Scale,
-    radius_optional: bool,
-    room: &Room,
-) -> Result<(Content, Vec<String>), Fault> {
-    let mut archive = Archive::open(bytes, room)?;
+pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
+    let (scale, radius_optional) = (&options.scale, options.radius_optional);
+    let room = Room::of(bytes.len(), options.max_input);
+    let mut archive = Archive::open(bytes, &room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
         return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
     }

@@ -7,6 +7,7 @@ use crate::error::Fault;
 use crate::io::attributes::edge::vessels;
 use crate::io::attributes::records::Records;
 use crate::io::attributes::{self, nodes};
+use crate::io::read::ReadOptions;
 use crate::io::tables::conditions::VENOUS;
 use crate::io::tables::rows::{Rows, columns, delimiter};
 use crate::io::tables::write::{Column, Values, real, write_csv};
@@ -65,8 +66,7 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
 pub fn read_csv_edges(
     bytes: &[u8],
     table_of_nodes: Option<NodeTable>,
-    scale: &Scale,
-    radius_optional: bool,
+    options: &ReadOptions,
 ) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
@@ -112,10 +112,10 @@ pub fn read_csv_edges(
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
     let mut network = Network::new();
-    for node in if given { found } else { nodes(&made, &places(&records, &placed), scale)? } {
+    for node in if given { found } else { nodes(&made, &places(&records, &placed), &options.scale)? } {
         network.add_node(node);
     }
-    let notes = vessels(&mut network, &rows, &records, scale, radius_optional)?;
+    let notes = vessels(&mut network, &rows, &records, options)?;
     Ok((network, notes))
 }
 

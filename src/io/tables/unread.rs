@@ -9,9 +9,9 @@ use super::rows::Rows;
 use crate::error::Fault;
 use crate::io::attributes;
 use crate::io::format::Format;
+use crate::io::read::ReadOptions;
 use crate::io::read::bytes_of;
 use crate::io::vtk::polydata;
-use crate::io::vtk::polydata::radius::RadiusArray;
 use crate::io::xml::{Events, Step, Tag};
 
 /// Columns that a network says itself, by its rows and places, and VTK's own arrays.
@@ -45,7 +45,7 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     }
     .unwrap_or_default();
     let is_read = |name: &str| match format {
-        Format::Vtp => polydata::is_wanted(name, RadiusArray::Usual),
+        Format::Vtp => polydata::is_wanted(name, &ReadOptions::default()),
         Format::Csv => graph::is_wanted(name),
         _ => attributes::is_wanted(name),
     };

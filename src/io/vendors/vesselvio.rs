@@ -6,7 +6,7 @@ use crate::error::Fault;
 use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, skeleton};
-use crate::io::read::Content;
+use crate::io::read::{Content, ReadOptions};
 use crate::io::tables::graph::axis;
 use crate::io::tables::rows::counted;
 use crate::io::tables::rows::{Row, Rows};
@@ -54,17 +54,12 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 /// # Errors
 ///
 /// A column that is missing, a row that the vertices lack, an edge without length or radius, no edge.
-pub fn read_vesselvio_edges(
-    bytes: &[u8],
-    vertices: VertexTable,
-    scale: &Scale,
-    radius_optional: bool,
-) -> Result<(Content, Vec<String>), Fault> {
+pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
     let mut rows = Rows::open(bytes)?;
     let what = "VesselVio's table of edges";
     let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);
-    if radius.is_none() && vertices.radii.is_none() && !radius_optional {
+    if radius.is_none() && vertices.radii.is_none() && !options.radius_optional {
         let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";
         return Err(Fault::line(rows.header_line(), "no radius", accepted));
     }
@@ -92,15 +87,15 @@ pub fn read_vesselvio_edges(
     while let Some(row) = rows.next()? {
         let ends = linked(&row, ends, vertices.positions.len())?;
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
-        let size = scale.length(row.real(radius)?);
-        if !is_radius(size) && !radius_optional {
+        let size = options.scale.length(row.real(radius)?);
+        if !is_radius(size) && !options.radius_optional {
             let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
             return Err(fault(found, "expected a positive number, or give --default-radius"));
         }
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
         straight += usize::from(length.is_nan());
         let size = Some(size).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
-        add_straight(&mut network, ends.map(|end| end as usize), scale.length(length), size, &name(&row))
+        add_straight(&mut network, ends.map(|end| end as usize), options.scale.length(length), size, &name(&row))
             .ok_or_else(|| fault("no positive length".to_owned(), "expected a positive length or different places"))?;
     }
     if network.vessel_count() == 0 {

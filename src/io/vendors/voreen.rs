@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use crate::error::Fault;
 use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
+use crate::io::read::ReadOptions;
 use crate::io::tables::graph::NodeTable;
 use crate::io::tables::graph::axis;
 use crate::io::tables::rows::Rows;
@@ -52,18 +53,13 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
 /// # Errors
 ///
 /// A column that is missing, a node that the table of nodes lacks, an edge without length or radius, no edge.
-pub fn read_voreen_edges(
-    bytes: &[u8],
-    nodes: NodeTable,
-    scale: &Scale,
-    radius_optional: bool,
-) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
     let mut rows = Rows::open(bytes)?;
     let what = "Voreen's table of edges";
     let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
     let length = rows.column(&["length"], what)?;
     let (area, radius) = (rows.find(&["avgCrossSection"]), rows.find(&["avgRadiusAvg"]));
-    if area.is_none() && radius.is_none() && !radius_optional {
+    if area.is_none() && radius.is_none() && !options.radius_optional {
         rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;
     }
     let (id, label) = (rows.find(&["id"]), rows.find(&["label"]));
@@ -86,19 +82,19 @@ pub fn read_voreen_edges(
         let radius = match (valid(area)?, valid(radius)?) {
             (Some(area), _) => {
                 from_area += 1;
-                scale.length(radius_of(area))
+                options.scale.length(radius_of(area))
             }
             (None, Some(radius)) => {
                 from_radius += 1;
-                scale.length(radius)
+                options.scale.length(radius)
             }
-            (None, None) if radius_optional => f64::NAN,
+            (None, None) if options.radius_optional => f64::NAN,
             (None, None) => {
                 let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give --default-radius";
                 return Err(fault("no valid radius".to_owned(), accepted));
             }
         };
-        let length = valid(Some(length))?.map_or(f64::NAN, |length| scale.length(length));
+        let length = valid(Some(length))?.map_or(f64::NAN, |length| options.scale.length(length));
         straight += usize::from(length.is_nan());
         add_straight(&mut network, at, length, radius, label.map_or("", |label| row.text(label)))
             .ok_or_else(|| fault("no valid length, and both nodes in one place".to_owned(), "expected a positive length"))?;

@@ -6,7 +6,8 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
 use crate::error::Fault;
-use crate::io::input::{MAX_INPUT, Room};
+use crate::io::input::Room;
+use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::Scale;
 
@@ -24,17 +25,8 @@ const MOST_POINTS: u64 = 1 << 26;
 ///
 /// A file that is broken or of another kind; a path that is not points x 3 or not finite; no radius to be had, which
 /// `radius_optional` says is known.
-pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
-    unpack_vtrails(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
-}
-
-/// The same, of paths that unpack to so much at the most.
-pub(crate) fn unpack_vtrails(
-    bytes: &[u8],
-    scale: &Scale,
-    radius_optional: bool,
-    room: &Room,
-) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let room = &Room::of(bytes.len(), read.max_input);
     let options = OpenOptions::default()
         .with_max_read_bytes(room.left())
         .with_max_chunk_bytes(room.left().min(1 << 28))
@@ -53,7 +45,7 @@ pub(crate) fn unpack_vtrails(
     }
     let fields = file.group(STRUCT).map_err(broken)?;
     let paths = fields.dataset(FIELD).map_err(|_| Fault::item(STRUCT, format!("no {FIELD}"), "expected a file of VTrails"))?;
-    if !radius_optional {
+    if !read.radius_optional {
         return Err(Fault::file("VTrails' trees have no radii", "give --default-radius"));
     }
     let mut lines = Centerlines::default();
@@ -71,12 +63,12 @@ pub(crate) fn unpack_vtrails(
             if path.attribute("MATLAB_empty").is_ok() {
                 void += 1;
             } else {
-                add(&mut lines, path, row, scale, room)?;
+                add(&mut lines, path, row, &read.scale, room)?;
             }
         }
     } else {
         // A struct of one element holds its field itself.
-        add(&mut lines, &paths, 0, scale, room)?;
+        add(&mut lines, &paths, 0, &read.scale, room)?;
     }
     if lines.links.is_empty() {
         return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));

@@ -1,32 +1,31 @@
 //! Reads a legacy VTK PolyData file, ASCII or binary, section by section.
 
 use crate::error::Fault;
+use crate::io::read::ReadOptions;
 use crate::io::vtk::cursor::{Cursor, Kind, unescape};
-use crate::io::vtk::polydata::radius::RadiusArray;
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
 use crate::network::centerlines::Centerlines;
-use crate::network::units::Scale;
 
 pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
 
 /// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also what a person should know.
 ///
-/// Points keep their row as id; those on no line are left out. `radius_array` says which array holds the radius. Lines that run
+/// Points keep their row as id; those on no line are left out. `options.radius_array` says which array holds the radius. Lines that run
 /// together become one vessel; cell arrays such as `label` name their lines.
 ///
 /// # Errors
 ///
 /// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
 /// no radius array, or a surface instead of lines.
-pub fn read_vtk(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut cursor = Cursor::new(bytes);
     head(&mut cursor)?;
-    let mut reader = Reader { cursor, choice: radius_array, ..Reader::default() };
+    let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
         reader.section(keyword)?;
     }
     let (data, notes) = reader.finish()?;
-    let (lines, more) = centerlines(&[data], scale, radius_array)?;
+    let (lines, more) = centerlines(&[data], options)?;
     Ok((lines, [notes, more].concat()))
 }
 
@@ -61,19 +60,12 @@ pub(crate) enum Group {
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
     pub(crate) cursor: Cursor<'a>,
-    pub(crate) choice: RadiusArray<'a>,
+    pub(crate) options: &'a ReadOptions,
     pub(crate) data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
     /// Whose arrays come, and how many values each has.
     pub(crate) group: Option<(Group, usize)>,
-}
-
-impl Default for Reader<'_> {
-    fn default() -> Self {
-        let choice = RadiusArray::Usual;
-        Self { cursor: Cursor::new(b""), choice, data: PolyData::default(), cells: [0; 4], group: None }
-    }
 }
 
 impl Reader<'_> {
@@ -280,7 +272,8 @@ impl Reader<'_> {
         let width = self.cursor.count("a number of components", LIMIT)?;
         let rows = self.cursor.count("a number of values", LIMIT)?;
         let kind = self.cursor.need("a type")?;
-        if let Some((_, expected)) = self.group.filter(|(_, expected)| *expected != rows && is_wanted(name.trim(), self.choice)) {
+        if let Some((_, expected)) = self.group.filter(|(_, expected)| *expected != rows && is_wanted(name.trim(), self.options))
+        {
             return Err(self.cursor.fault(format!("{rows} values"), format!("expected {expected}")));
         }
         self.values(&name, kind, width, rows)
@@ -295,7 +288,7 @@ impl Reader<'_> {
             Values::Numbers(self.cursor.numbers(kind, count)?)
         };
         let name = name.trim().to_owned();
-        let values = if width == 1 && is_wanted(&name, self.choice) { values } else { Values::Unread };
+        let values = if width == 1 && is_wanted(&name, self.options) { values } else { Values::Unread };
         match self.group {
             Some((Group::Points, _)) => self.data.point_data.push(Array { name, values }),
             Some((Group::Cells, _)) => self.data.line_data.push(Array { name, values }),

@@ -5,11 +5,9 @@ pub(crate) mod radius;
 
 use std::collections::HashMap;
 
-use radius::RadiusArray;
-
 use crate::error::Fault;
+use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
-use crate::network::units::Scale;
 use crate::support::geometry::{Point, box_diagonal, distance};
 
 /// More points, cells or indices than any centerline has: a file that announces them is broken.
@@ -53,8 +51,8 @@ pub(crate) struct PolyData {
 }
 
 /// Whether an array is read: it may hold radii, areas or names, or says how VMTK cut a line up.
-pub(crate) fn is_wanted(name: &str, choice: RadiusArray<'_>) -> bool {
-    radius::is_wanted(name, choice) || NAMES.contains(&plain(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
+pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
+    radius::is_wanted(name, options) || NAMES.contains(&plain(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
 }
 
 /// A line of the file, or what is left of it.
@@ -85,21 +83,17 @@ struct Lines {
 /// # Errors
 ///
 /// Lines that contradict the points, a point on a line without finite coordinates, no array of radii.
-pub(crate) fn centerlines(
-    pieces: &[PolyData],
-    scale: &Scale,
-    choice: RadiusArray<'_>,
-) -> Result<(Centerlines, Vec<String>), Fault> {
+pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut all = Lines { names: vec![String::new()], ..Lines::default() };
     let (mut notes, mut cut) = (Vec::new(), Vec::new());
     let mut ids = Vec::new();
     for piece in pieces {
         let cells = cells(piece)?;
-        let (radii, found) = radius::radii(piece, &cells, choice)?;
+        let (radii, found) = radius::radii(piece, &cells, options)?;
         notes.extend(found.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         let first = all.at.len();
-        all.at.extend(piece.points.iter().map(|p| scale.position(*p)));
-        all.radii.extend(radii.into_iter().map(|r| scale.length(r)));
+        all.at.extend(piece.points.iter().map(|p| options.scale.position(*p)));
+        all.radii.extend(radii.into_iter().map(|r| options.scale.length(r)));
         ids.extend((0..piece.points.len()).map(|point| (piece.before[0] + point) as u64));
         let names = labels_of_lines(piece, &mut all.names);
         let from = all.each.len();
