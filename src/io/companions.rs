@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Fault, Result};
 use crate::io::format::{Format, HEAD, format_of};
 use crate::io::input::bytes_within;
-use crate::io::read::{Content, ReadOptions, without_mark};
+use crate::io::read::{ReadOptions, without_mark};
+use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
 use crate::io::tables::rows::Rows;
-use crate::io::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices};
-use crate::io::vendors::voreen::{read_voreen_edges, read_voreen_nodes};
+use crate::network::units::Scale;
 use crate::network::{Network, Origin, Vessel};
 use crate::support::geometry::distance;
 
@@ -122,22 +122,17 @@ pub(crate) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
     }
 }
 
-/// Reads the two tables of Voreen, whichever of them is given.
-pub(crate) fn read_voreen(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
+/// Reads a graph in two tables, whichever of them is given.
+pub(crate) fn read_table_pair<N, C>(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+    read_nodes: impl Fn(&[u8], &Scale) -> Result<N, Fault>,
+    read_edges: impl Fn(&[u8], N, &ReadOptions) -> Result<(C, Vec<String>), Fault>,
+) -> Result<(C, Vec<String>)> {
     let (nodes, edges, note) = both(path, bytes, options.max_input)?;
-    let table = read_voreen_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
-    let read = read_voreen_edges(&edges.1, table, options);
-    let (network, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
-    notes.push(note);
-    Ok((Content::Vessels(network), notes))
-}
-
-/// Reads the two tables of VesselVio, whichever of them is given.
-pub(crate) fn read_vesselvio(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let (vertices, edges, note) = both(path, bytes, options.max_input)?;
-    let table = read_vesselvio_vertices(&vertices.1, &options.scale).map_err(|fault| fault.in_file(&vertices.0))?;
-    let read = read_vesselvio_edges(&edges.1, table, options);
-    let (content, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
+    let table = read_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
+    let (content, mut notes) = read_edges(&edges.1, table, options).map_err(|fault| fault.in_file(&edges.0))?;
     notes.push(note);
     Ok((content, notes))
 }
@@ -177,4 +172,17 @@ pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
     let vessel = Vessel { label: label.to_owned(), ..Vessel::new(length, radius, Origin::Observed) };
     network.add_vessel(ends, vessel);
     Some(())
+}
+
+/// Reads a table of edges, with the table of nodes beside it if there is one.
+pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
+    let found = nodes_beside(path);
+    let read = |nodes: &PathBuf| {
+        let bytes = bytes_within(nodes, options.max_input)?;
+        read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
+    };
+    let nodes = found.as_ref().map(read).transpose()?;
+    let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
+    notes.extend(found.map(|nodes| format!("nodes are those of {}", nodes.display())));
+    Ok((network, notes))
 }

@@ -7,34 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::io::companions::nodes_path;
 use crate::io::format::Format;
-use crate::io::graphml::write_graphml;
-use crate::io::itk::tubes::write_tre;
-use crate::io::numpy::skeleton::write_skeleton_npz;
 use crate::io::polylines::{between, is_straight, node_points};
-use crate::io::swc::write_swc;
-use crate::io::tables::graph::{graph_columns, write_csv_graph};
-use crate::io::tables::points::write_points;
-use crate::io::vendors::slicer_markups::write_markups;
-use crate::io::vendors::vesselvio::write_vesselvio;
-use crate::io::vendors::voreen::{has_whole_ids, write_voreen};
-use crate::io::vtk::write::{write_vtk, write_vtp};
+use crate::io::vendors::voreen::has_whole_ids;
 use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::{distance, lerp};
-
-/// The formats that can be written, with the word for each and the ending that means it.
-const TARGETS: [(Format, &str, &str); 11] = [
-    (Format::Swc, "swc", "swc"),
-    (Format::Vtp, "vtp", "vtp"),
-    (Format::Vtk, "vtk", "vtk"),
-    (Format::GraphMl, "graphml", "graphml"),
-    (Format::Csv, "csv", "csv"),
-    (Format::Points, "points", ""),
-    (Format::Voreen, "voreen", ""),
-    (Format::VesselVio, "vesselvio", ""),
-    (Format::Markups, "markups", "json"),
-    (Format::Tre, "tre", "tre"),
-    (Format::Npz, "npz", "npz"),
-];
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,7 +26,7 @@ pub struct Target {
 impl Target {
     /// The words for the formats that can be written.
     pub fn words() -> impl Iterator<Item = &'static str> {
-        TARGETS.into_iter().map(|(_, word, _)| word)
+        Format::words()
     }
 
     /// The target that a path and perhaps a word for its format mean.
@@ -60,12 +36,8 @@ impl Target {
     /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
         let words = || Self::words().collect::<Vec<_>>().join(", ");
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let found = match word {
-            Some(word) => TARGETS.iter().find(|(_, known, _)| *known == word.to_ascii_lowercase()),
-            None => TARGETS.iter().find(|(.., known)| *known == ending && !ending.is_empty()),
-        };
-        let format = found.map(|(format, ..)| *format).ok_or_else(|| {
+        let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
+        let format = found.ok_or_else(|| {
             if let Some(word) = word {
                 return Error::parameter("--to", word, format!("expected one of {}", words()));
             }
@@ -115,31 +87,16 @@ pub fn write_into(
     let mut written = Written::default();
     let drawn;
     let network = if consists_of_lines(target.format, network) {
-        drawn = with_lines(network)?;
-        if drawn.made > 0 {
-            written.notes.push(format!("{} straight vessels got points of their own, which keep their radius", drawn.made));
+        let made;
+        (drawn, made) = with_lines(network)?;
+        if made > 0 {
+            written.notes.push(format!("{made} straight vessels got points of their own, which keep their radius"));
         }
-        &drawn.network
+        &drawn
     } else {
         network
     };
-    match target.format {
-        Format::Swc => written.loops = write_swc(&mut vessels, network)?,
-        Format::Vtp => write_vtp(&mut vessels, network, &graph_columns(network).1)?,
-        Format::Vtk => write_vtk(&mut vessels, network, &graph_columns(network).1)?,
-        Format::GraphMl => {
-            let (of_nodes, of_vessels) = graph_columns(network);
-            write_graphml(&mut vessels, network, &of_nodes, &of_vessels)?;
-        }
-        Format::Csv => write_csv_graph(nodes, &mut vessels, network)?,
-        Format::Points => write_points(&mut vessels, network)?,
-        Format::Voreen => write_voreen(nodes, &mut vessels, network)?,
-        Format::VesselVio => write_vesselvio(nodes, &mut vessels, network)?,
-        Format::Markups => write_markups(&mut vessels, network)?,
-        Format::Tre => write_tre(&mut vessels, network)?,
-        Format::Npz => write_skeleton_npz(&mut vessels, network)?,
-        Format::ICafe | Format::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
-    }
+    written.loops = target.format.write(network, &mut vessels, nodes)?;
     if !written.loops.is_empty() {
         let path = target.loops();
         written.notes.push(format!("the links that close loops are in {}: give it with --loops", path.display()));
@@ -159,21 +116,13 @@ fn consists_of_lines(format: Format, network: &Network) -> bool {
 /// How far from its nodes, as a share of its length, a straight vessel takes the radius that is its own.
 const TAPER: f64 = 0.01;
 
-/// A network as lines.
-pub(crate) struct Drawn {
-    /// Every vessel has a line of its own.
-    pub(crate) network: Network,
-    /// How many lines had to be made.
-    pub(crate) made: usize,
-}
-
 /// Whether a vessel runs from a node to itself without points between, so that it cannot be drawn.
 pub(crate) fn has_no_course(network: &Network, row: usize) -> bool {
     let [a, b] = network.ends(row);
     a == b && network.vessel(row).path.len() < 4
 }
 
-/// The network with a line for every vessel, without those that cannot have one.
+/// The network with a line for every vessel, without those that cannot have one; and how many lines had to be made.
 ///
 /// Nodes are points of several vessels, so the radius of a vessel without a line is that of two points near its ends,
 /// chosen such that the mean over its arc length is the vessel's radius. A vessel that runs straight between two nodes that
@@ -182,7 +131,7 @@ pub(crate) fn has_no_course(network: &Network, row: usize) -> bool {
 /// # Errors
 ///
 /// A node without position (`InvalidInput`).
-pub(crate) fn with_lines(network: &Network) -> io::Result<Drawn> {
+pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
     let at = node_points(network)?;
     let (mut drawn, _) = network.subgraph(|row| !has_no_course(network, row));
     let (mut joined, mut made) = (HashSet::new(), 0);
@@ -206,7 +155,7 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<Drawn> {
             made += 1;
         }
     }
-    Ok(Drawn { network: drawn, made })
+    Ok((drawn, made))
 }
 
 /// Lengths and radii that differ by less than this share are one.

@@ -78,12 +78,7 @@ impl Graph {
     fn read(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
         self.directed = events.tag().attribute("edgedefault")?.as_deref() == Some("directed");
         let depth = events.depth();
-        while events.depth() >= depth {
-            match events.next()? {
-                Some(Step::Start) => {}
-                Some(_) => continue,
-                None => break,
-            }
+        while events.next_child(depth)? {
             let tag = events.tag();
             simple(tag)?;
             match tag.name() {
@@ -155,24 +150,19 @@ impl Graph {
 fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead>, text: &mut String) -> Result<(), Fault> {
     records.begin(events.tag().line);
     let depth = events.depth();
-    while events.depth() >= depth {
-        match events.next()? {
-            Some(Step::Start) if events.tag().name() == "data" => {
-                let tag = events.tag();
-                let key = keys.number(&tag.attribute("key")?.unwrap_or_default(), tag.line);
-                if keys.is_wanted(key) {
-                    events.text(simple, text)?;
-                    records.put(key, text);
-                } else {
-                    events.skip(simple)?;
-                }
-            }
-            Some(Step::Start) => {
-                simple(events.tag())?;
-                events.skip(simple)?;
-            }
-            Some(_) => {}
-            None => break,
+    while events.next_child(depth)? {
+        let tag = events.tag();
+        if tag.name() != "data" {
+            simple(tag)?;
+            events.skip(simple)?;
+            continue;
+        }
+        let key = keys.number(&tag.attribute("key")?.unwrap_or_default(), tag.line);
+        if keys.is_wanted(key) {
+            events.text(simple, text)?;
+            records.put(key, text);
+        } else {
+            events.skip(simple)?;
         }
     }
     Ok(())
@@ -208,14 +198,11 @@ impl Keys {
         let name = tag.attribute("attr.name")?.map(Into::into);
         let mut default = None;
         let depth = events.depth();
-        while events.depth() >= depth {
-            match events.next()? {
-                Some(Step::Start) if events.tag().name() == "default" && default.is_none() => {
-                    events.text(|_| Ok(()), default.insert(String::new()))?;
-                }
-                Some(Step::Start) => events.skip(|_| Ok(()))?,
-                Some(_) => {}
-                None => break,
+        while events.next_child(depth)? {
+            if events.tag().name() == "default" && default.is_none() {
+                events.text(|_| Ok(()), default.insert(String::new()))?;
+            } else {
+                events.skip(|_| Ok(()))?;
             }
         }
         self.keys[number] = Key { name, default, on, declared: true, line };

@@ -55,6 +55,14 @@ fn too_large(found: &str, most: u64, more: &str) -> Fault {
     Fault::file(found, format!("expected at most {}{more}", size(most)))
 }
 
+/// Opens a file that has at most `most` bytes; its length.
+fn open_within(path: &Path, most: u64, more: &str) -> Result<(File, u64)> {
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unread)?;
+    let length = file.metadata().map_err(unread)?.len();
+    if length > most { Err(too_large(&size(length), most, more).in_file(path)) } else { Ok((file, length)) }
+}
+
 /// A file that counts and hashes what is read of it, up to a limit.
 pub(crate) struct Counted {
     file: Checksummed<File>,
@@ -65,12 +73,7 @@ pub(crate) struct Counted {
 impl Counted {
     /// Opens a file of at most `most` bytes.
     pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
-        let unread = |source| Error::Read { path: path.to_owned(), source };
-        let file = File::open(path).map_err(unread)?;
-        let length = file.metadata().map_err(unread)?.len();
-        if length > most {
-            return Err(too_large(&size(length), most, &format!("; {OPTION}")).in_file(path));
-        }
+        let (file, _) = open_within(path, most, &format!("; {OPTION}"))?;
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
     }
 
@@ -108,14 +111,10 @@ pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
 ///
 /// It cannot be read, or has more.
 pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
-    let unread = |source| Error::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(unread)?;
-    let length = file.metadata().map_err(unread)?.len();
-    if length > most {
-        return Err(too_large(&size(length), most, more).in_file(path));
-    }
+    let (file, length) = open_within(path, most, more)?;
     let mut bytes = Vec::with_capacity(length as usize);
-    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
+    let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
     if bytes.len() as u64 > most {
         return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
     }

@@ -3,24 +3,14 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use super::companions::{nodes_beside, read_vesselvio, read_voreen};
 use super::format::{Format, HEAD, format_of};
-use super::numpy::skeleton::read_skeleton_npz;
-use super::tables::points::read_points;
 use super::unit_check::{check_extent, unit_check};
-use super::vendors::icafe::{read_table_of_vessels, read_tracing};
-use super::vendors::slicer_markups::read_markups;
-use super::vendors::vtrails::read_vtrails;
 use super::xml;
 use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
 use crate::io::input::{Counted, MAX_INPUT, bytes_up_to, bytes_within};
-use crate::io::itk::tubes::read_tre;
-use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::rows::counted;
-use crate::io::vtk::legacy::read_vtk;
-use crate::io::vtk::xml::read_vtp;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -108,45 +98,8 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     let sha256 = file.checksum();
     let bytes = without_mark(&all);
     let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
-    let (format, content, notes) = read_as(format, path, bytes, options)?;
+    let (format, content, notes) = format.read(path, bytes, options)?;
     Ok((format, content, notes, sha256))
-}
-
-/// The format of a file with what lies beside it, what it holds, and what a person should know about it.
-fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
-    let here = |fault: Fault| fault.in_file(path);
-    let lines = |read: Result<(Centerlines, Vec<String>), Fault>| {
-        read.map_err(here).map(|(lines, notes)| (Content::Centerlines(lines), notes))
-    };
-    let read = match format {
-        Format::Swc => return read_tracing(path, bytes, options),
-        Format::ICafe => read_table_of_vessels(path, bytes, options),
-        Format::Csv => read_tables(path, bytes, options),
-        Format::Voreen => read_voreen(path, bytes, options),
-        Format::VesselVio => read_vesselvio(path, bytes, options),
-        Format::GraphMl => read_graphml(bytes, options).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes)),
-        Format::Npz => read_skeleton_npz(bytes, options).map_err(here),
-        Format::Vtp => lines(read_vtp(bytes, options)),
-        Format::Vtk => lines(read_vtk(bytes, options)),
-        Format::Tre => lines(read_tre(bytes, options)),
-        Format::Markups => lines(read_markups(bytes, options)),
-        Format::Points => lines(read_points(bytes, options)),
-        Format::VTrails => lines(read_vtrails(bytes, options)),
-    };
-    read.map(|(content, notes)| (format, content, notes))
-}
-
-/// A table of edges, with the table of nodes beside it.
-fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let beside = nodes_beside(path);
-    let read = |nodes: &PathBuf| {
-        let bytes = bytes_within(nodes, options.max_input)?;
-        read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
-    };
-    let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
-    notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
-    Ok((Content::Graph(network), notes))
 }
 
 /// All bytes of a file.

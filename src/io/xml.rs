@@ -155,6 +155,18 @@ impl<R: BufRead> Events<R> {
         Ok(())
     }
 
+    /// Goes on to the next element that begins within the element at `depth`; false at the end of that one.
+    pub(in crate::io) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
+        while self.depth >= depth {
+            match self.next()? {
+                Some(Step::Start) => return Ok(true),
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(false)
+    }
+
     /// Passes what is left of the innermost element; `seen` is shown the elements within it.
     pub(in crate::io) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
         self.text(seen, &mut String::new())

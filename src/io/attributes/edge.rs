@@ -76,7 +76,7 @@ pub(in crate::io) fn vessels(
             resistance: resistance(&item)?,
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
-            prior: prior(&item)?,
+            prior: item.share("prior")?.unwrap_or(1.0),
             certain: item.boolean("certain")?.unwrap_or(false),
             evidence: evidence(&item)?,
             kept: item.boolean("kept")?,
@@ -131,10 +131,6 @@ fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
         Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
         stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
     }
-}
-
-fn prior(item: &Item) -> Result<f64, Fault> {
-    Ok(item.share("prior")?.unwrap_or(1.0))
 }
 
 /// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.

@@ -7,26 +7,6 @@ use crate::error::Fault;
 use crate::support::geometry::{Point, distance};
 
 const ENTRY: &str = "expected a line Key = value";
-/// The types of objects that MetaIO knows.
-const KINDS: [&str; 17] = [
-    "Scene",
-    "Group",
-    "AffineTransform",
-    "Transform",
-    "Tube",
-    "TubeGraph",
-    "Line",
-    "Contour",
-    "Surface",
-    "Mesh",
-    "FEMObject",
-    "Landmark",
-    "Blob",
-    "Ellipse",
-    "Gaussian",
-    "Arrow",
-    "Image",
-];
 /// How much of a wrong line an error shows.
 const SHOWN: usize = 40;
 
@@ -142,7 +122,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         }
         let object = open.get_or_insert_with(|| Object { line, ..Object::default() });
         match key.as_str() {
-            "ObjectType" if KINDS.contains(&value.as_str()) => object.kind = value,
+            "ObjectType" if is_kind(&value) => object.kind = value,
             "ObjectType" => {
                 let found = format!("ObjectType \"{}\"", shown(value.as_bytes()));
                 return Err(Fault::line(line, found, "expected Scene, Group, Tube or another type of MetaIO"));
@@ -178,6 +158,13 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         }
         _ => Ok(objects),
     }
+}
+
+/// Whether MetaIO knows a type of objects.
+fn is_kind(name: &str) -> bool {
+    let containers = matches!(name, "Scene" | "Group" | "AffineTransform" | "Transform" | "Image");
+    let shapes = matches!(name, "Tube" | "TubeGraph" | "Line" | "Contour" | "Surface" | "Mesh" | "FEMObject" | "Landmark");
+    containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
 }
 
 fn entry(text: &[u8]) -> Option<(String, String)> {

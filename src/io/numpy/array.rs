@@ -112,11 +112,6 @@ impl Array {
         Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
     }
 
-    /// Whether the first axis runs fastest.
-    pub(crate) fn is_fortran(&self) -> bool {
-        self.fortran
-    }
-
     /// Whether the values are whole numbers.
     pub(crate) fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Signed | Kind::Unsigned)
@@ -221,7 +216,7 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
         let name = member.name().trim_end_matches(".npy").to_owned();
         let stored = member.compressed_size();
         let array = Array::read(&name, member, stored, &room)?;
-        if array.is_fortran() && array.shape.len() > 1 {
+        if array.fortran && array.shape.len() > 1 {
             return Err(Fault::item(format!("array {name}"), "in Fortran order", "expected C order"));
         }
         arrays.push(NamedArray { name, values: array.reals()?, shape: array.shape });
@@ -237,13 +232,10 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
 pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
     let array = Array::read("A", bytes, bytes.len() as u64, &Room::of(bytes.len(), MAX_INPUT))?;
     if array.shape != [n, n] {
-        let shape = array.shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        return Err(Fault::file(
-            format!("shape ({shape})"),
-            format!("expected ({n}, {n}): a row and a column for every node of the graph"),
-        ));
+        let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
+        return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
     }
     let values = array.reals()?;
-    let at = |row: usize, column: usize| if array.is_fortran() { column * n + row } else { row * n + column };
+    let at = |row: usize, column: usize| if array.fortran { column * n + row } else { row * n + column };
     Ok(Array2::from_shape_fn((n, n), |(row, column)| values[at(row, column)]))
 }

@@ -4,35 +4,20 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use super::graph;
+use super::graph::{self, END_PLACES};
 use super::rows::Rows;
 use crate::error::Fault;
 use crate::io::attributes;
 use crate::io::format::Format;
-use crate::io::read::ReadOptions;
-use crate::io::read::bytes_of;
+use crate::io::read::{ReadOptions, bytes_of};
 use crate::io::vtk::polydata;
 use crate::io::xml::{Events, Step, Tag};
 
-/// Columns that a network says itself, by its rows and places, and VTK's own arrays.
-const STRUCTURE: [&str; 16] = [
-    "edge",
-    "node",
-    "id",
-    "node_a",
-    "node_b",
-    "ax_mm",
-    "ay_mm",
-    "az_mm",
-    "bx_mm",
-    "by_mm",
-    "bz_mm",
-    "length_mm",
-    "radius_mm",
-    "Points",
-    "connectivity",
-    "offsets",
-];
+/// Whether a column says what the rows and places of a network say already, or is one of VTK's own arrays.
+fn is_structure(name: &str) -> bool {
+    let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
+    rows || END_PLACES.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
+}
 
 /// The names of the columns, attributes or arrays of a GraphML, CSV or VTP file that its reader passes over, in their order; none of a
 /// file of another format, or one that cannot be read again.
@@ -50,7 +35,7 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
         _ => attributes::is_wanted(name),
     };
     let mut seen = std::collections::HashSet::new();
-    names.retain(|name| !STRUCTURE.contains(&name.as_str()) && !is_read(name) && seen.insert(name.clone()));
+    names.retain(|name| !is_structure(name) && !is_read(name) && seen.insert(name.clone()));
     names
 }
 

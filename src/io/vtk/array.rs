@@ -15,7 +15,12 @@ use crate::io::xml::Element;
 /// What the arrays of a file share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrays<'a> {
-    pub(crate) encoding: Encoding,
+    /// Whether the least significant byte comes first.
+    pub(crate) little: bool,
+    /// The bytes of a header word: 4 or 8.
+    pub(crate) word: usize,
+    /// Whether arrays are compressed by zlib.
+    pub(crate) zlib: bool,
     /// The appended data, after its underscore.
     pub(crate) appended: Option<Source<'a>>,
     /// What they may unpack to, all together.
@@ -111,7 +116,7 @@ impl Arrays<'_> {
             fault(array, format!("offset \"{offset}\""), "expected a place in the <AppendedData>")
         })?;
         let most = limit.min(self.room.left().saturating_add(1));
-        let bytes = self.encoding.bytes(source, most).map_err(|found| fault(array, found, accepted))?.into_owned();
+        let bytes = self.decode(source, most).map_err(|found| fault(array, found, accepted))?.into_owned();
         self.room.take(bytes.len()).map_err(|(found, accepted)| fault(array, found, accepted))?;
         Ok(bytes)
     }
@@ -121,7 +126,7 @@ impl Arrays<'_> {
         let mut numbers = bytes.chunks_exact(size).map(|chunk| {
             let mut word = [0_u8; 8];
             for (place, byte) in chunk.iter().enumerate() {
-                word[if self.encoding.little { place } else { size - 1 - place }] = *byte;
+                word[if self.little { place } else { size - 1 - place }] = *byte;
             }
             u64::from_le_bytes(word)
         });
@@ -177,17 +182,6 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent).with_decode_allow_trailing_bits(true),
 );
 
-/// How a file encodes its arrays.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Encoding {
-    /// Whether the least significant byte comes first.
-    pub(crate) little: bool,
-    /// The bytes of a header word: 4 or 8.
-    pub(crate) word: usize,
-    /// Whether arrays are compressed by zlib.
-    pub(crate) zlib: bool,
-}
-
 /// Encoded bytes, from the start of an array on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'a> {
@@ -233,13 +227,13 @@ impl<'a> Source<'a> {
     }
 }
 
-impl Encoding {
+impl Arrays<'_> {
     /// The bytes of an array, the first `limit` of them: some programs write more values than there are points.
-    pub(crate) fn bytes(self, mut source: Source<'_>, limit: usize) -> Result<Cow<'_, [u8]>, String> {
+    fn decode<'s>(&self, mut source: Source<'s>, limit: usize) -> Result<Cow<'s, [u8]>, String> {
         if self.zlib { self.inflate(source, limit) } else { self.plain(&mut source, limit) }
     }
 
-    fn plain<'a>(self, source: &mut Source<'a>, limit: usize) -> Result<Cow<'a, [u8]>, String> {
+    fn plain<'a>(&self, source: &mut Source<'a>, limit: usize) -> Result<Cow<'a, [u8]>, String> {
         let alone = source.is_padded(self.word);
         let mut ahead = *source;
         let count = self.words(&ahead.take(self.word)?)[0];
@@ -253,7 +247,7 @@ impl Encoding {
         Ok(Cow::Owned(both))
     }
 
-    fn inflate(self, mut source: Source<'_>, limit: usize) -> Result<Cow<'_, [u8]>, String> {
+    fn inflate<'s>(&self, mut source: Source<'s>, limit: usize) -> Result<Cow<'s, [u8]>, String> {
         let mut ahead = source;
         let blocks = self.words(&ahead.take(self.word)?)[0];
         if blocks == 0 {
@@ -287,7 +281,7 @@ impl Encoding {
         Ok(Cow::Owned(out))
     }
 
-    fn words(self, bytes: &[u8]) -> Vec<u64> {
+    fn words(&self, bytes: &[u8]) -> Vec<u64> {
         let word = |bytes: &[u8]| {
             let digit = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
             if self.little { bytes.iter().rev().fold(0, digit) } else { bytes.iter().fold(0, digit) }

@@ -193,24 +193,18 @@ const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STR
 impl Reader<'_> {
     /// An array of the points or cells, or of the whole file.
     pub(crate) fn attribute(&mut self, keyword: &str) -> Result<(), Fault> {
-        let known = [
-            "FIELD",
-            "SCALARS",
-            "COLOR_SCALARS",
-            "LOOKUP_TABLE",
-            "VECTORS",
-            "NORMALS",
-            "TENSORS",
-            "TENSORS6",
-            "TEXTURE_COORDINATES",
-            "GLOBAL_IDS",
-            "PEDIGREE_IDS",
-            "EDGE_FLAGS",
-        ];
-        if !known.contains(&keyword) {
-            "keyword".clone_into(&mut self.cursor.section);
-            return Err(self.cursor.fault(format!("\"{}\"", keyword.escape_debug()), SECTIONS));
-        }
+        let width = match keyword {
+            "VECTORS" | "NORMALS" => 3,
+            "TENSORS" => 9,
+            "TENSORS6" => 6,
+            "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
+            // What follows states it.
+            "FIELD" | "SCALARS" | "COLOR_SCALARS" | "LOOKUP_TABLE" | "TEXTURE_COORDINATES" => 0,
+            _ => {
+                "keyword".clone_into(&mut self.cursor.section);
+                return Err(self.cursor.fault(format!("\"{}\"", keyword.escape_debug()), SECTIONS));
+            }
+        };
         let name = unescape(self.cursor.need("a name")?);
         let rows = self.group.map_or(0, |(_, count)| count);
         self.cursor.section = format!("{keyword} \"{name}\"");
@@ -249,13 +243,7 @@ impl Reader<'_> {
                 self.values(&name, kind, width, rows)
             }
             _ => {
-                let width = match keyword {
-                    "VECTORS" | "NORMALS" => 3,
-                    "TENSORS" => 9,
-                    "TENSORS6" => 6,
-                    "TEXTURE_COORDINATES" => self.cursor.count("a dimension", 3)?,
-                    _ => 1,
-                };
+                let width = if keyword == "TEXTURE_COORDINATES" { self.cursor.count("a dimension", 3)? } else { width };
                 let kind = self.cursor.need("a type")?;
                 self.values(&name, kind, width, rows)
             }

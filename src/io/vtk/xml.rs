@@ -3,7 +3,7 @@
 use crate::error::Fault;
 use crate::io::input::Room;
 use crate::io::read::ReadOptions;
-use crate::io::vtk::array::{Arrays, Encoding, Source};
+use crate::io::vtk::array::{Arrays, Source};
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
 use crate::io::xml::{self, Element};
 use crate::network::centerlines::Centerlines;
@@ -37,7 +37,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         "vtkZLibDataCompressor" => true,
         other => return Err(Fault::file(format!("compressor {other}"), "expected vtkZLibDataCompressor or none")),
     };
-    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended, room };
+    let arrays = Arrays { little, word, zlib, appended, room };
     let polydata = root.named("PolyData").next();
     let pieces: Vec<&Element> = polydata.into_iter().flat_map(|p| p.named("Piece")).collect();
     let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();
