@@ -68,7 +68,7 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
     if found.distance > REACH {
         let [away, reach] = [found.distance, REACH].map(millimetres);
         let id = &network.node(found.node).id;
-        return Err(format!("the nearest_node node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
+        return Err(format!("the nearest node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
     }
     Ok(Located { node: found.node, by: Called::Position(found.distance) })
 }
