@@ -12,7 +12,7 @@ use willis::internals::io::bytes_of;
 use willis::internals::io::tables::conditions::{read_csv, read_toml};
 use willis::internals::network::quantity::Dimension;
 use willis::internals::network::units::{ml_per_min, mmhg, mmhg_s_per_ml};
-use willis::internals::network::{Called, Condition, Network, Role, locate};
+use willis::internals::network::{Condition, FoundBy, Network, Role, locate};
 use willis::internals::support::suggestions::did_you_mean;
 
 use super::beside::beside;
@@ -119,7 +119,7 @@ impl BoundaryArgs {
             let whole = option != "--flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
             let (spec, role, condition) = parse(option, text, whole).map_err(refused)?;
             let found = locate(network, spec).map_err(|why| refused(several(network, option, spec).unwrap_or(why)))?;
-            if found.by != Called::Name {
+            if found.by != FoundBy::Name {
                 terminal.say("condition", format!("{spec} is node {}{}", network.node(found.node).id, found.note()));
             }
             if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {

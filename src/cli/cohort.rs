@@ -9,9 +9,9 @@ use std::thread;
 use serde_json::Value;
 use willis::error::{Error, Result};
 use willis::internals::circle_of_willis::MM_AWAY;
-use willis::internals::output::Making;
+use willis::internals::output::InProgress;
 use willis::internals::output::StagedFolder;
-use willis::internals::output::atomic::sweep_own;
+use willis::internals::output::atomic::clear_leftovers;
 use willis::internals::output::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
 use willis::internals::output::read_json;
 use willis::internals::report::cohort::{About, Figures, Row, write_cohort};
@@ -69,8 +69,8 @@ impl Cohort<'_> {
         };
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
-        let _lock = Making::new(self.output)?;
-        sweep_own(self.output)?;
+        let _lock = InProgress::new(self.output)?;
+        clear_leftovers(self.output)?;
         let is_done = |at: usize| {
             let record = self.record(&subjects[at].name);
             ledger.stands(at, &earlier) && record.is_some_and(|r| r["input"]["sha256"].as_str() == ledger.subjects[at].sha256())

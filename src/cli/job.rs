@@ -13,8 +13,8 @@ use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{checksum, checksum_of, write_csv};
 use willis::internals::network::Network;
 use willis::internals::output::atomic::{StagedFolder, write_file};
+use willis::internals::output::final_path;
 use willis::internals::output::names::AGREEMENT;
-use willis::internals::output::told;
 use willis::internals::output::write_record;
 use willis::internals::report::record::Built;
 use willis::internals::report::{Outcome, Provenance, Summary, agreement, phenotype_json, write_outcome, write_phenotype};
@@ -90,7 +90,7 @@ impl Job {
         let (mut decisions, mut records) = (Vec::new(), Vec::new());
         for params in runs {
             let sub = path.join(format!("epsilon-{}", params.epsilon));
-            std::fs::create_dir(&sub).map_err(|source| Error::Write { path: told(&sub), source })?;
+            std::fs::create_dir(&sub).map_err(|source| Error::Write { path: final_path(&sub), source })?;
             let (answer, record) = self.run(params, folder, &sub, interval, start, terminal)?;
             decisions.push((params.epsilon, answer));
             records.push(record);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::internals::io::{checksum_of_file, files_beside};
+use willis::internals::io::{checksum_of_file, companion_files};
 use willis::internals::output::names::COHORT;
 use willis::internals::output::{StagedFile, read_json, write_json};
 
@@ -42,7 +42,7 @@ impl Entry {
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = &Run::source(&subject.input);
         let mut files = BTreeMap::new();
-        for path in std::iter::once(input.clone()).chain(files_beside(input)).chain(others) {
+        for path in std::iter::once(input.clone()).chain(companion_files(input)).chain(others) {
             let sum = || checksum_of_file(&path).ok();
             files.entry(path.display().to_string()).or_insert_with(sum);
         }

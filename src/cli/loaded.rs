@@ -4,7 +4,7 @@ use std::path::Path;
 
 use willis::error::{Error, Result};
 use willis::internals::circle_of_willis::divide;
-use willis::internals::io::{Content, Document, Format, Made, read};
+use willis::internals::io::{BuiltNetwork, Content, Document, Format, read};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::millimetres;
 use willis::internals::network::{Network, Origin, RadiusRule, fragments};
@@ -83,7 +83,7 @@ impl Kind {
     }
 
     /// How large it is, in words.
-    fn size(self, Made { network, .. }: &Made) -> String {
+    fn size(self, BuiltNetwork { network, .. }: &BuiltNetwork) -> String {
         let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
         let size = match self {
             Self::Centerlines(points) => {

@@ -9,7 +9,7 @@ use crate::io::format::{Format, HEAD, format_of};
 use crate::io::input::bytes_within;
 use crate::io::read::{ReadOptions, without_mark};
 use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
-use crate::io::tables::rows::Rows;
+use crate::io::tables::reader::TableReader;
 use crate::network::units::Scale;
 use crate::network::{Network, Origin, Vessel};
 use crate::support::geometry::distance;
@@ -24,16 +24,16 @@ pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
 const IMAGE: &str = "Image_info.txt";
 
 /// The files that [`read`](super::read::read) takes beside `path` as the folder is now, in the order of their names.
-pub fn files_beside(path: &Path) -> Vec<PathBuf> {
+pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);
     let mut found: Vec<PathBuf> = match format_of(path, bytes) {
-        Ok(Format::Csv) => nodes_beside(path).into_iter().collect(),
+        Ok(Format::Csv) => find_nodes_table(path).into_iter().collect(),
         Ok(Format::Voreen | Format::VesselVio) => {
             other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
         }
-        Ok(Format::Swc) => [table_of_vessels_beside(path), image_beside(path)].into_iter().flatten().collect(),
-        Ok(Format::ICafe) => [tracing_beside(path).ok(), image_beside(path)].into_iter().flatten().collect(),
+        Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
         _ => Vec::new(),
     };
     found.sort();
@@ -50,12 +50,12 @@ fn head(path: &Path) -> Vec<u8> {
 
 /// The table of nodes beside a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
 /// `vertices.csv`.
-pub(crate) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
+pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
     first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
 }
 
 /// The table of edges beside a table of nodes, by the same names.
-pub(crate) fn edges_beside(nodes: &Path) -> Option<PathBuf> {
+pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
     first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))
 }
 
@@ -72,35 +72,36 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
 
 /// Whether a table of two is that of edges, and the other one, if it is beside it.
 pub(crate) fn other_table(path: &Path, bytes: &[u8]) -> Result<(bool, Option<PathBuf>), Fault> {
-    let is_edges = Rows::open(bytes)?.find(&FIRST_NODE).is_some();
-    Ok((is_edges, if is_edges { nodes_beside(path) } else { edges_beside(path) }))
+    let is_edges = TableReader::open(bytes)?.find(&FIRST_NODE).is_some();
+    Ok((is_edges, if is_edges { find_nodes_table(path) } else { find_edges_table(path) }))
 }
 
 /// Whether the edges of a table refer to the rows of the table of nodes, as VesselVio's do: that table has no names.
-pub(crate) fn refers_to_rows(edges: &Path) -> bool {
-    let Some(nodes) = nodes_beside(edges) else { return false };
-    Rows::open(&head(&nodes)).is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
+pub(crate) fn edges_refer_to_rows(edges: &Path) -> bool {
+    let Some(nodes) = find_nodes_table(edges) else { return false };
+    TableReader::open(&head(&nodes))
+        .is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
 }
 
 /// Where the table of nodes goes beside a table of edges that is written; `None` when that is its own name.
-pub(crate) fn nodes_path(edges: &Path) -> Option<PathBuf> {
+pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
     let name = edges.file_name()?.to_string_lossy();
     let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
     (nodes != name).then(|| edges.with_file_name(nodes))
 }
 
 /// The table of vessels beside a tracing of iCafe.
-pub(crate) fn table_of_vessels_beside(tracing: &Path) -> Option<PathBuf> {
+pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
 }
 
 /// What iCafe says of the image beside a tracing or its table of vessels.
-pub(crate) fn image_beside(tracing: &Path) -> Option<PathBuf> {
+pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
 }
 
 /// The one tracing beside a table of vessels.
-pub(crate) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
+pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> =
@@ -176,7 +177,7 @@ pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
 
 /// Reads a table of edges, with the table of nodes beside it if there is one.
 pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
-    let found = nodes_beside(path);
+    let found = find_nodes_table(path);
     let read = |nodes: &PathBuf| {
         let bytes = bytes_within(nodes, options.max_input)?;
         read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::io::companions::nodes_path;
+use crate::io::companions::nodes_table_path;
 use crate::io::format::Format;
 use crate::io::polylines::{between, is_straight, node_points};
 use crate::io::vendors::voreen::has_whole_ids;
@@ -45,7 +45,7 @@ impl Target {
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
-            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_path(path).ok_or_else(|| {
+            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_table_path(path).ok_or_else(|| {
                 Error::parameter("output", path.display(), "is the name of the table of nodes; expected that of the vessels")
             })?),
             _ => None,
@@ -163,7 +163,7 @@ const SAME: f64 = 1e-9;
 
 /// What a format may have no place for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Thing {
+enum Property {
     /// The centerline of a vessel between its nodes.
     Paths,
     /// A length and a radius of a vessel that are not those of its centerline.
@@ -181,8 +181,8 @@ enum Thing {
 }
 
 /// What a format has no place for in a network.
-fn lacks(format: Format, network: &Network) -> Vec<Thing> {
-    use Thing::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
+fn lacks(format: Format, network: &Network) -> Vec<Property> {
+    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     match format {
         Format::GraphMl | Format::Csv => vec![],
         Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
@@ -198,7 +198,7 @@ fn lacks(format: Format, network: &Network) -> Vec<Thing> {
 
 /// What gets lost when the network is written in a format, in words, one thing each.
 pub fn losses(network: &Network, format: Format) -> Vec<String> {
-    use Thing::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
+    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     let lacks = lacks(format, network);
     let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();

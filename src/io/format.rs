@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::companions::{edges_beside, read_csv_tables, read_table_pair, refers_to_rows};
+use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::graphml::{read_graphml, write_graphml};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
@@ -11,7 +11,7 @@ use super::read::{Content, ReadOptions};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
-use super::tables::rows::delimiter;
+use super::tables::reader::delimiter;
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
 use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
@@ -234,7 +234,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let named = has(&["node"]) || has(&["id"]);
     if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
         Some(Format::Voreen)
-    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && refers_to_rows(path)) {
+    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)) {
         Some(Format::VesselVio)
     } else if graph::is_header(header) {
         Some(Format::Csv)
@@ -242,7 +242,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
         Some(Format::Points)
     } else if icafe::is_header(&columns) {
         Some(Format::ICafe)
-    } else if has(&["x", "y", "z"]) && !named && edges_beside(path).is_some() {
+    } else if has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some() {
         Some(Format::VesselVio)
     } else {
         None

@@ -64,13 +64,13 @@ fn open_within(path: &Path, most: u64, more: &str) -> Result<(File, u64)> {
 }
 
 /// A file that counts and hashes what is read of it, up to a limit.
-pub(crate) struct Counted {
+pub(crate) struct LimitedFile {
     file: Checksummed<File>,
     most: u64,
     read: u64,
 }
 
-impl Counted {
+impl LimitedFile {
     /// Opens a file of at most `most` bytes.
     pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
         let (file, _) = open_within(path, most, &format!("; {OPTION}"))?;
@@ -83,7 +83,7 @@ impl Counted {
     }
 }
 
-impl Read for Counted {
+impl Read for LimitedFile {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(out)?;
         self.read += count as u64;
@@ -123,13 +123,13 @@ pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>>
 
 /// What the compressed parts of a file may still unpack to, all together.
 #[derive(Debug)]
-pub(crate) struct Room {
+pub(crate) struct UnpackLimit {
     most: u64,
     left: Cell<u64>,
     accepted: &'static str,
 }
 
-impl Room {
+impl UnpackLimit {
     /// For a file of so many bytes, where `most` are allowed.
     pub(crate) fn of(file: usize, most: u64) -> Self {
         let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
@@ -222,7 +222,7 @@ impl<R: Read> Read for Checksummed<R> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Room, byte_count};
+    use super::{UnpackLimit, byte_count};
 
     #[test]
     fn sizes_are_read_with_and_without_units() {
@@ -237,11 +237,11 @@ mod tests {
 
     #[test]
     fn room_is_shared_by_all_parts_of_a_file() {
-        let room = Room::of(1 << 30, 1000);
+        let room = UnpackLimit::of(1 << 30, 1000);
         assert!(room.take(600).is_ok() && room.left() == 400);
         let (found, accepted) = room.take(401).unwrap_err();
         assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "--max-input allows more"));
         // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
-        assert_eq!(Room::of(10, u64::MAX).left(), 64 << 20);
+        assert_eq!(UnpackLimit::of(10, u64::MAX).left(), 64 << 20);
     }
 }

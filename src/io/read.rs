@@ -8,9 +8,9 @@ use super::unit_check::{check_extent, unit_check};
 use super::xml;
 use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
-use crate::io::input::{Counted, MAX_INPUT, bytes_up_to, bytes_within};
+use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
 use crate::io::tables::lists::add_loops;
-use crate::io::tables::rows::counted;
+use crate::io::tables::reader::counted;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -85,7 +85,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
 /// stream.
 fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
-    let mut file = Counted::open(path, options.max_input)?;
+    let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };
     let mut all = Vec::new();
     file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
@@ -118,7 +118,7 @@ pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
 
 /// A network made of a file's content.
 #[derive(Debug, Clone)]
-pub struct Made {
+pub struct BuiltNetwork {
     /// The network.
     pub network: Network,
     /// The centerlines that it was made of, welded.
@@ -133,7 +133,7 @@ impl Content {
     /// # Errors
     ///
     /// No vessel, one without length, or one without a radius where no default is given.
-    pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<Made, Fault> {
+    pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<BuiltNetwork, Fault> {
         let mut notes = Vec::new();
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
@@ -174,6 +174,6 @@ impl Content {
         if network.vessel_count() == 0 {
             return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
         }
-        Ok(Made { network, lines, notes })
+        Ok(BuiltNetwork { network, lines, notes })
     }
 }

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Write};
 
 use crate::error::Fault;
 use crate::io::polylines::{between, node_points};
-use crate::io::tables::rows::counted;
+use crate::io::tables::reader::counted;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{Scale, millimetres};
@@ -111,7 +111,7 @@ fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
     let mut tree = vec![NEW; up.len()];
     let mut count = 0;
     for start in 0..up.len() {
-        let mut way = Vec::new();
+        let mut visited = Vec::new();
         let mut at = Some(start);
         let number = loop {
             match at {
@@ -123,12 +123,12 @@ fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
                 Some(row) if tree[row] != NEW => break tree[row],
                 Some(row) => {
                     tree[row] = OPEN;
-                    way.push(row);
+                    visited.push(row);
                     at = up[row];
                 }
             }
         };
-        for row in way {
+        for row in visited {
             tree[row] = number;
         }
     }
@@ -167,10 +167,10 @@ pub fn is_forest(network: &Network) -> bool {
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
-    let mut around = vec![Vec::new(); network.node_count()];
+    let mut vessels_at = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
-        around[ends[0]].push((row, ends[1]));
-        around[ends[1]].push((row, ends[0]));
+        vessels_at[ends[0]].push((row, ends[1]));
+        vessels_at[ends[1]].push((row, ends[0]));
     }
     writeln!(out, "# centerlines; coordinates and radii in mm")?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
@@ -198,7 +198,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         id_of[root] = Some(root_id);
         let mut open = vec![(root, root_id)];
         while let Some((node, node_id)) = open.pop() {
-            for (row, next) in &around[node] {
+            for (row, next) in &vessels_at[node] {
                 if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }
@@ -329,7 +329,7 @@ impl TypeCodes {
         let mut codes: BTreeMap<String, u64> = BTreeMap::new();
         let mut words = Vec::new();
         let mut taken = BTreeSet::new();
-        for label in labels.map(clean).filter(|label| !label.is_empty()) {
+        for label in labels.map(single_line).filter(|label| !label.is_empty()) {
             match label.parse::<u64>() {
                 Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
                     taken.insert(whole);
@@ -351,7 +351,7 @@ impl TypeCodes {
 
     /// The type for a label; 0 for none.
     pub fn code(&self, label: &str) -> u64 {
-        self.0.get(&clean(label)).copied().unwrap_or(0)
+        self.0.get(&single_line(label)).copied().unwrap_or(0)
     }
 
     /// Writes what the types stand for, in their order.
@@ -362,6 +362,6 @@ impl TypeCodes {
 }
 
 /// A label on one line, without blanks around it.
-pub(crate) fn clean(label: &str) -> String {
+pub(crate) fn single_line(label: &str) -> String {
     label.replace(char::is_control, " ").trim().to_owned()
 }

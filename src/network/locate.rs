@@ -15,7 +15,7 @@ pub struct Located {
     /// Its row.
     pub node: usize,
     /// How it was called.
-    pub by: Called,
+    pub by: FoundBy,
 }
 
 /// The node nearest to a position.
@@ -29,7 +29,7 @@ pub struct Nearest {
 
 /// How a node was called.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Called {
+pub enum FoundBy {
     /// By its id or its label.
     Name,
     /// By the id of a point that was made one with it.
@@ -49,9 +49,9 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
         network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect()
     };
     let ways = [
-        (rows(&|n| n.id == spec), Called::Name),
-        (rows(&|n| n.also.iter().any(|id| id == spec)), Called::Merged),
-        (rows(&|n| !n.label.is_empty() && n.label == spec), Called::Name),
+        (rows(&|n| n.id == spec), FoundBy::Name),
+        (rows(&|n| n.also.iter().any(|id| id == spec)), FoundBy::Merged),
+        (rows(&|n| !n.label.is_empty() && n.label == spec), FoundBy::Name),
     ];
     for (rows, by) in ways {
         match rows[..] {
@@ -70,7 +70,7 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
         let id = &network.node(found.node).id;
         return Err(format!("the nearest node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
     }
-    Ok(Located { node: found.node, by: Called::Position(found.distance) })
+    Ok(Located { node: found.node, by: FoundBy::Position(found.distance) })
 }
 
 /// The node nearest to a position (m) among those in the rows that `admit` takes, however far away, ties to the lower row.
@@ -105,9 +105,9 @@ impl Located {
     /// How it was found, in words; empty when it was called by its own name.
     pub fn note(&self) -> String {
         match self.by {
-            Called::Name => String::new(),
-            Called::Merged => " (made one with it)".into(),
-            Called::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
+            FoundBy::Name => String::new(),
+            FoundBy::Merged => " (made one with it)".into(),
+            FoundBy::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
         }
     }
 }

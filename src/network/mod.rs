@@ -12,7 +12,7 @@ mod vessel;
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use contraction::{RadiusRule, contract};
-pub use locate::{Called, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use locate::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use node::{Condition, INLET_PRESSURE, Node, Role};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
 
@@ -185,21 +185,21 @@ pub fn cycles(network: &Network) -> usize {
 
 /// The rows of a network; those of the vessels with their two nodes.
 #[derive(Serialize, Deserialize)]
-struct Rows<N, V> {
+struct NetworkRows<N, V> {
     nodes: Vec<N>,
     vessels: Vec<([usize; 2], V)>,
 }
 
 impl Serialize for Network {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let rows: Rows<&Node, &Vessel> = Rows { nodes: self.nodes().collect(), vessels: self.vessels().collect() };
+        let rows: NetworkRows<&Node, &Vessel> = NetworkRows { nodes: self.nodes().collect(), vessels: self.vessels().collect() };
         rows.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Network {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let rows: Rows<Node, Vessel> = Rows::deserialize(deserializer)?;
+        let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
         let mut network = Self::new();
         for node in rows.nodes {
             network.add_node(node);

@@ -6,20 +6,21 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::in_progress::{
-    IN_THE_MAKING, Making, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error,
+    HIDDEN_PREFIX, InProgress, UNFINISHED, clear_dead_runs, clear_leftovers_beside, has_checkpoint, is_in_progress, sync_folder,
+    write_error,
 };
-use super::ownership::{entries, stranger};
+use super::ownership::{entries, foreign_file};
 use crate::error::{Error, Result};
 use crate::output::files::DiskFile;
 
 /// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
-fn vacant(target: &Path, force: bool) -> Result<()> {
+fn check_vacant(target: &Path, force: bool) -> Result<()> {
     if target.exists() && !force {
         return Err(Error::Exists { path: target.to_owned() });
     }
     let standing = target.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
     let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(folder) {
+    match tempfile::Builder::new().prefix(HIDDEN_PREFIX).tempdir_in(folder) {
         Ok(_) => Ok(()),
         Err(e) => {
             // The rest of the system's words puzzle: a folder that stands but takes no entry is "not found".
@@ -40,10 +41,10 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
 /// # Errors
 ///
 /// The system refuses.
-pub fn sweep_own(folder: &Path) -> Result<()> {
-    sweep(folder);
-    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir());
-    for path in left.filter(|path| !keeps(path)) {
+pub fn clear_leftovers(folder: &Path) -> Result<()> {
+    clear_dead_runs(folder);
+    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir());
+    for path in left.filter(|path| !has_checkpoint(path)) {
         fs::remove_dir_all(&path).map_err(write_error(&path))?;
     }
     Ok(())
@@ -52,7 +53,7 @@ pub fn sweep_own(folder: &Path) -> Result<()> {
 /// A folder in the making; no other process makes it meanwhile.
 #[derive(Debug)]
 pub struct StagedFolder {
-    making: Making,
+    in_progress: InProgress,
     /// What stays beside it when it is not put in its place.
     kept: Mutex<Vec<PathBuf>>,
 }
@@ -64,14 +65,14 @@ impl StagedFolder {
     ///
     /// It exists and `force` is off, it is something that this program did not make, or another process is making it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        sweep_beside(target);
-        Self::may_stand(target, force)?;
-        Making::check(target)
+        clear_leftovers_beside(target);
+        Self::check_target(target, force)?;
+        InProgress::check(target)
     }
 
-    fn may_stand(target: &Path, force: bool) -> Result<()> {
-        vacant(target, force)?;
-        match stranger(target).filter(|_| target.exists()) {
+    fn check_target(target: &Path, force: bool) -> Result<()> {
+        check_vacant(target, force)?;
+        match foreign_file(target).filter(|_| target.exists()) {
             None => Ok(()),
             Some(path) => {
                 let accepted =
@@ -87,10 +88,10 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`] with `force`, or the system refuses.
     pub fn remove(target: &Path) -> Result<()> {
-        Self::may_stand(target, true)?;
-        let making = Making::new(target)?;
+        Self::check_target(target, true)?;
+        let in_progress = InProgress::new(target)?;
         // Under this name it is not put back.
-        fs::rename(target, making.folder().join("new")).map_err(write_error(target))
+        fs::rename(target, in_progress.folder().join("new")).map_err(write_error(target))
     }
 
     /// Starts a folder that will stand at `target`.
@@ -99,22 +100,22 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`], or the folder cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::may_stand(target, force)?;
-        let making = Making::new(target)?;
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
         // Another process may have put it there before its lock was free.
-        Self::may_stand(target, force)?;
-        fs::create_dir(making.new_one()).map_err(write_error(target))?;
-        Ok(Self { making, kept: Mutex::default() })
+        Self::check_target(target, force)?;
+        fs::create_dir(in_progress.new_path()).map_err(write_error(target))?;
+        Ok(Self { in_progress, kept: Mutex::default() })
     }
 
     /// Where to write meanwhile.
     pub fn path(&self) -> PathBuf {
-        self.making.new_one()
+        self.in_progress.new_path()
     }
 
     /// Where to put a file that stays when the run ends before its folder stands, for a later run to find.
     pub fn keep(&self, name: &str) -> PathBuf {
-        let path = self.making.kept(name);
+        let path = self.in_progress.kept(name);
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).push(path.clone());
         path
     }
@@ -125,8 +126,8 @@ impl StagedFolder {
     }
 
     /// The folder where what is kept is.
-    pub fn kept_in(&self) -> &Path {
-        self.making.folder()
+    pub fn checkpoint_folder(&self) -> &Path {
+        self.in_progress.folder()
     }
 
     /// Puts the folder in its place, the earlier one aside until then, and takes away what was kept.
@@ -136,7 +137,7 @@ impl StagedFolder {
     /// The system refuses; the earlier folder then stands as it was.
     pub fn commit(self) -> Result<()> {
         sync_all(&self.path())?;
-        self.making.put()?;
+        self.in_progress.put()?;
         for path in self.kept.into_inner().unwrap_or_else(PoisonError::into_inner) {
             // What stays is only found by the same run again.
             let _ = fs::remove_file(path);
@@ -156,7 +157,7 @@ fn sync_all(folder: &Path) -> Result<()> {
 /// A file in the making; no other process makes it meanwhile.
 #[derive(Debug)]
 pub struct StagedFile {
-    making: Making,
+    in_progress: InProgress,
 }
 
 impl StagedFile {
@@ -166,16 +167,16 @@ impl StagedFile {
     ///
     /// It exists and `force` is off, it is a folder, or another process is making it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        sweep_beside(target);
-        Self::may_stand(target, force)?;
-        Making::check(target)
+        clear_leftovers_beside(target);
+        Self::check_target(target, force)?;
+        InProgress::check(target)
     }
 
-    fn may_stand(target: &Path, force: bool) -> Result<()> {
+    fn check_target(target: &Path, force: bool) -> Result<()> {
         if target.is_dir() {
             return Err(Error::parameter("--output", target.display(), "is a folder; expected a file name"));
         }
-        vacant(target, force)
+        check_vacant(target, force)
     }
 
     /// Starts a file that will stand at `target`.
@@ -184,15 +185,15 @@ impl StagedFile {
     ///
     /// As [`StagedFile::check`], or the file cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::may_stand(target, force)?;
-        let making = Making::new(target)?;
-        Self::may_stand(target, force)?;
-        Ok(Self { making })
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
+        Self::check_target(target, force)?;
+        Ok(Self { in_progress })
     }
 
     /// Where to write meanwhile.
     pub fn path(&self) -> PathBuf {
-        self.making.new_one()
+        self.in_progress.new_path()
     }
 
     /// Puts the file in its place.
@@ -201,7 +202,7 @@ impl StagedFile {
     ///
     /// The system refuses; an earlier file then stands as it was.
     pub fn commit(self) -> Result<()> {
-        self.making.put()
+        self.in_progress.put()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::io::checksum;
 use crate::output::ownership::entries;
 
 /// How the name of everything in the making begins.
-pub const IN_THE_MAKING: &str = ".willis-";
+pub const HIDDEN_PREFIX: &str = ".willis-";
 const NEW: &str = "new";
 const OLD: &str = "old";
 /// How the name of everything begins that stays when a run does not come to its end.
@@ -23,17 +23,17 @@ pub const UNFINISHED: &str = "unfinished";
 const LONGEST: usize = 200;
 /// What the system says of a path that cannot be written.
 pub fn write_error(path: &Path) -> impl Fn(io::Error) -> Error + '_ {
-    move |source| Error::Write { path: told(path), source }
+    move |source| Error::Write { path: final_path(path), source }
 }
 
 /// Whether a path is the temporary of a run that is at work, or was killed.
-pub fn is_in_the_making(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(IN_THE_MAKING.as_bytes()))
+pub fn is_in_progress(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(HIDDEN_PREFIX.as_bytes()))
 }
 
 /// An output in the making.
 #[derive(Debug)]
-pub struct Making {
+pub struct InProgress {
     target: PathBuf,
     folder: PathBuf,
     /// Parents of the target that were made for it, the innermost first.
@@ -42,8 +42,8 @@ pub struct Making {
     lock: Option<File>,
 }
 
-impl Making {
-    /// Makes the folder beside `target`, with missing parents, and keeps other processes off.
+impl InProgress {
+    /// Makes the folder beside `target`, with missing parents, and keeps other processes out.
     ///
     /// # Errors
     ///
@@ -52,17 +52,17 @@ impl Making {
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
         let parents = target.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
         let folder = folder_of(target);
-        let mut making = Self { target: target.to_owned(), folder, parents, lock: None };
-        making.lock = Some(lock(&making.folder, TRIES).map_err(|refused| refused.of(target))?);
-        clear(&making.folder, Some(target));
-        Ok(making)
+        let mut started = Self { target: target.to_owned(), folder, parents, lock: None };
+        started.lock = Some(lock(&started.folder, TRIES).map_err(|refused| refused.of(target))?);
+        clear(&started.folder, Some(target));
+        Ok(started)
     }
 
     /// Refuses an output that another process is making at the moment.
     ///
     /// # Errors
     ///
-    /// As [`Making::new`].
+    /// As [`InProgress::new`].
     pub fn check(target: &Path) -> Result<()> {
         let folder = folder_of(target);
         if folder.join(LOCK).exists() { lock(&folder, TRIES).map(drop).map_err(|refused| refused.of(target)) } else { Ok(()) }
@@ -74,7 +74,7 @@ impl Making {
     }
 
     /// Where the output is made.
-    pub fn new_one(&self) -> PathBuf {
+    pub fn new_path(&self) -> PathBuf {
         self.folder.join(NEW)
     }
 
@@ -94,7 +94,7 @@ impl Making {
         if replaces {
             fs::rename(&self.target, &old).map_err(&error)?;
         }
-        if let Err(source) = fs::rename(self.new_one(), &self.target) {
+        if let Err(source) = fs::rename(self.new_path(), &self.target) {
             if replaces {
                 fs::rename(&old, &self.target).map_err(&error)?;
             }
@@ -104,7 +104,7 @@ impl Making {
     }
 }
 
-impl Drop for Making {
+impl Drop for InProgress {
     fn drop(&mut self) {
         if self.lock.is_some() {
             clear(&self.folder, Some(&self.target));
@@ -126,7 +126,7 @@ fn folder_of(target: &Path) -> PathBuf {
     // Paths as `.` and `a/..` have no name of their own.
     let whole = if target.file_name().is_none() { target.canonicalize().ok() } else { None };
     let target = whole.as_deref().unwrap_or(target);
-    let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(IN_THE_MAKING));
+    let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
     if name.len() > LONGEST {
         hidden.push(checksum(name.as_encoded_bytes()));
     } else {
@@ -162,13 +162,13 @@ fn discard(folder: &Path) {
 
 /// Clears what killed runs left in the making in a folder; what a run that lives is at, what is kept to go on from, and what others
 /// may have put there stays.
-pub fn sweep(folder: &Path) {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir()) {
+pub fn clear_dead_runs(folder: &Path) {
+    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir()) {
         if !path.join(LOCK).exists() {
             // Only where it is empty.
             let _ = fs::remove_dir(&path);
         } else if let Ok(_lock) = lock(&path, 1) {
-            let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(IN_THE_MAKING));
+            let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
             clear(&path, name.filter(|name| !is_checksum(name)).map(|name| folder.join(name)).as_deref());
             discard(&path);
         }
@@ -176,17 +176,17 @@ pub fn sweep(folder: &Path) {
 }
 
 /// Whether a folder in the making holds something to go on from.
-pub fn keeps(folder: &Path) -> bool {
+pub fn has_checkpoint(folder: &Path) -> bool {
     let is_kept = |path: &PathBuf| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(KEPT.as_bytes()));
     entries(folder).unwrap_or_default().iter().any(is_kept)
 }
 
 /// A path in the making as the person who reads of it knows it: where it would have come to stand.
-pub fn told(path: &Path) -> PathBuf {
+pub fn final_path(path: &Path) -> PathBuf {
     let mut known = PathBuf::new();
     let mut parts = path.components();
     while let Some(part) = parts.next() {
-        let name = part.as_os_str().to_str().and_then(|name| name.strip_prefix(IN_THE_MAKING));
+        let name = part.as_os_str().to_str().and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
         match name.filter(|_| parts.clone().next().is_some_and(|next| next.as_os_str() == NEW)) {
             Some(name) => {
                 known.push(name);
@@ -199,8 +199,8 @@ pub fn told(path: &Path) -> PathBuf {
 }
 
 /// The same in the folder of an output.
-pub fn sweep_beside(target: &Path) {
-    sweep(parent(target));
+pub fn clear_leftovers_beside(target: &Path) {
+    clear_dead_runs(parent(target));
 }
 
 fn is_checksum(name: &str) -> bool {
@@ -227,14 +227,14 @@ pub const TRIES: usize = 25;
 const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Why there is no lock.
-pub enum Refused {
+pub enum LockError {
     /// Another process has it, by its number where that is known.
     Busy(String),
     /// The system's word.
     System(io::Error),
 }
 
-impl Refused {
+impl LockError {
     /// The error for an output.
     pub fn of(self, target: &Path) -> Error {
         match self {
@@ -248,14 +248,14 @@ impl Refused {
 }
 
 /// Makes a folder and takes its lock, which ends with the process, however that ends.
-pub fn lock(folder: &Path, tries: usize) -> Result<File, Refused> {
+pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
     let path = folder.join(LOCK);
     for at in 0..tries {
-        fs::create_dir_all(folder).map_err(Refused::System)?;
+        fs::create_dir_all(folder).map_err(LockError::System)?;
         let file = match File::options().write(true).create(true).truncate(false).open(&path) {
             // The folder was cleared away in this moment.
             Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
-            opened => opened.map_err(Refused::System)?,
+            opened => opened.map_err(LockError::System)?,
         };
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => {
@@ -270,7 +270,7 @@ pub fn lock(folder: &Path, tries: usize) -> Result<File, Refused> {
         }
     }
     let process = fs::read_to_string(&path).ok().filter(|id| !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()));
-    Err(Refused::Busy(process.map(|id| format!(" (process {id})")).unwrap_or_default()))
+    Err(LockError::Busy(process.map(|id| format!(" (process {id})")).unwrap_or_default()))
 }
 
 /// Whether a file that is open is still the one at a path: its last holder may have taken it away.

@@ -1,4 +1,4 @@
-//! A part of a run as arrays that `numpy.load` reads: `shard.npz`, and what a run keeps to go on from.
+//! A part of a run as arrays that `numpy.load` reads: `shard.npz`, and what an interrupted run keeps to continue from.
 
 use std::io::{self, Seek, Write};
 

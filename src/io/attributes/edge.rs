@@ -6,14 +6,14 @@ use super::records::Records;
 use super::{AREA, Item, Name, RESISTANCE};
 use crate::error::Fault;
 use crate::io::read::ReadOptions;
-use crate::io::tables::rows::counted;
+use crate::io::tables::reader::counted;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::distance;
 
 /// What an edge is asked for beside its sizes.
-pub(crate) const ASKED: [&str; 11] =
+pub(crate) const ATTRIBUTES: [&str; 11] =
     ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should

@@ -8,8 +8,8 @@ use std::fmt;
 use crate::error::Fault;
 use crate::io::attributes::records::{Record, Records};
 use crate::io::tables::conditions::VENOUS;
-use crate::io::tables::graph::PLACE;
-use crate::io::tables::rows::number;
+use crate::io::tables::graph::POSITION_COLUMNS;
+use crate::io::tables::reader::number;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
 use crate::network::{Condition, Node, Role};
@@ -25,7 +25,7 @@ const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
 /// Whether anything here asks for an attribute of this name, or names it in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITIONS.as_flattened(), &ASKED, &edge::ASKED, &SIZES];
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
@@ -143,9 +143,10 @@ impl<'a> Item<'a> {
 }
 
 /// Where a node may say that it is; the first is in mm, the others are in the unit of the file.
-pub(crate) const POSITIONS: [[&str; 3]; 4] = [PLACE, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
+pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
+    [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// What else a node is asked for.
-pub(crate) const ASKED: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
+pub(crate) const ATTRIBUTES: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
 const FLOW: &str = "flow_mL_per_min";
 
 /// The nodes of records, each with its id, which must be unique.
@@ -180,12 +181,12 @@ pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &S
     Ok(nodes)
 }
 
-/// The first of [`POSITIONS`] and pos (in the unit of the file) that is there at all.
+/// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
 fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
-    for keys in POSITIONS {
+    for keys in POSITION_KEYS {
         match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
             [None, None, None] => {}
-            [Some(x), Some(y), Some(z)] if keys == PLACE => return Ok(Some([x, y, z].map(metres))),
+            [Some(x), Some(y), Some(z)] if keys == POSITION_COLUMNS => return Ok(Some([x, y, z].map(metres))),
             [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
             some => {
                 let missing = keys.iter().zip(some).find(|(_, value)| value.is_none()).map_or("", |(key, _)| *key);

@@ -7,7 +7,7 @@ use crate::error::Fault;
 use crate::io::itk::scene::{Nearest, Object, read_scene};
 use crate::io::polylines::polylines;
 use crate::io::read::ReadOptions;
-use crate::io::swc::clean;
+use crate::io::swc::single_line;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{LengthUnit, Scale, millimetres};
@@ -218,17 +218,17 @@ pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Opt
     }
     let (mut state, mut out) = (vec![State::New; objects.len()], vec![None; objects.len()]);
     for start in 0..objects.len() {
-        let (mut way, mut at) = (Vec::new(), Some(start));
+        let (mut visited, mut at) = (Vec::new(), Some(start));
         while let Some(row) = at.filter(|row| state[*row] != State::Done) {
             if state[row] == State::Open {
                 let found = format!("{} is its own ancestor", objects[row].name());
                 return Err(Fault::line(objects[row].line, found, "expected ParentID to lead to a root"));
             }
             state[row] = State::Open;
-            way.push(row);
+            visited.push(row);
             at = parents[row];
         }
-        for row in way.into_iter().rev() {
+        for row in visited.into_iter().rev() {
             let outer = parents[row].and_then(|parent| out[parent]);
             out[row] = match (Affine::of(&objects[row])?, outer) {
                 (Some(own), Some(outer)) => Some(own.then(&outer)),
@@ -240,7 +240,7 @@ pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Opt
     Ok(out)
 }
 
-const PLACE: &str = "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nCenterOfRotation = 0 0 0\nElementSpacing = 1 1 1";
+const IDENTITY: &str = "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nCenterOfRotation = 0 0 0\nElementSpacing = 1 1 1";
 
 /// Where a tube hangs: the row of its parent, and whether it hangs on the parent's last point.
 #[derive(Clone, Copy)]
@@ -260,12 +260,12 @@ struct Link {
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
     let mut tubes = polylines(network)?;
-    let links = hang(network, &mut tubes);
+    let links = orient_and_link(network, &mut tubes);
     writeln!(out, "ObjectType = Scene\nNDims = 3\nNObjects = {}", tubes.len() + 1)?;
-    writeln!(out, "ObjectType = Group\nNDims = 3\nID = 0\nBinaryData = False\n{PLACE}\nEndGroup = ")?;
+    writeln!(out, "ObjectType = Group\nNDims = 3\nID = 0\nBinaryData = False\n{IDENTITY}\nEndGroup = ")?;
     for (row, tube) in tubes.iter().enumerate() {
         writeln!(out, "ObjectType = Tube\nNDims = 3")?;
-        let name = clean(&network.vessel(row).label);
+        let name = single_line(&network.vessel(row).label);
         if !name.is_empty() {
             writeln!(out, "Name = {name}")?;
         }
@@ -273,7 +273,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         if let Some(link) = links[row] {
             writeln!(out, "ParentID = {}", link.parent + 1)?;
         }
-        writeln!(out, "BinaryData = False\n{PLACE}")?;
+        writeln!(out, "BinaryData = False\n{IDENTITY}")?;
         if let Some(link) = links[row] {
             writeln!(out, "ParentPoint = {}", if link.at_last { tubes[link.parent].len() - 1 } else { 0 })?;
         }
@@ -289,12 +289,12 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
 }
 
 /// Turns every tube so that it begins at its parent, and says where each hangs; roots hang nowhere.
-fn hang(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Option<Link>> {
-    let mut around = vec![Vec::new(); network.node_count()];
+fn orient_and_link(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Option<Link>> {
+    let mut vessels_at = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
-        around[ends[0]].push(row);
+        vessels_at[ends[0]].push(row);
         if ends[1] != ends[0] {
-            around[ends[1]].push(row);
+            vessels_at[ends[1]].push(row);
         }
     }
     let mut links = vec![None; tubes.len()];
@@ -307,7 +307,7 @@ fn hang(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Option<Link>> {
         }
         let mut open = VecDeque::from([(root, None)]);
         while let Some((node, mut from)) = open.pop_front() {
-            for row in &around[node] {
+            for row in &vessels_at[node] {
                 if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }

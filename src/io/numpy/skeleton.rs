@@ -10,7 +10,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use super::array::Array;
 use crate::error::Fault;
 use crate::io::companions::add_straight;
-use crate::io::input::Room;
+use crate::io::input::UnpackLimit;
 use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, radii_of_points, skeleton};
 use crate::io::read::{Content, ReadOptions};
@@ -43,7 +43,7 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 /// type is another, a row that `coords` lacks, a position that is not finite.
 pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
     let (scale, radius_optional) = (&options.scale, options.radius_optional);
-    let room = Room::of(bytes.len(), options.max_input);
+    let room = UnpackLimit::of(bytes.len(), options.max_input);
     let mut archive = Archive::open(bytes, &room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
         return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
@@ -149,12 +149,12 @@ fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
 /// An open `.npz`.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    room: &'a Room,
+    room: &'a UnpackLimit,
     names: Vec<String>,
 }
 
 impl<'a> Archive<'a> {
-    fn open(bytes: &'a [u8], room: &'a Room) -> Result<Self, Fault> {
+    fn open(bytes: &'a [u8], room: &'a UnpackLimit) -> Result<Self, Fault> {
         let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
         let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();

@@ -9,7 +9,7 @@ use crate::io::attributes::records::Records;
 use crate::io::attributes::{self, nodes};
 use crate::io::read::ReadOptions;
 use crate::io::tables::conditions::VENOUS;
-use crate::io::tables::rows::{Rows, columns, delimiter};
+use crate::io::tables::reader::{TableReader, columns, delimiter};
 use crate::io::tables::write::{Column, Values, real, write_csv};
 use crate::network::units::{Scale, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Condition, Evidence, Network, Node, PathPoint, Role, fragments};
@@ -103,7 +103,7 @@ pub fn read_csv_edges(
                 }
             };
             if let Some(place @ None) = placed.get_mut(*end) {
-                *place = END_PLACES[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
+                *place = END_POSITION_COLUMNS[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
             }
         }
         rows.push(both);
@@ -121,9 +121,9 @@ pub fn read_csv_edges(
 
 /// The nodes' positions, from the columns of one side of an edge for each.
 fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
-    let mut nodes = Records::named(&PLACE);
+    let mut nodes = Records::named(&POSITION_COLUMNS);
     for place in placed {
-        let edge = place.map(|(row, side)| (edges.get(row), END_PLACES[side]));
+        let edge = place.map(|(row, side)| (edges.get(row), END_POSITION_COLUMNS[side]));
         nodes.begin(edge.map_or(0, |(record, _)| record.line));
         for (axis, column) in edge.iter().flat_map(|(_, columns)| columns.iter().enumerate()) {
             if let Some(text) = edge.and_then(|(record, _)| record.text(column)) {
@@ -149,13 +149,13 @@ pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) 
 
 /// Whether a column is read.
 pub(crate) fn is_wanted(name: &str) -> bool {
-    let own = [&NAMES[..], ENDS.as_flattened(), END_PLACES.as_flattened()];
+    let own = [&NAMES[..], ENDS.as_flattened(), END_POSITION_COLUMNS.as_flattened()];
     attributes::is_wanted(name) || own.iter().any(|names| names.contains(&name))
 }
 
 /// The header and the rows of a file, these without the columns that nothing asks for.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let header = rows.header().to_vec();
     let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
     let mut records = Records::named(&header);
@@ -169,9 +169,9 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
 }
 
 /// The columns of the position of a node.
-pub(crate) const PLACE: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+pub(crate) const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// The columns of the positions of the two ends of a vessel.
-pub const END_PLACES: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
+pub const END_POSITION_COLUMNS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
 
 /// One coordinate of a position, mm; NaN without one.
 pub fn axis(position: Option<Point>, axis: usize) -> f64 {
@@ -181,7 +181,7 @@ pub fn axis(position: Option<Point>, axis: usize) -> f64 {
 /// The columns of nodes.csv. `role` by node, `pressure` in Pa.
 pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
     let nodes = || network.nodes();
-    let place = |of_axis: usize| Column::real(PLACE[of_axis], nodes().map(|n| axis(n.position, of_axis)));
+    let place = |of_axis: usize| Column::real(POSITION_COLUMNS[of_axis], nodes().map(|n| axis(n.position, of_axis)));
     vec![
         Column::whole("node", 0..network.node_count()),
         Column::text("id", nodes().map(|n| n.id.clone())),
@@ -216,7 +216,7 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
 pub fn vessel_columns(network: &Network) -> Vec<Column> {
     let end = |which: usize, of_axis: usize| {
         let place = network.vessels().map(|(ends, _)| axis(network.node(ends[which]).position, of_axis));
-        Column::real(END_PLACES[which][of_axis], place)
+        Column::real(END_POSITION_COLUMNS[which][of_axis], place)
     };
     vec![
         Column::whole("edge", 0..network.vessel_count()),

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::error::Fault;
-use crate::io::tables::graph::END_PLACES;
-use crate::io::tables::rows::{Rows, uncommented};
+use crate::io::tables::graph::END_POSITION_COLUMNS;
+use crate::io::tables::reader::{TableReader, uncommented};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, metres, millimetres};
 use crate::support::geometry::Point;
@@ -29,7 +29,7 @@ pub struct ListedLandmark {
 pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<Vec<ListedLandmark>, Fault> {
     const WHAT: &str = "label,x_mm,y_mm,z_mm";
     // A comment has as many columns as it has commas.
-    let mut rows = Rows::ragged(bytes)?;
+    let mut rows = TableReader::ragged(bytes)?;
     let label = rows.column(&["label"], WHAT)?;
     let place = [rows.column(&["x_mm", "x"], WHAT)?, rows.column(&["y_mm", "y"], WHAT)?, rows.column(&["z_mm", "z"], WHAT)?];
     let mut landmarks = Vec::new();
@@ -61,7 +61,7 @@ pub fn write_landmarks(mut out: impl Write, landmarks: &[(&str, Point)]) -> io::
 
 /// A bridge of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ListedBridge {
+pub struct KnownConnection {
     /// Its line, counted from 1.
     pub line: usize,
     /// Its two ends, m.
@@ -74,10 +74,10 @@ pub struct ListedBridge {
 /// # Errors
 ///
 /// The line, its value and what is accepted; a table of no right bridge.
-pub fn read_links(bytes: &[u8]) -> Result<Vec<ListedBridge>, Fault> {
-    let mut rows = Rows::open(bytes)?;
+pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
+    let mut rows = TableReader::open(bytes)?;
     let mut columns = [[0; 3]; 2];
-    for (columns, names) in columns.iter_mut().zip(END_PLACES) {
+    for (columns, names) in columns.iter_mut().zip(END_POSITION_COLUMNS) {
         for (column, name) in columns.iter_mut().zip(names) {
             *column = rows.column(&[name], "the ends of every right bridge")?;
         }
@@ -100,7 +100,7 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<ListedBridge>, Fault> {
             }
         }
         let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(metres));
-        out.push(ListedBridge { line: row.line, ends });
+        out.push(KnownConnection { line: row.line, ends });
     }
     if out.is_empty() {
         let which = if kept.is_some() { "one candidate at least with kept 1" } else { "one row at least" };
@@ -132,7 +132,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
         Ok(())
     };
     let text = uncommented(bytes);
-    let mut rows = Rows::open(&text)?;
+    let mut rows = TableReader::open(&text)?;
     let mut added = 0;
     let [a, b] = if let [Some(a), Some(b)] = [rows.find(&["id_a", "a"]), rows.find(&["id_b", "b"])] {
         [a, b]

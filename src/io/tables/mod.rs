@@ -5,6 +5,6 @@ pub(crate) mod graph;
 pub(crate) mod lists;
 pub(crate) mod points;
 pub(crate) mod prior;
-pub(crate) mod rows;
+pub(crate) mod reader;
 pub(crate) mod unread;
 pub(crate) mod write;

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use super::rows::{Rows, columns as describe};
-use super::write::plain;
+use super::reader::{TableReader, columns as describe};
+use super::write::escape_formula;
 use crate::error::Fault;
 use crate::io::polylines::polylines;
 use crate::io::read::ReadOptions;
@@ -34,7 +34,7 @@ const ID: &[&str] = &["id"];
 /// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let header = rows.header_line();
     let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
@@ -96,7 +96,7 @@ pub fn write_points(out: impl Write, network: &Network) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record(["fragment", "x_mm", "y_mm", "z_mm", "radius_mm", "label"])?;
     for (row, points) in polylines(network)?.into_iter().enumerate() {
-        let (fragment, label) = (row.to_string(), plain(&network.vessel(row).label));
+        let (fragment, label) = (row.to_string(), escape_formula(&network.vessel(row).label));
         for point in points {
             let [x, y, z] = point.position.map(|x| real(millimetres(x)));
             let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { String::new() };

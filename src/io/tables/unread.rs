@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use super::graph::{self, END_PLACES};
-use super::rows::Rows;
+use super::graph::{self, END_POSITION_COLUMNS};
+use super::reader::TableReader;
 use crate::error::Fault;
 use crate::io::attributes;
 use crate::io::format::Format;
@@ -16,7 +16,7 @@ use crate::io::xml::{Events, Step, Tag};
 /// Whether a column says what the rows and places of a network say already, or is one of VTK's own arrays.
 fn is_structure(name: &str) -> bool {
     let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
-    rows || END_PLACES.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
+    rows || END_POSITION_COLUMNS.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
 }
 
 /// The names of the columns, attributes or arrays of a GraphML, CSV or VTP file that its reader passes over, in their order; none of a
@@ -25,7 +25,7 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     let mut names: Vec<String> = match format {
         Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
         Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
-        Format::Csv => bytes_of(path).ok().and_then(|bytes| Rows::open(&bytes).ok().map(|rows| rows.header().to_vec())),
+        Format::Csv => bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec())),
         _ => None,
     }
     .unwrap_or_default();

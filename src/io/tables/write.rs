@@ -124,7 +124,7 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     for row in 0..rows {
         for column in columns {
             match &column.values {
-                Values::Text(texts) => csv.write_field(plain(&texts[row]).as_bytes())?,
+                Values::Text(texts) => csv.write_field(escape_formula(&texts[row]).as_bytes())?,
                 values => csv.write_field(values.text(row))?,
             }
         }
@@ -139,11 +139,11 @@ fn is_formula(text: &str) -> bool {
 }
 
 /// A text for a table: before what a spreadsheet would take for a formula stands an apostrophe, which readers here take off.
-pub fn plain(text: &str) -> Cow<'_, str> {
+pub fn escape_formula(text: &str) -> Cow<'_, str> {
     if is_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
 }
 
-/// The text that [`plain`] was given.
-pub(crate) fn unplain(text: &str) -> &str {
+/// The text that [`escape_formula`] was given.
+pub(crate) fn unescape_formula(text: &str) -> &str {
     text.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(text)
 }

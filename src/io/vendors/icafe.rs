@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::error::{Fault, Result};
-use crate::io::companions::{TABLE_OF_VESSELS, image_beside, table_of_vessels_beside, tracing_beside};
+use crate::io::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
 use crate::io::format::Format;
 use crate::io::input::bytes_within;
 use crate::io::read::{Content, ReadOptions, without_mark};
 use crate::io::swc::read_swc;
-use crate::io::tables::rows::Rows;
+use crate::io::tables::reader::TableReader;
 use crate::network::Labels;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{LengthUnit, Scale};
@@ -41,8 +41,8 @@ pub(crate) fn is_header(columns: &[&str]) -> bool {
 }
 
 /// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
-pub(crate) fn spacing_beside(tracing: &Path) -> Option<f64> {
-    let text = bytes_within(&image_beside(tracing)?, MOST_IMAGE).ok()?;
+pub(crate) fn image_spacing(tracing: &Path) -> Option<f64> {
+    let text = bytes_within(&find_image_info(tracing)?, MOST_IMAGE).ok()?;
     let text = String::from_utf8_lossy(&text);
     let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
     numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
@@ -58,7 +58,7 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut rows = Rows::ragged(bytes)?;
+    let mut rows = TableReader::ragged(bytes)?;
     let line = rows.header_line();
     let column = |name: &str| {
         rows.find(&[name])
@@ -92,7 +92,7 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
 /// Labels the links of a tracing, as [`crate::io::swc::read_swc`] gives them, with the vessels that lead along them, and takes away all other
 /// labels: the types of iCafe's points are landmarks. Returns how many vessels have a stretch; without any, nothing is changed.
 ///
-/// A vessel is the way within one tree between points at its two ends; where several ends coincide, the way with its number of
+/// A vessel is the path within one tree between points at its two ends; where several ends coincide, the path with its number of
 /// points, and among those the first that no other vessel has.
 pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usize {
     let mut up = vec![None; lines.points.len()];
@@ -119,17 +119,17 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         let mut best: Option<([usize; 2], Vec<usize>)> = None;
         for start in &starts {
             for end in ends.iter().filter(|end| lines.strand[**end] == lines.strand[*start]) {
-                let way = way(&up, *start, *end);
-                let (Some(first), wrong) = (way.first(), vessel.points.is_some_and(|n| n != way.len() + 1)) else { continue };
+                let path = path_between(&up, *start, *end);
+                let (Some(first), wrong) = (path.first(), vessel.points.is_some_and(|n| n != path.len() + 1)) else { continue };
                 let key = [usize::from(wrong), usize::from(taken[*first])];
                 if best.as_ref().is_none_or(|(known, _)| key < *known) {
-                    best = Some((key, way));
+                    best = Some((key, path));
                 }
             }
         }
-        if let Some((_, way)) = best {
+        if let Some((_, path)) = best {
             named += 1;
-            for link in way {
+            for link in path {
                 taken[link] = true;
                 labels.set(link, &vessel.label);
             }
@@ -142,7 +142,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
 }
 
 /// The links between two points of one tree.
-fn way(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
+fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
     let depth = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).count();
     let (mut a, mut b, mut deep_a, mut deep_b) = (a, b, depth(a), depth(b));
     let (mut head, mut tail) = (Vec::new(), Vec::new());
@@ -161,7 +161,7 @@ fn way(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
 pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
-    if let Some(table) = table_of_vessels_beside(path)
+    if let Some(table) = find_table_of_vessels(path)
         && let Some(note) = name_vessels(&mut lines, &bytes_within(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
@@ -174,7 +174,7 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 /// Reads the one tracing beside a table of vessels.
 pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
-    let tracing = tracing_beside(path).map_err(here)?;
+    let tracing = find_tracing(path).map_err(here)?;
     let traced = bytes_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
@@ -194,6 +194,6 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
 
 /// The voxel spacing that iCafe states beside a tracing, where lengths are not taken as voxels.
 fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
-    let spacing = spacing_beside(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
+    let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
     Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))
 }

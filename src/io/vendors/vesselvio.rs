@@ -8,8 +8,8 @@ use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, skeleton};
 use crate::io::read::{Content, ReadOptions};
 use crate::io::tables::graph::axis;
-use crate::io::tables::rows::counted;
-use crate::io::tables::rows::{Row, Rows};
+use crate::io::tables::reader::counted;
+use crate::io::tables::reader::{Row, TableReader};
 use crate::io::tables::write::Column;
 use crate::io::tables::write::write_csv;
 use crate::network::centerlines::is_radius;
@@ -30,7 +30,7 @@ pub struct VertexTable {
 ///
 /// A column that is missing, a position that is not finite, a number that is none.
 pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTable, Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of vertices";
     let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
     let radius = rows.find(&["radius"]);
@@ -55,7 +55,7 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 ///
 /// A column that is missing, a row that the vertices lack, an edge without length or radius, no edge.
 pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of edges";
     let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);

@@ -9,8 +9,8 @@ use crate::io::polylines::positions;
 use crate::io::read::ReadOptions;
 use crate::io::tables::graph::NodeTable;
 use crate::io::tables::graph::axis;
-use crate::io::tables::rows::Rows;
-use crate::io::tables::rows::counted;
+use crate::io::tables::reader::TableReader;
+use crate::io::tables::reader::counted;
 use crate::io::tables::write::Column;
 use crate::io::tables::write::write_table;
 use crate::network::centerlines::is_radius;
@@ -24,7 +24,7 @@ use crate::support::geometry::{area_of, distance, radius_of};
 ///
 /// A column that is missing, an id that is empty or comes twice, a position that is not finite.
 pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let id = rows.column(&["id"], "Voreen's table of nodes")?;
     let mut place = [0; 3];
     for (column, name) in place.iter_mut().zip(["pos_x", "pos_y", "pos_z"]) {
@@ -54,7 +54,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
 ///
 /// A column that is missing, a node that the table of nodes lacks, an edge without length or radius, no edge.
 pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let what = "Voreen's table of edges";
     let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
     let length = rows.column(&["length"], what)?;

@@ -6,7 +6,7 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
 use crate::error::Fault;
-use crate::io::input::Room;
+use crate::io::input::UnpackLimit;
 use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::Scale;
@@ -26,7 +26,7 @@ const MOST_POINTS: u64 = 1 << 26;
 /// A file that is broken or of another kind; a path that is not points x 3 or not finite; no radius to be had, which
 /// `radius_optional` says is known.
 pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let room = &Room::of(bytes.len(), read.max_input);
+    let room = &UnpackLimit::of(bytes.len(), read.max_input);
     let options = OpenOptions::default()
         .with_max_read_bytes(room.left())
         .with_max_chunk_bytes(room.left().min(1 << 28))
@@ -82,7 +82,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
 }
 
 /// Adds a path: MATLAB's points x 3 lie in HDF5 as 3 x points.
-fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &Room) -> Result<(), Fault> {
+fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &UnpackLimit) -> Result<(), Fault> {
     let fault = |found: String, accepted: &str| Fault::item(format!("{STRUCT}({}).{FIELD}", row + 1), found, accepted);
     let [3, n] = *path.shape() else {
         let shape: Vec<String> = path.shape().iter().rev().map(u64::to_string).collect();

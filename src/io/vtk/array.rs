@@ -8,7 +8,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::error::Fault;
-use crate::io::input::Room;
+use crate::io::input::UnpackLimit;
 use crate::io::vtk::polydata::LIMIT;
 use crate::io::xml::Element;
 
@@ -24,7 +24,7 @@ pub(crate) struct Arrays<'a> {
     /// The appended data, after its underscore.
     pub(crate) appended: Option<Source<'a>>,
     /// What they may unpack to, all together.
-    pub(crate) room: &'a Room,
+    pub(crate) room: &'a UnpackLimit,
 }
 
 /// The numbers of an array.

@@ -1,7 +1,7 @@
 //! Reads the lines and radii of a VTK XML PolyData file (VTP).
 
 use crate::error::Fault;
-use crate::io::input::Room;
+use crate::io::input::UnpackLimit;
 use crate::io::read::ReadOptions;
 use crate::io::vtk::array::{Arrays, Source};
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
@@ -19,7 +19,7 @@ use crate::network::centerlines::Centerlines;
 /// XML that is not well-formed, an encoding that cannot be read, arrays that contradict each other, a point on a line
 /// without finite coordinates, no radius array, or a surface instead of lines.
 pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let room = &Room::of(bytes.len(), options.max_input);
+    let room = &UnpackLimit::of(bytes.len(), options.max_input);
     let (head, appended) = split(bytes)?;
     let root = Element::root(&head)?;
     let little = match root.attribute("byte_order") {

@@ -52,7 +52,7 @@ pub(crate) struct PolyData {
 
 /// Whether an array is read: it may hold radii, areas or names, or says how VMTK cut a line up.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
-    radius::is_wanted(name, options) || NAMES.contains(&plain(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
+    radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
 }
 
 /// A line of the file, or what is left of it.
@@ -179,7 +179,7 @@ const CIRCLE: [(i64, &str); 13] = [
 /// Arrays that show a file to be of that program.
 const CIRCLE_RADII: [&str; 2] = ["ce_radius", "mis_radius"];
 
-fn plain(name: &str) -> String {
+fn letters_only(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
@@ -188,7 +188,7 @@ fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
     let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
     let circle = CIRCLE_RADII.iter().any(|name| has(name));
     let texts = NAMES.iter().find_map(|usual| {
-        let mut arrays = piece.line_data.iter().filter(|array| plain(&array.name) == *usual);
+        let mut arrays = piece.line_data.iter().filter(|array| letters_only(&array.name) == *usual);
         arrays.find_map(|array| texts(array, circle))
     });
     let mut row_of: HashMap<String, u32> = names.iter().cloned().zip(0..).collect();

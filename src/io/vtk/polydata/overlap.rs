@@ -196,7 +196,7 @@ struct Tree<'a> {
     radii: &'a [f64],
     links: Vec<[u32; 2]>,
     /// Per point its links.
-    around: Vec<Vec<u32>>,
+    links_at: Vec<Vec<u32>>,
     /// The ends of the lines as they were in the file.
     ends: Vec<u32>,
     /// Per link when it was last looked at.
@@ -222,14 +222,14 @@ struct Foot {
 impl<'a> Tree<'a> {
     /// No lines yet; radii without gaps, zero on a line that has none.
     pub(crate) fn new(at: &'a [Point], radii: &'a [f64]) -> Self {
-        Self { at, radii, links: Vec::new(), around: vec![Vec::new(); at.len()], ends: Vec::new(), seen: Vec::new(), now: 0 }
+        Self { at, radii, links: Vec::new(), links_at: vec![Vec::new(); at.len()], ends: Vec::new(), seen: Vec::new(), now: 0 }
     }
 
     /// Takes a line in.
     pub(crate) fn add(&mut self, line: &[u32]) {
         for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
             for end in pair {
-                self.around[*end as usize].push(self.links.len() as u32);
+                self.links_at[*end as usize].push(self.links.len() as u32);
             }
             self.links.push([pair[0], pair[1]]);
             self.seen.push(0);
@@ -247,7 +247,7 @@ impl<'a> Tree<'a> {
         let (first, start) = (*line.first()?, self.at[*line.first()? as usize]);
         let reach = COMMON_END * self.radii[first as usize];
         let common = self.ends.iter().filter(|end| distance(self.at[**end as usize], start) <= reach);
-        let mut on: Vec<u32> = common.flat_map(|end| &self.around[*end as usize]).copied().collect();
+        let mut on: Vec<u32> = common.flat_map(|end| &self.links_at[*end as usize]).copied().collect();
         if on.is_empty() {
             return None;
         }
@@ -336,7 +336,7 @@ impl<'a> Tree<'a> {
                 }
             }
             let Some(link) = open.pop() else { return best };
-            next.extend(self.links[link as usize].iter().flat_map(|end| &self.around[*end as usize]));
+            next.extend(self.links[link as usize].iter().flat_map(|end| &self.links_at[*end as usize]));
         }
     }
 
@@ -353,10 +353,10 @@ impl<'a> Tree<'a> {
     fn junction_near(&self, point: u32, reach: f64) -> u32 {
         let mut best: (f64, u32) = (f64::INFINITY, point);
         // Between junctions the tree has no branches, so each direction is walked once.
-        if self.around[point as usize].len() > 2 {
+        if self.links_at[point as usize].len() > 2 {
             return point;
         }
-        for link in &self.around[point as usize] {
+        for link in &self.links_at[point as usize] {
             let (mut link, mut here, mut length) = (*link, point, 0.0);
             for _ in 0..MOST_STEPS {
                 let [a, b] = self.links[link as usize];
@@ -365,14 +365,14 @@ impl<'a> Tree<'a> {
                 if length > reach {
                     break;
                 }
-                let around = &self.around[there as usize];
-                if around.len() > 2 {
+                let links_at = &self.links_at[there as usize];
+                if links_at.len() > 2 {
                     if length < best.0 {
                         best = (length, there);
                     }
                     break;
                 }
-                let Some(next) = around.iter().find(|next| **next != link) else { break };
+                let Some(next) = links_at.iter().find(|next| **next != link) else { break };
                 (link, here) = (*next, there);
             }
         }

@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 
 use crate::error::Fault;
-use crate::io::tables::write::unplain;
+use crate::io::tables::write::unescape_formula;
 use crate::network::units::Scale;
 use crate::support::geometry::Point;
 
 /// A table of which the header has been read.
-pub(crate) struct Rows<'a> {
+pub(crate) struct TableReader<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: Vec<String>,
     record: csv::StringRecord,
@@ -16,7 +16,7 @@ pub(crate) struct Rows<'a> {
     text: &'a [u8],
     /// Lines before the header.
     skipped: usize,
-    /// Rows read.
+    /// Rows read so far.
     count: usize,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn uncommented(bytes: &[u8]) -> Vec<u8> {
     bytes.split_inclusive(|b| *b == b'\n').flat_map(|line| if is_comment(line) { b"\n" } else { line }).copied().collect()
 }
 
-impl<'a> Rows<'a> {
+impl<'a> TableReader<'a> {
     /// Reads the header: the first line that is neither empty nor a comment (`#`).
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         Self::with(bytes, false)
@@ -126,12 +126,12 @@ impl Row<'_> {
 
     /// The text of a column; empty where the row has none.
     pub(crate) fn text(&self, column: usize) -> &str {
-        unplain(self.fields.get(column).unwrap_or_default())
+        unescape_formula(self.fields.get(column).unwrap_or_default())
     }
 
     /// Texts that are not empty, with their columns.
     pub(crate) fn texts(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.fields.iter().map(unplain).enumerate().filter(|(_, text)| !text.is_empty())
+        self.fields.iter().map(unescape_formula).enumerate().filter(|(_, text)| !text.is_empty())
     }
 
     /// The number in a column; NaN for an empty one.
