@@ -1,4 +1,4 @@
-//! The files that readers take beside the one that is named: the other of two tables, the files of an iCafe tracing.
+//! Finds the other files of an input in its folder: the second of two tables, the files of an iCafe tracing.
 
 use std::fs::{File, read_dir};
 use std::io::Read;
@@ -14,16 +14,16 @@ use crate::network::units::Scale;
 use crate::network::{Network, Origin, Vessel};
 use crate::support::geometry::distance;
 
-/// What a table of nodes is called where the table of edges is called `edges`.
+/// The words for a table of nodes, where the table of edges is called `edges`.
 const NODES: [&str; 2] = ["nodes", "vertices"];
 /// The column of the first node of an edge, in any table of edges.
 const FIRST_NODE: [&str; 4] = ["node1id", "source id", "source", "node_a"];
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
-/// What iCafe says of the image.
+/// iCafe's description of the image.
 const IMAGE: &str = "Image_info.txt";
 
-/// The files that [`read`](super::read::read) takes beside `path` as the folder is now, in the order of their names.
+/// The other files that [`read`](super::read::read) reads for `path`, as the folder is now, sorted by name.
 pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);
@@ -43,7 +43,7 @@ pub fn companion_files(path: &Path) -> Vec<PathBuf> {
 /// The first bytes of a file; none where it cannot be read.
 fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
-    // What cannot be read here is refused where it is read.
+    // A file that cannot be read gives an error later, when it is read.
     let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
     bytes
 }
@@ -70,7 +70,7 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
     names.into_iter().chain(plain).filter(|n| n != name).map(|n| path.with_file_name(n)).find(|p| p.is_file())
 }
 
-/// Whether a table of two is that of edges, and the other one, if it is beside it.
+/// Whether a table is that of the edges, and the other table, if it is in the same folder.
 pub(crate) fn other_table(path: &Path, bytes: &[u8]) -> Result<(bool, Option<PathBuf>), Fault> {
     let is_edges = TableReader::open(bytes)?.find(&FIRST_NODE).is_some();
     Ok((is_edges, if is_edges { find_nodes_table(path) } else { find_edges_table(path) }))
@@ -95,7 +95,7 @@ pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
 }
 
-/// What iCafe says of the image beside a tracing or its table of vessels.
+/// iCafe's description of the image, in the folder of a tracing or its table of vessels.
 pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
 }
@@ -118,7 +118,7 @@ pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
                 names.join(", "),
                 if many > 3 { ", ..." } else { "" }
             );
-            Err(Fault::file(found, "give the one that it belongs to as INPUT"))
+            Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
         }
     }
 }
@@ -140,7 +140,7 @@ pub(crate) fn read_table_pair<N, C>(
 
 type Table = (PathBuf, Vec<u8>);
 
-/// The table of nodes, that of edges, and a line about the one that was found.
+/// The table of nodes, the table of edges, and a note about the one that was found.
 fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> {
     let given = || (path.to_owned(), bytes.to_vec());
     let missing = |what: &str| {
@@ -157,9 +157,9 @@ fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> 
     }
 }
 
-/// An observed vessel between two nodes of which only the ends are known.
+/// Adds an observed vessel between two nodes, without points in between.
 ///
-/// `length` is NaN where the file has none; then it is the distance between the nodes.
+/// Where `length` is NaN, the length is the distance between the nodes.
 pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64, radius: f64, label: &str) -> Option<()> {
     let length = if length.is_nan() {
         let [a, b] = ends.map(|end| network.node(end).position);

@@ -29,7 +29,7 @@ impl Target {
         Format::words()
     }
 
-    /// The target that a path and perhaps a word for its format mean.
+    /// The target for a path and, optionally, a word for its format.
     ///
     /// # Errors
     ///
@@ -59,17 +59,17 @@ impl Target {
     }
 }
 
-/// That a target cannot hold a network, for an error of the kind `InvalidInput` that [`write_into`] gives.
+/// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].
 pub fn refusal(target: &Target, error: &io::Error) -> Error {
     Error::parameter("output", target.path.display(), format!("{} cannot hold the network: {error}", target.format.name()))
 }
 
-/// What is left to do and say after a network was written.
+/// What remains after a network was written: links for a second file, and notes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Written {
     /// Pairs of point ids for the file [`Target::loops`], where there are any.
     pub loops: Vec<[u64; 2]>,
-    /// What a person should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -104,7 +104,7 @@ pub fn write_into(
     Ok(written)
 }
 
-/// Whether a format holds vessels as lines of points, so that a vessel without any needs some.
+/// Whether a format stores vessels as lines of points, so that a vessel without points needs some.
 fn consists_of_lines(format: Format, network: &Network) -> bool {
     match format {
         Format::GraphMl | Format::Csv | Format::Voreen => false,
@@ -158,29 +158,29 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
     Ok((drawn, made))
 }
 
-/// Lengths and radii that differ by less than this share are one.
+/// Lengths and radii that differ by less than this fraction are equal.
 const SAME: f64 = 1e-9;
 
-/// What a format may have no place for.
+/// A property of a network that a format may be unable to store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Property {
     /// The centerline of a vessel between its nodes.
     Paths,
-    /// A length and a radius of a vessel that are not those of its centerline.
+    /// A length or radius of a vessel that differs from that of its centerline.
     Figures,
     /// Ids of nodes.
     Ids,
     /// Nodes on no vessel.
     LoneNodes,
-    /// What vessels state beyond geometry: origins, priors, resistances.
+    /// What vessels store beyond geometry: origins, priors, resistances.
     Statements,
-    /// What nodes state beyond geometry: labels, conditions.
+    /// What nodes store beyond geometry: labels, conditions.
     Conditions,
     /// Radii of nodes.
     Radii,
 }
 
-/// What a format has no place for in a network.
+/// The properties of a network that a format cannot store.
 fn lacks(format: Format, network: &Network) -> Vec<Property> {
     use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     match format {
@@ -196,7 +196,7 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
     }
 }
 
-/// What gets lost when the network is written in a format, in words, one thing each.
+/// What is lost when a network is written in a format, one text for each thing.
 pub fn losses(network: &Network, format: Format) -> Vec<String> {
     use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     let lacks = lacks(format, network);
@@ -243,7 +243,7 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     lost
 }
 
-/// The length (m) of a vessel as a line; none where it has no place.
+/// The length (m) of a vessel as a line; none without positions.
 fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<f64> {
     if vessel.path.is_empty() {
         let [a, b] = ends.map(|end| network.node(end).position);
@@ -252,7 +252,7 @@ fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<
     Some(vessel.path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum())
 }
 
-/// The mean radius (m) over a vessel's points; none where it has none, since points are then made that keep it.
+/// The mean radius (m) over a vessel's points; none without points, since the ones that are then made keep the radius.
 fn drawn_radius(vessel: &Vessel) -> Option<f64> {
     (!vessel.path.is_empty()).then(|| RadiusRule::Mean.radius(&vessel.path))
 }

@@ -25,7 +25,7 @@ use crate::error::{Fault, Result};
 use crate::network::Network;
 use crate::network::centerlines::Centerlines;
 
-/// Bytes that show what a file is.
+/// How many first bytes of a file are looked at to find its format.
 pub(crate) const HEAD: u64 = 1 << 16;
 
 /// The formats that are known.
@@ -155,7 +155,7 @@ impl Format {
 
 const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ or VTrails MAT";
 
-/// Decides by the first bytes, then by the ending, then by the first line that says something.
+/// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if bytes.trim_ascii().is_empty() {
         return Err(Fault::file("the file is empty", ACCEPTED));
@@ -189,21 +189,21 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     Err(Fault::file("the format is not known", ACCEPTED))
 }
 
-/// The formats that begin in a way of their own.
+/// The format of a file that begins with a signature.
 fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
     let starts = |signature: &[u8]| bytes.starts_with(signature);
     if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
-        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
     }
     if starts(b"\x1f\x8b") {
-        return Err(Fault::file("the file is compressed by gzip", "expected it unpacked (gunzip)"));
+        return Err(Fault::file("the file is compressed by gzip", "expected an unpacked file (gunzip)"));
     }
     if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
         return Ok(Some(Format::VTrails));
     }
     if starts(b"MATLAB 5.0 MAT-file") {
-        return Err(Fault::file("a MATLAB file before version 7.3", "expected it saved with -v7.3"));
+        return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
     if starts(b"\x93NUMPY") {
         return Err(Fault::file("a single NumPy array", "expected a skeleton graph as .npz: coords, edges, radii"));

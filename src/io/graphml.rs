@@ -33,7 +33,7 @@ enum End {
     Id(String),
 }
 
-/// Reads a graph with its nodes and edges in the order of the file, of which it keeps what it needs alone; returns also what a person should know.
+/// Reads a graph as a stream, nodes and edges in the order of the file; returns also notes for the user.
 ///
 /// # Errors
 ///

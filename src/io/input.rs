@@ -9,19 +9,19 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Fault, Result};
 
-/// Bytes of an input at the most where nothing else is said: 2 GiB.
+/// The largest input file without another limit: 2 GiB.
 pub const MAX_INPUT: u64 = 2 << 30;
-/// A file may unpack to so many times its size, and to [`SMALL`] in any case. Coordinates and radii do not compress to a
-/// hundredth; what does is made to fill the memory.
+/// A file may unpack to at most this many times its size, and always to [`SMALL`]. Coordinates and radii do not compress to a
+/// hundredth; a file that does was made to fill the memory.
 const MOST_INFLATION: u64 = 100;
 const SMALL: u64 = 64 << 20;
 const OPTION: &str = "--max-input allows more";
 
-/// The number of bytes that a text such as `500MB`, `2GiB` or `100000` says.
+/// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
 ///
 /// # Errors
 ///
-/// What is accepted in its place.
+/// The accepted form.
 pub fn byte_count(text: &str) -> Result<u64, &'static str> {
     const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
     const UNITS: [(&str, u64); 8] = [
@@ -87,7 +87,7 @@ impl Read for LimitedFile {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(out)?;
         self.read += count as u64;
-        // What is no plain file does not say how long it is.
+        // Only a plain file states its length in advance.
         if self.read > self.most {
             let found = format!("more than {}; {OPTION}", size(self.most));
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, found));
@@ -100,16 +100,16 @@ impl Read for LimitedFile {
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more.
+/// The file cannot be read, or is larger.
 pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
     bytes_up_to(path, most, &format!("; {OPTION}"))
 }
 
-/// All bytes of a file that has at most `most`; an error says how to allow `more`.
+/// All bytes of a file that has at most `most`; `more` tells how to raise the limit, for the error.
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more.
+/// The file cannot be read, or is larger.
 pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
     let (file, length) = open_within(path, most, more)?;
     let mut bytes = Vec::with_capacity(length as usize);
@@ -121,7 +121,7 @@ pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>>
     Ok(bytes)
 }
 
-/// What the compressed parts of a file may still unpack to, all together.
+/// A limit on how much the compressed parts of a file may unpack to, all together.
 #[derive(Debug)]
 pub(crate) struct UnpackLimit {
     most: u64,
@@ -130,7 +130,7 @@ pub(crate) struct UnpackLimit {
 }
 
 impl UnpackLimit {
-    /// For a file of so many bytes, where `most` are allowed.
+    /// The limit for a file of this size, where `most` bytes are allowed.
     pub(crate) fn of(file: usize, most: u64) -> Self {
         let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
         let accepted = if most <= usual { OPTION } else { "expected centerlines, which do not compress to a hundredth" };
@@ -138,12 +138,12 @@ impl UnpackLimit {
         Self { most, left: Cell::new(most), accepted }
     }
 
-    /// The bytes that are left.
+    /// How many more bytes may be unpacked.
     pub(crate) fn left(&self) -> usize {
         usize::try_from(self.left.get()).unwrap_or(usize::MAX)
     }
 
-    /// Takes some of them; else says what was found and what is accepted.
+    /// Counts bytes against the limit; beyond it, what was found and what is accepted.
     pub(crate) fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
         let left = self.left.get().checked_sub(bytes as u64);
         self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);
@@ -156,7 +156,7 @@ pub fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// The [`checksum`] of what `fill` writes, which need not be in memory at once.
+/// The [`checksum`] of what `fill` writes, without holding it in memory.
 ///
 /// # Errors
 ///
@@ -171,7 +171,7 @@ pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) 
 ///
 /// # Errors
 ///
-/// It cannot be read: names it.
+/// The file cannot be read; the error names it.
 pub fn checksum_of_file(path: &Path) -> Result<String> {
     let read = checksum_of(|out| io::copy(&mut File::open(path)?, out).map(drop));
     read.map_err(|source| Error::Read { path: path.to_owned(), source })
@@ -182,7 +182,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().flat_map(digits).collect()
 }
 
-/// Reads or writes on while it takes the [`checksum`] of what passes.
+/// Passes reads and writes on to a file and computes their [`checksum`].
 pub struct Checksummed<F> {
     file: F,
     sum: Sha256,

@@ -1,4 +1,4 @@
-//! File formats: one file per format, from bytes (a stream for SWC and GraphML) to `Write`, and one place that decides which it is.
+//! Readers and writers, one file or folder for each family of formats; `format` decides which of them a file needs.
 
 mod attributes;
 mod companions;

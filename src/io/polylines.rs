@@ -9,7 +9,7 @@ use crate::network::centerlines::Centerlines;
 use crate::network::{Network, Node, PathPoint, Vessel};
 use crate::support::geometry::{Point, distance};
 
-/// Each node as a point; one without radius has that of its widest vessel, or NaN where it has no vessel.
+/// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.
 pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
     let mut widest = vec![f64::NAN; network.node_count()];
     for (ends, vessel) in network.vessels() {
@@ -25,7 +25,7 @@ pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
     Ok(positions(network)?.into_iter().zip(network.nodes()).zip(widest).map(point).collect())
 }
 
-/// Where each node is, m.
+/// The position of each node, m.
 ///
 /// # Errors
 ///
@@ -61,7 +61,7 @@ pub(crate) fn cells(network: &Network) -> io::Result<(Vec<PathPoint>, Vec<Vec<i6
     Ok((points, lines))
 }
 
-/// The points of a path without those that its two nodes are, in the sense asked for.
+/// The points of a path between its two nodes, without the nodes themselves; from the last to the first unless `forward`.
 pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
     let mut points = path.to_vec();
     if !forward {
@@ -84,7 +84,7 @@ pub(crate) struct Skeleton {
     pub(crate) vessel: Vec<usize>,
 }
 
-/// Whether no vessel has a course of its own, so that each is one link.
+/// Whether every vessel is known by its two nodes alone, so that each is one link.
 pub(crate) fn is_straight(network: &Network) -> bool {
     network.vessels().all(|(_, vessel)| vessel.path.is_empty())
 }
@@ -113,8 +113,8 @@ pub(crate) fn skeleton(network: &Network) -> io::Result<Skeleton> {
     Ok(out)
 }
 
-/// Centerlines of points (m), radii (m; NaN where missing) and links with their names. Each connected part is a strand, so
-/// that points in one place are one point only where they belong to different parts.
+/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand, so
+/// that coincident points are merged only where they belong to different parts.
 pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], label: impl Fn(usize) -> String) -> Centerlines {
     let mut parts = UnionFind::<u32>::new(points.len());
     for [a, b] in links {

@@ -1,4 +1,4 @@
-//! Reads a file of any format: the one place that knows every reader.
+//! Reads an input file of any format and makes a network of it.
 
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -10,19 +10,19 @@ use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
 use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
 use crate::io::tables::lists::add_loops;
-use crate::io::tables::reader::counted;
+use crate::io::tables::reader::plural;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),
-    /// Vessels that an image showed, as they stand; a radius that the file lacks, where it may, is NaN.
+    /// Observed vessels, ready as they are; a missing radius, where radii are optional, is NaN.
     Vessels(Network),
-    /// A ready graph, whose edges are vessels as they stand; a missing radius, where it may be, is NaN.
+    /// A graph whose edges are vessels, ready as they are; a missing radius, where radii are optional, is NaN.
     Graph(Network),
 }
 
@@ -33,24 +33,25 @@ pub struct Document {
     pub format: Format,
     /// Its content.
     pub content: Content,
-    /// What a person should know about how it was read, one line each.
+    /// Notes for the user about how it was read, one line each.
     pub notes: Vec<String>,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
 }
 
-/// How a file is to be read.
+/// How to read a file.
 #[derive(Debug, Clone)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The array of a VTK file, or the measurement of markups, that holds the radius, where it has none of the usual names.
+    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array with
+    /// "area" in its name holds areas.
     pub radius_array: Option<String>,
-    /// Whether vessels may come without any radius.
+    /// Whether vessels may lack any radius.
     pub radius_optional: bool,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
-    /// Bytes at the most, of each file and of all that is compressed in it.
+    /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
 
@@ -65,7 +66,7 @@ impl Default for ReadOptions {
 ///
 /// # Errors
 ///
-/// A file that cannot be read, is in none of the formats, or has a fault in its content; a loops file with a graph.
+/// A file that cannot be read, has no known format or wrong content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let (format, mut content, mut notes, sha256) = read_any(path, options)?;
     check_extent(&content).map_err(|fault| fault.in_file(path))?;
@@ -76,7 +77,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         };
         let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
-        notes.push(format!("{} added from {}", counted(added, "link"), loops.display()));
+        notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256 })
@@ -106,7 +107,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more than [`MAX_INPUT`]: names it.
+/// The file cannot be read, or has more than [`MAX_INPUT`] bytes; the error names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     bytes_up_to(path, MAX_INPUT, "")
 }
@@ -121,14 +122,14 @@ pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
 pub struct BuiltNetwork {
     /// The network.
     pub network: Network,
-    /// The centerlines that it was made of, welded.
+    /// The centerlines that it was made of, with coincident points merged.
     pub lines: Option<Centerlines>,
-    /// What a person should know about how it was made, one line each.
+    /// Notes for the user about how it was made, one line each.
     pub notes: Vec<String>,
 }
 
 impl Content {
-    /// Makes a network of centerlines, or of vessels as they stand; `default_radius` (m) is that of vessels without any.
+    /// Makes a network of centerlines, or of ready vessels; `default_radius` (m) is for vessels without any radius.
     ///
     /// # Errors
     ///
@@ -137,7 +138,7 @@ impl Content {
         let mut notes = Vec::new();
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
-                notes.push(format!("{} {what}", counted(count, noun)));
+                notes.push(format!("{} {what}", plural(count, noun)));
             }
         };
         let defaulted = format!(
@@ -146,7 +147,7 @@ impl Content {
         );
         let (network, lines) = match self {
             Self::Centerlines(mut lines) => {
-                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: made one with it");
+                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
                 let made = contract(&lines, rule, default_radius)?;
                 note(made.repaired_radii, "point", "without a positive finite radius: interpolated along the vessel");
                 note(made.mixed_labels, "vessel", "with more than one label along them: took that of the longest part");

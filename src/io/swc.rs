@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Write};
 
 use crate::error::Fault;
 use crate::io::polylines::{between, node_points};
-use crate::io::tables::reader::counted;
+use crate::io::tables::reader::plural;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{Scale, millimetres};
@@ -15,10 +15,10 @@ use crate::network::{Network, PathPoint, Role, cycles};
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
 
-/// A parent yet to be found: the line that names it, and its id.
+/// A parent still to be found: the line that names it, and its id.
 type Parent = Option<(usize, u64)>;
 
-/// Reads SWC in any order of ids, with any number of roots; returns also what a person should know.
+/// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
 ///
 /// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be repaired
 /// along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child point: the name
@@ -47,7 +47,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
-            return Err(Fault::line(at, counted(words.len(), "column"), ROW));
+            return Err(Fault::line(at, plural(words.len(), "column"), ROW));
         };
         if words.len() > COLUMNS.len() {
             wide.get_or_insert((at, words.len()));
@@ -271,7 +271,7 @@ const LARGEST: f64 = 9e15;
 pub(crate) struct TypeNames(BTreeMap<u64, String>);
 
 impl TypeNames {
-    /// Takes note of a comment line `# label CODE NAME`; others say nothing.
+    /// Reads a comment line `# label CODE NAME`; ignores others.
     pub fn read(&mut self, line: &str) {
         let Some(words) = line.trim().strip_prefix('#').and_then(|l| l.trim_start().strip_prefix("label ")) else { return };
         if let Some((code, name)) = words.trim().split_once(char::is_whitespace)
@@ -282,12 +282,12 @@ impl TypeNames {
     }
 }
 
-/// The label code that a type column holds; 0 is none.
+/// The label code in a type column; 0 for none.
 pub(crate) fn code(kind: f64) -> u64 {
     if kind.fract() == 0.0 && (1.0..LARGEST).contains(&kind) { kind as u64 } else { 0 }
 }
 
-/// Gives every link (parent, child) the label that the type of its child stands for.
+/// Gives every link (parent, child) the label that the type of its child means.
 pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNames) {
     if names.0.is_empty() && !are_labels(lines, types) {
         return;
@@ -303,8 +303,8 @@ pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNam
     }
 }
 
-/// Whether types that no comment names tell vessels apart: not where all are the same, nor where only the first and last points of
-/// trees have one, which are landmarks then (iCafe).
+/// Whether types that no comment names are labels: not if all are the same, nor if only the first and last points of
+/// trees have one, which are then landmarks (iCafe).
 fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
     let child = |link: &[u32; 2]| types[link[1] as usize];
     let Some(first) = lines.links.first().map(child) else { return false };
@@ -320,7 +320,7 @@ fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
     inner.peek().is_none() || inner.any(|(_, code)| *code != 0)
 }
 
-/// The types that stand for labels in a file.
+/// The type numbers that stand for labels in a file.
 pub(crate) struct TypeCodes(BTreeMap<String, u64>);
 
 impl TypeCodes {
@@ -354,7 +354,7 @@ impl TypeCodes {
         self.0.get(&single_line(label)).copied().unwrap_or(0)
     }
 
-    /// Writes what the types stand for, in their order.
+    /// Writes the label of each type, in their order.
     pub fn write(&self, mut out: impl Write) -> io::Result<()> {
         let by_code: BTreeMap<u64, &String> = self.0.iter().map(|(label, code)| (*code, label)).collect();
         by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))

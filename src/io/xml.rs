@@ -10,9 +10,9 @@ use quick_xml::{Error, Reader, XmlVersion};
 
 use crate::error::Fault;
 
-/// Elements within elements at the most.
+/// The deepest nesting of elements.
 const MOST_DEPTH: usize = 256;
-/// Attributes of one element at the most: each is compared with all before it.
+/// The most attributes of one element: each is compared with all before it.
 const MOST_ATTRIBUTES: usize = 256;
 const ACCEPTED: &str = "expected a complete XML file";
 const NO_ENTITIES: &str = "expected no entities but those of XML itself";
@@ -33,13 +33,13 @@ pub(in crate::io) enum Step {
 pub(in crate::io) struct Tag {
     /// Its line, counted from 1.
     pub(in crate::io) line: usize,
-    /// What stands between the angles.
+    /// The text between the angle brackets.
     content: String,
     /// The length of the name with its prefix.
     whole_name: usize,
 }
 
-/// Walks through a file.
+/// Reads an XML file as a stream, element by element.
 pub(in crate::io) struct Events<R> {
     reader: Reader<Lines<R>>,
     buffer: Vec<u8>,
@@ -58,7 +58,7 @@ impl<R: BufRead> Events<R> {
         Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
     }
 
-    /// How many elements are open.
+    /// How many elements are open now.
     pub(in crate::io) fn depth(&self) -> usize {
         self.depth
     }
@@ -73,12 +73,12 @@ impl<R: BufRead> Events<R> {
         &self.part
     }
 
-    /// Goes on to what comes next; `None` at the end of a well-formed file.
+    /// Reads the next start, end or text; `None` at the end of a well-formed file.
     ///
     /// # Errors
     ///
-    /// What is not well-formed; a document type with declarations of its own, a reference to another entity than the five
-    /// of XML, elements deeper or with more attributes than any file has.
+    /// XML that is not well-formed, a document type with declarations, a reference to an entity other than the five
+    /// of XML, elements nested too deeply or with too many attributes.
     pub(in crate::io) fn next(&mut self) -> Result<Option<Step>, Fault> {
         loop {
             self.buffer.clear();
@@ -155,7 +155,7 @@ impl<R: BufRead> Events<R> {
         Ok(())
     }
 
-    /// Goes on to the next element that begins within the element at `depth`; false at the end of that one.
+    /// Goes on to the next element within the one at `depth`; false at the end of that one.
     pub(in crate::io) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
         while self.depth >= depth {
             match self.next()? {
@@ -167,13 +167,13 @@ impl<R: BufRead> Events<R> {
         Ok(false)
     }
 
-    /// Passes what is left of the innermost element; `seen` is shown the elements within it.
+    /// Skips the rest of the innermost element; `seen` is called for every element within it.
     pub(in crate::io) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
         self.text(seen, &mut String::new())
     }
 
-    /// Puts the text that stands directly within the innermost element in place of `out`, up to its end; `seen` is shown the
-    /// elements within it.
+    /// Reads the text directly within the innermost element into `out`, up to its end; `seen` is called for every
+    /// element within it.
     pub(in crate::io) fn text(&mut self, mut seen: impl FnMut(&Tag) -> Result<(), Fault>, out: &mut String) -> Result<(), Fault> {
         out.clear();
         let depth = self.depth;
@@ -242,10 +242,10 @@ fn is_forbidden(byte: u8) -> bool {
     byte < b' ' && !b"\t\n\r".contains(&byte)
 }
 
-/// A text, and how many of its line ends have passed.
+/// A text that counts its line ends while it is read.
 pub(crate) struct Lines<R> {
     inner: R,
-    /// Line ends that have passed.
+    /// Line ends read so far.
     pub(crate) passed: usize,
     /// Those since the last byte that is no blank.
     pub(crate) trailing: usize,
@@ -283,7 +283,7 @@ impl<R: BufRead> BufRead for Lines<R> {
     }
 }
 
-/// Elements at the most: more than any file has that is read as a tree.
+/// The most elements of a file that is read as a tree.
 const MOST_ELEMENTS: usize = 1 << 18;
 
 /// An element with all that is in it.
@@ -336,12 +336,12 @@ impl Element {
         root.ok_or_else(|| Fault::file("no element", "expected a complete XML file"))
     }
 
-    /// The elements directly within it.
+    /// Its child elements.
     pub(in crate::io) fn children(&self) -> impl Iterator<Item = &Self> {
         self.children.iter()
     }
 
-    /// Those of a name.
+    /// Its child elements with a name.
     pub(in crate::io) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
         self.children.iter().filter(move |child| child.name == name)
     }
@@ -373,7 +373,7 @@ pub(crate) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
     Some((std::str::from_utf8(name).ok()?, std::str::from_utf8(tag).ok()?))
 }
 
-/// Where `needle` starts first.
+/// The first place of `needle`.
 pub(crate) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
     bytes.windows(needle.len()).position(|w| w == needle)
 }

@@ -47,7 +47,7 @@ impl Network {
         self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
     }
 
-    /// The nodes and the vessels with their ends, by row, for a network that is made of this one.
+    /// The nodes and the vessels with their ends, by row, to build another network from.
     pub fn into_parts(self) -> (impl ExactSizeIterator<Item = Node>, impl ExactSizeIterator<Item = ([usize; 2], Vessel)>) {
         let (nodes, edges) = self.graph.into_nodes_edges();
         let vessel = |e: petgraph::graph::Edge<Vessel>| ([e.source().index(), e.target().index()], e.weight);
@@ -117,7 +117,7 @@ impl Network {
         degree
     }
 
-    /// What to call a vessel in a message: its label, or its row and nodes.
+    /// The name of a vessel in messages: its row and nodes, and its label.
     pub fn vessel_name(&self, row: usize) -> String {
         let [a, b] = self.ends(row);
         let between = format!("vessel {row} ({} - {})", self.node(a).id, self.node(b).id);
@@ -183,7 +183,7 @@ pub fn cycles(network: &Network) -> usize {
     network.vessel_count() + fragments(network, |_, _| true).count - network.node_count()
 }
 
-/// The rows of a network; those of the vessels with their two nodes.
+/// A network as serde writes it: rows of nodes, and of vessels with their two nodes, in SI units.
 #[derive(Serialize, Deserialize)]
 struct NetworkRows<N, V> {
     nodes: Vec<N>,
@@ -207,7 +207,7 @@ impl<'de> Deserialize<'de> for Network {
         for (ends, vessel) in rows.vessels {
             if ends.iter().any(|node| *node >= network.node_count()) {
                 return Err(D::Error::custom(format!(
-                    "a vessel between nodes {} and {}, which are not all there",
+                    "a vessel between nodes {} and {}, which do not both exist",
                     ends[0], ends[1]
                 )));
             }

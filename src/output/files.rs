@@ -12,8 +12,8 @@ use crate::io::bytes_of;
 use crate::output::atomic::write_file;
 use crate::output::names::RECORD;
 
-/// A file to be filled. After the first fault it takes everything and writes nothing: writers of archives, which finish what they
-/// began whatever happened, then have nothing to complain of.
+/// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which finish what they
+/// began in any case, then report no second error.
 #[derive(Debug)]
 pub struct DiskFile {
     file: File,
@@ -29,7 +29,7 @@ impl DiskFile {
         Ok(Self { file: File::create(path)?, fault: None, at: 0, length: 0 })
     }
 
-    /// Brings it onto the disk, or says what was wrong first.
+    /// Flushes the file to the disk, or returns the first error.
     pub fn finish(self) -> io::Result<()> {
         match self.fault {
             None => self.file.sync_all(),
@@ -98,11 +98,11 @@ pub fn write_record(folder: &Path, record: &impl Serialize) -> Result<()> {
     write_json(&folder.join(RECORD), record)
 }
 
-/// Reads a value from JSON; `expected` says what the file should be.
+/// Reads a value from JSON; `expected` describes the file for the error.
 ///
 /// # Errors
 ///
-/// The file cannot be read, or is not such a value: names it.
+/// The file cannot be read, or holds no such value; the error names it.
 pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> {
     serde_json::from_slice(&bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
 }

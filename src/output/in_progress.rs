@@ -11,43 +11,43 @@ use crate::error::{Error, Result};
 use crate::io::checksum;
 use crate::output::ownership::entries;
 
-/// How the name of everything in the making begins.
+/// The beginning of the name of every unfinished output.
 pub const HIDDEN_PREFIX: &str = ".willis-";
 const NEW: &str = "new";
 const OLD: &str = "old";
-/// How the name of everything begins that stays when a run does not come to its end.
+/// The beginning of the name of every checkpoint.
 const KEPT: &str = "checkpoint-";
-/// The ending of such a thing while it is being written.
+/// The file ending of a checkpoint while it is being written.
 pub const UNFINISHED: &str = "unfinished";
-/// The longest name of an output that goes into that of the folder, in bytes.
+/// The longest output name that becomes part of the folder's name, in bytes.
 const LONGEST: usize = 200;
-/// What the system says of a path that cannot be written.
+/// The error that a path cannot be written.
 pub fn write_error(path: &Path) -> impl Fn(io::Error) -> Error + '_ {
     move |source| Error::Write { path: final_path(path), source }
 }
 
-/// Whether a path is the temporary of a run that is at work, or was killed.
+/// Whether a path is the hidden folder of a run that is at work, or was killed.
 pub fn is_in_progress(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(HIDDEN_PREFIX.as_bytes()))
 }
 
-/// An output in the making.
+/// An output being written, in its hidden folder.
 #[derive(Debug)]
 pub struct InProgress {
     target: PathBuf,
     folder: PathBuf,
-    /// Parents of the target that were made for it, the innermost first.
+    /// Parents of the target that were created for it, the innermost first.
     parents: Vec<PathBuf>,
-    /// Held until everything is cleared.
+    /// Held until everything is removed.
     lock: Option<File>,
 }
 
 impl InProgress {
-    /// Makes the folder beside `target`, with missing parents, and keeps other processes out.
+    /// Creates the hidden folder next to `target`, with missing parents, and locks it.
     ///
     /// # Errors
     ///
-    /// Another process is making the same output, or the system refuses.
+    /// Another process is writing the same output, or the system refuses.
     pub fn new(target: &Path) -> Result<Self> {
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
         let parents = target.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
@@ -58,7 +58,7 @@ impl InProgress {
         Ok(started)
     }
 
-    /// Refuses an output that another process is making at the moment.
+    /// Checks that no other process is writing the output at the moment.
     ///
     /// # Errors
     ///
@@ -73,21 +73,21 @@ impl InProgress {
         &self.folder
     }
 
-    /// Where the output is made.
+    /// Where the output is written.
     pub fn new_path(&self) -> PathBuf {
         self.folder.join(NEW)
     }
 
-    /// The path of something that stays when the run does not come to its end.
+    /// The path of a checkpoint.
     pub fn kept(&self, name: &str) -> PathBuf {
         self.folder.join(format!("{KEPT}{name}"))
     }
 
-    /// Puts the output in its place: a file in one step, a folder with the earlier one aside until then.
+    /// Moves the output to its place: a file in one step, a folder with the earlier one set aside until then.
     ///
     /// # Errors
     ///
-    /// The system refuses; the earlier one then stands as it was.
+    /// The system refuses; the earlier one then stays as it was.
     pub fn put(&self) -> Result<()> {
         let (error, old) = (write_error(&self.target), self.folder.join(OLD));
         let replaces = self.target.is_dir();
@@ -111,7 +111,7 @@ impl Drop for InProgress {
             discard(&self.folder);
         }
         for parent in &self.parents {
-            // One with something in it stays.
+            // A parent that is not empty stays.
             let _ = fs::remove_dir(parent);
         }
     }
@@ -121,9 +121,9 @@ fn parent(target: &Path) -> &Path {
     target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The folder in which an output is made.
+/// The hidden folder in which an output is written.
 fn folder_of(target: &Path) -> PathBuf {
-    // Paths as `.` and `a/..` have no name of their own.
+    // Paths such as `.` and `a/..` have no name of their own.
     let whole = if target.file_name().is_none() { target.canonicalize().ok() } else { None };
     let target = whole.as_deref().unwrap_or(target);
     let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
@@ -135,11 +135,11 @@ fn folder_of(target: &Path) -> PathBuf {
     target.with_file_name(hidden)
 }
 
-/// Clears a folder in the making, whose lock is held, of what was being made. An earlier output that was put aside is put back where
-/// no new one came.
+/// Empties a hidden folder, whose lock must be held, of unfinished output. An earlier output that was set aside is moved back if
+/// there is no new one.
 fn clear(folder: &Path, target: Option<&Path>) {
     let old = folder.join(OLD);
-    // What cannot be cleared now can be later.
+    // What cannot be removed now can be removed later.
     if old.exists()
         && let Some(target) = target
     {
@@ -151,7 +151,7 @@ fn clear(folder: &Path, target: Option<&Path>) {
     }
 }
 
-/// Takes a folder in the making away, unless something is kept there; its lock must be held.
+/// Removes a hidden folder, whose lock must be held, unless it holds a checkpoint.
 fn discard(folder: &Path) {
     let rest = entries(folder).unwrap_or_default();
     if rest.iter().all(|path| path.ends_with(LOCK)) {
@@ -160,12 +160,12 @@ fn discard(folder: &Path) {
     }
 }
 
-/// Clears what killed runs left in the making in a folder; what a run that lives is at, what is kept to go on from, and what others
-/// may have put there stays.
+/// Removes what killed runs left in a folder. Output of a run at work, checkpoints, and files that others
+/// may have put there stay.
 pub fn clear_dead_runs(folder: &Path) {
     for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir()) {
         if !path.join(LOCK).exists() {
-            // Only where it is empty.
+            // Only if it is empty.
             let _ = fs::remove_dir(&path);
         } else if let Ok(_lock) = lock(&path, 1) {
             let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
@@ -175,13 +175,13 @@ pub fn clear_dead_runs(folder: &Path) {
     }
 }
 
-/// Whether a folder in the making holds something to go on from.
+/// Whether a hidden folder holds a checkpoint.
 pub fn has_checkpoint(folder: &Path) -> bool {
     let is_kept = |path: &PathBuf| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(KEPT.as_bytes()));
     entries(folder).unwrap_or_default().iter().any(is_kept)
 }
 
-/// A path in the making as the person who reads of it knows it: where it would have come to stand.
+/// The path at which an unfinished output will stand, for messages.
 pub fn final_path(path: &Path) -> PathBuf {
     let mut known = PathBuf::new();
     let mut parts = path.components();
@@ -198,7 +198,7 @@ pub fn final_path(path: &Path) -> PathBuf {
     known
 }
 
-/// The same in the folder of an output.
+/// As [`clear_dead_runs`], in the folder of an output.
 pub fn clear_leftovers_beside(target: &Path) {
     clear_dead_runs(parent(target));
 }
@@ -207,11 +207,11 @@ fn is_checksum(name: &str) -> bool {
     name.len() == 64 && name.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
-/// Brings the names in a folder onto the disk.
+/// Flushes the names in a folder to the disk.
 pub fn sync_folder(folder: &Path) -> Result<()> {
     #[cfg(unix)]
     match File::open(folder).and_then(|open| open.sync_all()) {
-        // Some file systems know no such thing.
+        // Some file systems cannot do this.
         Err(e) if !matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
             return Err(Error::Write { path: folder.to_owned(), source: e });
         }
@@ -222,15 +222,15 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
 
 /// The name of the file that is locked.
 pub const LOCK: &str = "lock";
-/// How often, and how long apart, a lock is tried that another process may hold for a moment only, to clear up.
+/// How often a lock is tried, which another process may hold only for a moment, to clean up.
 pub const TRIES: usize = 25;
 const BETWEEN: Duration = Duration::from_millis(20);
 
-/// Why there is no lock.
+/// Why a lock was not taken.
 pub enum LockError {
-    /// Another process has it, by its number where that is known.
+    /// Another process holds it; its number where that is known.
     Busy(String),
-    /// The system's word.
+    /// The error of the system.
     System(io::Error),
 }
 
@@ -247,19 +247,19 @@ impl LockError {
     }
 }
 
-/// Makes a folder and takes its lock, which ends with the process, however that ends.
+/// Creates a folder and takes its lock, which ends with the process, however that ends.
 pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
     let path = folder.join(LOCK);
     for at in 0..tries {
         fs::create_dir_all(folder).map_err(LockError::System)?;
         let file = match File::options().write(true).create(true).truncate(false).open(&path) {
-            // The folder was cleared away in this moment.
+            // The folder was removed in this moment.
             Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
             opened => opened.map_err(LockError::System)?,
         };
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => {
-                // For people; without it the lock is as good.
+                // For users; the lock works without it.
                 let _ = fs::write(&path, std::process::id().to_string());
                 return Ok(file);
             }
@@ -273,7 +273,7 @@ pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
     Err(LockError::Busy(process.map(|id| format!(" (process {id})")).unwrap_or_default()))
 }
 
-/// Whether a file that is open is still the one at a path: its last holder may have taken it away.
+/// Whether an open file is still the one at a path: its last holder may have removed it.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -1,4 +1,4 @@
-//! Which folders this program made, and may replace.
+//! Which folders willis wrote, and may replace.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -14,7 +14,7 @@ use super::names::{
 };
 use crate::output::files::read_json;
 
-/// What the folder of a run may hold beside pictures and topologies; --force replaces no folder with anything else in it.
+/// The files that the folder of a run may hold besides pictures and topologies; --force replaces no folder with others.
 const FILES: [&str; 13] = [
     RECORD,
     EDGES,
@@ -31,9 +31,9 @@ const FILES: [&str; 13] = [
     COLLATERAL,
 ];
 const PICTURES: [&str; 5] = [LIKELIHOOD_PICTURE, CONVERGENCE_PICTURE, FLOW_PICTURE, MODULATION_PICTURE, HYPERTENSION_PICTURE];
-/// What the folder of a shard holds.
+/// The files in the folder of a shard.
 const SHARD_FILES: &[&str] = &[SHARD, SHARD_SUMS];
-/// What the folder of a cohort holds beside the folders of its subjects.
+/// The files in the folder of a cohort besides the folders of its subjects.
 const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE];
 
 /// The paths in a folder; `None` when it cannot be read.
@@ -41,7 +41,7 @@ pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
     fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
 }
 
-/// Whether a path is called as what stands in the folder of a cohort beside its subjects.
+/// Whether a path has the name of a file that stands in the folder of a cohort.
 pub fn is_cohort_file(path: &Path) -> bool {
     is_named(path, COHORT_FILES)
 }
@@ -50,14 +50,14 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names.contains(&name))
 }
 
-/// Whether a path is called as a file of a run.
+/// Whether a path has the name of a file of a run.
 fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     is_named(path, &FILES) || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 
-/// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
+/// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
     let is_written_by_willis =

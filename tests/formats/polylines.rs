@@ -121,10 +121,13 @@ fn markups_faults_name_the_markup_and_the_value() {
     let named = ReadOptions { radius_array: Some("thickness".into()), ..ReadOptions::default() };
     assert_eq!(
         read_markups(bare.as_bytes(), &named).unwrap_err().in_file(Path::new("m")).to_string(),
-        "m: markup 0 \"c\": no measurement thickness at its control points; expected it, as --radius-array says"
+        "m: markup 0 \"c\": no measurement thickness at its control points; expected the one that --radius-array names"
     );
     let wide: Vec<u8> = [0xfeff].into_iter().chain(CURVES.encode_utf16()).flat_map(u16::to_be_bytes).collect();
-    assert_eq!(document("a.mrk.json", &wide).unwrap_err(), "a.mrk.json: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(
+        document("a.mrk.json", &wide).unwrap_err(),
+        "a.mrk.json: the text is UTF-16; expected UTF-8; save the file as UTF-8"
+    );
     let marked = [b"\xef\xbb\xbf", CURVES.replacen('\n', "\r\n", 5).as_bytes()].concat();
     assert_eq!(document("a.mrk.json", &marked).unwrap().format, Format::Markups);
 }
@@ -169,7 +172,7 @@ fn points_faults_name_line_and_value() {
         assert_eq!(points(&text).unwrap_err(), message);
     }
     let wide: Vec<u8> = [0xfeff].into_iter().chain(head.encode_utf16()).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save the file as UTF-8");
     assert_eq!(document("a.csv", b"fragment,x,y\n").unwrap_err(), format!("a.csv:1: columns fragment,x,y; {columns}"));
     assert!(
         read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &ReadOptions { radius_optional: true, ..ReadOptions::default() })

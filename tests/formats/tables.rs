@@ -52,7 +52,7 @@ fn voreen_is_read_from_either_table_under_the_names_it_has() {
                 if given == nodes { format!("edges are those of {edges}") } else { format!("nodes are those of {nodes}") };
             let notes = [
                 "the radius of 2 edges is sqrt(avgCrossSection/π)",
-                "the radius of 1 edge is avgRadiusAvg, for want of a cross-section",
+                "the radius of 1 edge is avgRadiusAvg, since the cross-section is missing",
                 "1 edge without a valid length: took the distance between the nodes",
                 &other,
             ];
@@ -409,7 +409,7 @@ fn every_malformed_table_is_one_clear_line() {
         ),
         (
             read_first(&[("edges.csv", edges.as_bytes()), ("nodes.csv", &utf16)], &mm()),
-            "nodes.csv: the text is UTF-16; expected UTF-8; save it so",
+            "nodes.csv: the text is UTF-16; expected UTF-8; save the file as UTF-8",
         ),
         (
             read_first(&[("edges.csv", edges.as_bytes()), ("nodes.csv", b"")], &mm()),

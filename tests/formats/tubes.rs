@@ -120,9 +120,9 @@ fn a_child_hangs_on_its_parent() {
         assert_eq!(labels.iter().filter(|l| **l == "twig").count(), 1);
     }
     let (lines, notes) = tre(&family("ParentID = 77\n")).unwrap();
-    assert_eq!((lines.links.len(), notes), (10, vec!["tubes whose parent is not there, read as roots: 1".to_owned()]));
+    assert_eq!((lines.links.len(), notes), (10, vec!["tubes whose parent is missing, read as roots: 1".to_owned()]));
     let (_, notes) = tre(&family("").replace("ID = 6", "ID = 4")).unwrap();
-    assert_eq!(notes, ["objects with the ID of one before them, to which its children belong: 1"]);
+    assert_eq!(notes, ["objects that repeat the ID of an earlier object, which keeps the children: 1"]);
 }
 
 #[test]
@@ -239,7 +239,7 @@ fn tre_faults_name_line_and_value() {
     let marked = [b"\xef\xbb\xbf", family("").as_bytes()].concat();
     assert_eq!(document("a.tre", &marked).unwrap().format, Format::Tre);
     let wide: Vec<u8> = [0xfeff].into_iter().chain(family("").encode_utf16()).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(document("a.tre", &wide).unwrap_err(), "a.tre: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(document("a.tre", &wide).unwrap_err(), "a.tre: the text is UTF-16; expected UTF-8; save the file as UTF-8");
 }
 
 #[test]

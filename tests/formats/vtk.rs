@@ -143,7 +143,7 @@ fn every_fault_has_its_place_and_one_line() {
         found.map(|document| document.format.name()).map_err(|e| e.to_string().replace(&path.display().to_string(), "v"))
     };
     let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(OLD.encode_utf16().flat_map(u16::to_le_bytes)).collect();
-    assert_eq!(said(&wide).unwrap_err(), "v: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(said(&wide).unwrap_err(), "v: the text is UTF-16; expected UTF-8; save the file as UTF-8");
     assert!(said(b"").unwrap_err().starts_with("v: the file is empty; expected "));
     assert_eq!(said(&[b"\xef\xbb\xbf", OLD.as_bytes()].concat()), Ok("VTK legacy"));
 }

@@ -1,4 +1,4 @@
-//! Edges of a ready graph: each is a vessel as it stands, never merged, contracted or put in another order.
+//! The edges of a graph file: each becomes one vessel, never merged, contracted or reordered.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,13 @@ use super::records::Records;
 use super::{AREA, Item, Name, RESISTANCE};
 use crate::error::Fault;
 use crate::io::read::ReadOptions;
-use crate::io::tables::reader::counted;
+use crate::io::tables::reader::plural;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::distance;
 
-/// What an edge is asked for beside its sizes.
+/// The attributes of an edge, besides its length and radius.
 pub(crate) const ATTRIBUTES: [&str; 11] =
     ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
@@ -89,7 +89,7 @@ pub(in crate::io) fn vessels(
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
     if straight > 0 {
-        notes.push(format!("{} without length_mm: took the distance between the nodes", counted(straight, "edge")));
+        notes.push(format!("{} without length_mm: took the distance between the nodes", plural(straight, "edge")));
     }
     for (name, edges) in names {
         let means = match name {
@@ -97,10 +97,10 @@ pub(in crate::io) fn vessels(
             "diameter" | "d" => format!("half of {name}"),
             name => name.to_owned(),
         };
-        notes.push(format!("the radius of {} is {means}", counted(edges, "edge")));
+        notes.push(format!("the radius of {} is {means}", plural(edges, "edge")));
     }
     if from_nodes > 0 {
-        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", counted(from_nodes, "edge")));
+        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", plural(from_nodes, "edge")));
     }
     Ok(notes)
 }

@@ -1,4 +1,4 @@
-//! What the attributes of a ready graph mean, whichever format carried them; the nodes that they describe.
+//! Reads the attributes of nodes and edges, whichever format stores them; makes the nodes.
 
 pub(crate) mod edge;
 pub(crate) mod records;
@@ -15,21 +15,21 @@ use crate::network::units::{Scale, cubic_metres_per_second, metres, pascal_secon
 use crate::network::{Condition, Node, Role};
 use crate::support::geometry::{Point, radius_of};
 
-/// What may hold a size where nothing has the name of a radius.
+/// The attributes that may give the radius where none has "radius" in its name.
 const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// A cross-section area.
 const AREA: &str = "avgCrossSection";
-/// Of an edge in the place of Poiseuille's law, of a node behind it.
+/// The resistance of an edge, in place of Poiseuille's law, or the terminal resistance of a node.
 const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
 
-/// Whether anything here asks for an attribute of this name, or names it in a message.
+/// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
-/// A node or edge, which knows what to call itself in a message.
+/// A node or edge with its attributes and its name for messages.
 struct Item<'a> {
     record: Record<'a>,
     name: Name<'a>,
@@ -60,7 +60,7 @@ impl<'a> Item<'a> {
         Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
     }
 
-    /// A fault of a length in mm that is not there; says what is there under like names.
+    /// The error that a length in mm is missing; it lists attributes with similar names.
     fn lacks(&self, name: &str, accepted: &str) -> Fault {
         let mut like = self.record.names();
         like.retain(|key| key.to_ascii_lowercase().contains(name));
@@ -142,10 +142,10 @@ impl<'a> Item<'a> {
     }
 }
 
-/// Where a node may say that it is; the first is in mm, the others are in the unit of the file.
+/// The attributes that may hold the position of a node; the first are in mm, the others in the unit of the file.
 pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
     [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
-/// What else a node is asked for.
+/// The other attributes of a node.
 pub(crate) const ATTRIBUTES: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
 const FLOW: &str = "flow_mL_per_min";
 

@@ -7,7 +7,7 @@ use crate::error::Fault;
 use crate::support::geometry::{Point, distance};
 
 const ENTRY: &str = "expected a line Key = value";
-/// How much of a wrong line an error shows.
+/// How many characters of a wrong line an error shows.
 const SHOWN: usize = 40;
 
 /// A place in a file that mixes lines and binary data.
@@ -64,7 +64,7 @@ pub struct Object {
 }
 
 impl Object {
-    /// Whether it is a tube; objects without a type in a scene of tubes are.
+    /// Whether it is a tube; an object without a type counts as one.
     pub fn is_tube(&self) -> bool {
         self.kind == "Tube" || self.kind.is_empty()
     }
@@ -98,7 +98,7 @@ impl Object {
         }
     }
 
-    /// What an error calls it.
+    /// Its name in errors.
     pub fn name(&self) -> String {
         self.field("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
     }
@@ -187,7 +187,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// The point of the parent and the end of the child that are nearest to one another.
+    /// The point of the parent and the end of the child that are closest.
     pub fn pair(&mut self, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
         let (axis, sorted) = self.sorted.entry(parent.start).or_insert_with(|| sort(points, parent));
         let x = |row: usize| points[row][*axis];
@@ -236,7 +236,7 @@ pub struct Sample {
     pub id: f64,
 }
 
-/// Which columns of a point are read.
+/// The columns of a point that are read.
 struct Columns {
     width: usize,
     position: [Option<usize>; 3],

@@ -14,7 +14,7 @@ use crate::network::units::{LengthUnit, Scale, millimetres};
 use crate::network::{Network, PathPoint, Role};
 use crate::support::geometry::Point;
 
-/// Reads the tubes of an ITK scene; returns also what a person should know.
+/// Reads the tubes of an ITK scene; returns also notes for the user.
 ///
 /// Points and radii are multiplied by `ElementSpacing` (the radius by its first number, as in ITK), then moved by `TransformMatrix`
 /// and `Offset` of the tube and of its parents. A tube whose `ParentID` is a tube is linked with its first point to the parent's
@@ -38,7 +38,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         }
     }
     if twice > 0 {
-        notes.push(format!("objects with the ID of one before them, to which its children belong: {twice}"));
+        notes.push(format!("objects that repeat the ID of an earlier object, which keeps the children: {twice}"));
     }
     let parents = parents(&objects, &row_of)?;
     let to_scene = to_scene(&objects, &parents)?;
@@ -62,8 +62,8 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
             if position.iter().any(|x| !x.is_finite()) {
                 return Err(Fault::line(
                     object.line,
-                    format!("{}: a point beyond all numbers", object.name()),
-                    "expected finite ones",
+                    format!("{}: a point that is not finite", object.name()),
+                    "expected finite numbers",
                 ));
             }
             let radius = scale.length(sample.radius * spacing[0] * stretch);
@@ -101,7 +101,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         lines.add_link(ends.map(|p| p as u32), object.field("Name").map_or("", |(_, name)| name));
     }
     if lost > 0 {
-        notes.push(format!("tubes whose parent is not there, read as roots: {lost}"));
+        notes.push(format!("tubes whose parent is missing, read as roots: {lost}"));
     }
     let others = objects.iter().filter(|o| !o.is_tube() && o.kind != "Group" && o.kind != "AffineTransform").count();
     if others > 0 {
@@ -124,7 +124,7 @@ fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
     Ok(spacing)
 }
 
-/// The unit that a tube states, unless a person said another one than mm.
+/// The unit of a tube: the one that the user gave if it is not mm, else the one that the tube states.
 fn unit(object: &Object, scale: &Scale) -> Result<Scale, Fault> {
     let unit = match object.field("DistanceUnits") {
         None | Some((_, "mm" | "?" | "")) => return Ok(*scale),
@@ -144,7 +144,7 @@ fn number(lines: &mut Centerlines, ids: &[f64]) {
     }
 }
 
-/// x -> M x + b; MetaIO's CenterOfRotation is of no account where the offset is stated (ITK's MatrixOffsetTransformBase).
+/// x -> M x + b. MetaIO's CenterOfRotation does not count, since the offset is stated (ITK's MatrixOffsetTransformBase).
 #[derive(Clone, Copy)]
 pub struct Affine {
     matrix: [[f64; 3]; 3],
@@ -242,7 +242,7 @@ pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Opt
 
 const IDENTITY: &str = "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nCenterOfRotation = 0 0 0\nElementSpacing = 1 1 1";
 
-/// Where a tube hangs: the row of its parent, and whether it hangs on the parent's last point.
+/// The parent of a tube: its row, and whether the tube begins at the parent's last point.
 #[derive(Clone, Copy)]
 struct Link {
     parent: usize,
@@ -251,8 +251,8 @@ struct Link {
 
 /// Writes every vessel as a tube, in the order of the vessels and with ids from 1; millimetres.
 ///
-/// The tubes of a connected part hang together by `ParentID` and `ParentPoint` from its inlets, else from its first node, breadth
-/// first, each with its first point at its parent; what closes a loop touches its other node by its coordinates alone. The label
+/// The tubes of a connected part are linked by `ParentID` and `ParentPoint`, from its inlets, else from its first node, breadth
+/// first, each with its first point at its parent; a tube that closes a loop meets its other node by its coordinates only. The label
 /// is the name of the tube, without line breaks. A vessel without a path is straight, a missing radius 0.
 ///
 /// # Errors
@@ -288,7 +288,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
     out.flush()
 }
 
-/// Turns every tube so that it begins at its parent, and says where each hangs; roots hang nowhere.
+/// Turns every tube so that it begins at its parent, and finds the parent of each; roots have none.
 fn orient_and_link(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Option<Link>> {
     let mut vessels_at = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {

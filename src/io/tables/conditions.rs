@@ -29,7 +29,7 @@ pub struct Statement {
 }
 
 impl Statement {
-    /// Why it cannot hold, at its place in the file.
+    /// The error that this condition cannot hold, at its place in the file.
     pub fn fault(&self, why: impl Into<String>) -> Fault {
         fault(&self.place, format!("\"{}\"", self.spec), why)
     }

@@ -15,11 +15,11 @@ use crate::network::units::{Scale, millimetres, ml_per_min, mmhg, mmhg_s_per_ml}
 use crate::network::{Condition, Evidence, Network, Node, PathPoint, Role, fragments};
 use crate::support::geometry::Point;
 
-/// The columns of the names of nodes.
+/// The columns that may hold the names of nodes.
 const NAMES: [&str; 2] = ["node", "id"];
 const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 
-/// The nodes of a table and the name by which the edges know each.
+/// The nodes of a table, and the row of each by the name that the edges use.
 #[derive(Debug, Clone)]
 pub struct NodeTable {
     pub(crate) nodes: Vec<Node>,
@@ -57,12 +57,12 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
 }
 
 /// Reads a table of edges: `node_a,node_b` (or `source,target`) and the attributes of GraphML edges; returns also what
-/// a person should know. Without a table of nodes they come in the order of their first edge, placed by
-/// `ax_mm,ay_mm,az_mm` and `bx_mm,by_mm,bz_mm` where these are there.
+/// notes for the user. Without a table of nodes, nodes come in the order of their first edge, positioned by
+/// `ax_mm,ay_mm,az_mm` and `bx_mm,by_mm,bz_mm` where there are such columns.
 ///
 /// # Errors
 ///
-/// A table without the two columns or without rows, a node that the table of nodes lacks, an attribute that is wrong.
+/// A table without the two columns or without rows, a node that is missing in the table of nodes, an attribute that is wrong.
 pub fn read_csv_edges(
     bytes: &[u8],
     table_of_nodes: Option<NodeTable>,
@@ -79,7 +79,7 @@ pub fn read_csv_edges(
     };
     let given = table_of_nodes.is_some();
     let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
-    // Nodes without a table: their names, and the edge and the side that place each.
+    // Without a table of nodes: the name of each node, and the edge and the end that give its position.
     let mut made: Vec<&str> = Vec::new();
     let mut placed: Vec<Option<(usize, usize)>> = Vec::new();
     let mut rows = Vec::with_capacity(records.len());
@@ -119,7 +119,7 @@ pub fn read_csv_edges(
     Ok((network, notes))
 }
 
-/// The nodes' positions, from the columns of one side of an edge for each.
+/// The position of each node, from the columns of one end of an edge.
 fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
     let mut nodes = Records::named(&POSITION_COLUMNS);
     for place in placed {
@@ -153,7 +153,7 @@ pub(crate) fn is_wanted(name: &str) -> bool {
     attributes::is_wanted(name) || own.iter().any(|names| names.contains(&name))
 }
 
-/// The header and the rows of a file, these without the columns that nothing asks for.
+/// The header and the rows of a file; of the rows only the columns that are read.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let header = rows.header().to_vec();
@@ -168,9 +168,9 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     Ok((header, records))
 }
 
-/// The columns of the position of a node.
+/// The columns with the position of a node.
 pub(crate) const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
-/// The columns of the positions of the two ends of a vessel.
+/// The columns with the positions of the two ends of a vessel.
 pub const END_POSITION_COLUMNS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
 
 /// One coordinate of a position, mm; NaN without one.
@@ -196,7 +196,7 @@ pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option
     ]
 }
 
-/// The terminal resistances and flows of the nodes, by which a graph file keeps its boundary conditions; columns without
+/// The columns with the terminal resistances and flows of the nodes, as a graph file stores boundary conditions; columns without
 /// any value are left out.
 pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
     let figure = |of: fn(Condition) -> Option<f64>| conditions.iter().map(move |c| c.and_then(of).unwrap_or(f64::NAN));
@@ -212,7 +212,7 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
     columns
 }
 
-/// The first columns of edges.csv: where every vessel runs, its name, origin, length and radius.
+/// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
 pub fn vessel_columns(network: &Network) -> Vec<Column> {
     let end = |which: usize, of_axis: usize| {
         let place = network.vessels().map(|(ends, _)| axis(network.node(ends[which]).position, of_axis));
@@ -235,7 +235,7 @@ pub fn vessel_columns(network: &Network) -> Vec<Column> {
     ]
 }
 
-/// All attributes of nodes and vessels that a reader of graphs takes, but for the vessels' points.
+/// The columns of nodes and of vessels with every attribute that the graph readers read, except the vessels' points.
 pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     let pressure = |condition: &Option<Condition>| match condition {
         Some(Condition::Pressure(p)) => Some(*p),
@@ -269,7 +269,7 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     (nodes, vessels)
 }
 
-/// The centerlines of the vessels, where there is one at all.
+/// The column with the centerline points of the vessels, where any vessel has some.
 pub(crate) fn points_column(network: &Network) -> Option<Column> {
     let any = network.vessels().any(|(_, v)| !v.path.is_empty());
     any.then(|| Column::text("points", network.vessels().map(|(_, v)| points(&v.path))))

@@ -10,7 +10,7 @@ use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, metres, millimetres};
 use crate::support::geometry::Point;
 
-/// A landmark of a table.
+/// A landmark in a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedLandmark {
     /// Its line, counted from 1.
@@ -25,7 +25,7 @@ pub struct ListedLandmark {
 ///
 /// # Errors
 ///
-/// A missing column; the line and a value that is no finite number; no row.
+/// A missing column, a value that is not a finite number, a table without rows.
 pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<Vec<ListedLandmark>, Fault> {
     const WHAT: &str = "label,x_mm,y_mm,z_mm";
     // A comment has as many columns as it has commas.
@@ -59,27 +59,28 @@ pub fn write_landmarks(mut out: impl Write, landmarks: &[(&str, Point)]) -> io::
     out.flush()
 }
 
-/// A bridge of a table.
+/// A candidate that a person lists as correct.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownConnection {
     /// Its line, counted from 1.
     pub line: usize,
-    /// Its two ends, m.
+    /// The positions of its two ends, m.
     pub ends: [Point; 2],
 }
 
-/// Reads the columns `ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm`; where there is a column `kept` only the rows with 1, where there is a
-/// column `origin` only candidates.
+/// Reads the correct candidates, as a person lists them or leaves them in a corrected edges.csv: the columns
+/// `ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm`. With a column `kept` only the rows with 1 count, with a
+/// column `origin` only the candidates.
 ///
 /// # Errors
 ///
-/// The line, its value and what is accepted; a table of no right bridge.
+/// A missing column, a value that is wrong, a table without a correct candidate.
 pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let mut columns = [[0; 3]; 2];
     for (columns, names) in columns.iter_mut().zip(END_POSITION_COLUMNS) {
         for (column, name) in columns.iter_mut().zip(names) {
-            *column = rows.column(&[name], "the ends of every right bridge")?;
+            *column = rows.column(&[name], "the ends of every correct candidate")?;
         }
     }
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
@@ -103,19 +104,20 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
         out.push(KnownConnection { line: row.line, ends });
     }
     if out.is_empty() {
-        let which = if kept.is_some() { "one candidate at least with kept 1" } else { "one row at least" };
-        return Err(Fault::file("no right link", format!("expected {which}")));
+        let which = if kept.is_some() { "at least one candidate with kept 1" } else { "at least one row" };
+        return Err(Fault::file("no correct candidate", format!("expected {which}")));
     }
     Ok(out)
 }
 
 const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 
-/// Links the pairs of point ids of a table (headed `id_a,id_b` or `a,b`, or not at all); returns how many.
+/// Links the pairs of point ids that SWC cannot hold, since they close loops: a table headed `id_a,id_b` or `a,b`, or without a header.
+/// Returns the number of links.
 ///
 /// # Errors
 ///
-/// A row that is no pair of ids of different points.
+/// A row that is not a pair of ids of different points.
 pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> {
     let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
     let mut link = |line: usize, pair: [&str; 2]| {
@@ -151,7 +153,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
     Ok(added)
 }
 
-/// Writes id pairs as the table that `--loops` takes.
+/// Writes id pairs as the table that [`add_loops`] reads.
 ///
 /// # Errors
 ///

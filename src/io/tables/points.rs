@@ -22,7 +22,7 @@ const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
 const LABEL: &[&str] = &["label"];
 const ID: &[&str] = &["id"];
 
-/// Reads points in the order of their fragments; returns also what a person should know. Columns called `_mm` are in mm, others in the
+/// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
 /// unit of `scale`.
 ///
 /// The columns are separated by commas, semicolons or tabs and may come in any order; further ones are ignored. The rows with the

@@ -7,7 +7,7 @@ use crate::io::tables::write::unescape_formula;
 use crate::network::units::Scale;
 use crate::support::geometry::Point;
 
-/// A table of which the header has been read.
+/// A reader of a table whose header has been read.
 pub(crate) struct TableReader<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: Vec<String>,
@@ -30,20 +30,20 @@ pub(crate) struct Row<'a> {
     pub(crate) number: usize,
 }
 
-/// The delimiter that a header line uses most of comma, semicolon and tab.
+/// The delimiter of a table: whichever of comma, semicolon and tab its header uses most.
 pub(crate) fn delimiter(header: &str) -> char {
     let count = |delimiter: char| header.matches(delimiter).count();
     [',', ';', '\t'].into_iter().rev().max_by_key(|d| count(*d)).unwrap_or(',')
 }
 
-/// A header in a message, however many columns it has.
+/// The header as text for a message, shortened where it is long.
 pub(crate) fn columns(header: &[String]) -> String {
     const MOST: usize = 8;
     let (shown, more) = (header[..header.len().min(MOST)].join(","), header.len().saturating_sub(MOST));
     if more == 0 { format!("columns {shown}") } else { format!("columns {shown} and {more} more") }
 }
 
-/// A table whose lines of comments (`#`) are empty, so that every line keeps its number.
+/// The table with comment lines (`#`) emptied, so that every line keeps its number.
 pub(crate) fn uncommented(bytes: &[u8]) -> Vec<u8> {
     let is_comment = |line: &[u8]| line.trim_ascii_start().starts_with(b"#");
     bytes.split_inclusive(|b| *b == b'\n').flat_map(|line| if is_comment(line) { b"\n" } else { line }).copied().collect()
@@ -55,14 +55,14 @@ impl<'a> TableReader<'a> {
         Self::with(bytes, false)
     }
 
-    /// The same of a table whose rows may have more or fewer columns than its header.
+    /// As [`Self::open`], for a table whose rows may have more or fewer columns than its header.
     pub(crate) fn ragged(bytes: &'a [u8]) -> Result<Self, Fault> {
         Self::with(bytes, true)
     }
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
         }
         let (mut rest, mut skipped) = (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 0);
         let first = loop {
@@ -91,12 +91,12 @@ impl<'a> TableReader<'a> {
         &self.header
     }
 
-    /// The first of the names that the header has, in whatever case.
+    /// The column with the first of these names that the header has, in any case.
     pub(crate) fn find(&self, names: &[&str]) -> Option<usize> {
         names.iter().find_map(|name| self.header.iter().position(|column| column.eq_ignore_ascii_case(name)))
     }
 
-    /// The first of the names that the header has, in whatever case; `what` says what they are for.
+    /// As [`Self::find`], for a column that must be there; `what` says what it holds.
     pub(crate) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
@@ -160,7 +160,7 @@ impl Row<'_> {
     }
 }
 
-/// The line on which a record begins. The reader of CSV takes a record to begin before the line ends that it skips.
+/// The line on which a record begins. The CSV reader counts the line ends that it skips before a record as part of it.
 fn line_of(position: &csv::Position, text: &[u8]) -> usize {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let skipped = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n'));
@@ -171,7 +171,7 @@ fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
     let line = error.position().map_or(1, |p| line_of(p, text)) + skipped;
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            Fault::line(line, counted(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
+            Fault::line(line, plural(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
         }
         csv::ErrorKind::Utf8 { err, .. } => {
             Fault::line(line, format!("column {} is not UTF-8", err.field() + 1), "expected UTF-8 text")
@@ -180,7 +180,7 @@ fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
     }
 }
 
-/// The number that a text is, or what is accepted in its place.
+/// Reads a number, decimal or in the hexadecimal form that C prints and graph-tool writes; else the accepted form.
 pub(crate) fn number(text: &str) -> Result<f64, &'static str> {
     if let Some(x) = text.parse().ok().or_else(|| hexadecimal(text)) {
         return Ok(x);
@@ -191,8 +191,8 @@ pub(crate) fn number(text: &str) -> Result<f64, &'static str> {
     }
 }
 
-/// So many things: "1 edge", "2 edges".
-pub(crate) fn counted(n: usize, noun: &str) -> String {
+/// A count with its noun: "1 edge", "2 edges".
+pub(crate) fn plural(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
@@ -206,7 +206,7 @@ fn hexadecimal(text: &str) -> Option<f64> {
     let plain = all.bytes().all(|b| b.is_ascii_hexdigit()) && all.len() <= 15;
     let value = if plain { u64::from_str_radix(&all, 16).ok()? } else { return None };
     let power = exponent.parse::<i32>().ok().filter(|e| e.abs() < 5000)? - 4 * fraction.len() as i32;
-    // In two steps, so that no power on the way leaves the range.
+    // In two steps, so that no intermediate power is out of range.
     Some(sign * value as f64 * 2_f64.powi(power / 2) * 2_f64.powi(power - power / 2))
 }
 

@@ -1,4 +1,4 @@
-//! The columns of a file that a network has no place for, such as the results of an earlier run.
+//! Finds the columns of an input that are not read, such as the results of an earlier run.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -13,13 +13,13 @@ use crate::io::read::{ReadOptions, bytes_of};
 use crate::io::vtk::polydata;
 use crate::io::xml::{Events, Step, Tag};
 
-/// Whether a column says what the rows and places of a network say already, or is one of VTK's own arrays.
+/// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
 fn is_structure(name: &str) -> bool {
     let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
     rows || END_POSITION_COLUMNS.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
 }
 
-/// The names of the columns, attributes or arrays of a GraphML, CSV or VTP file that its reader passes over, in their order; none of a
+/// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     let mut names: Vec<String> = match format {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// A column with one value a row.
+/// A named column with one value per row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// The header, with its unit (`length_mm`).
@@ -16,7 +16,7 @@ pub struct Column {
 /// The values of a column. A missing number is NaN and is written as an empty field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Numbers, written with as many digits as bring the same bits back.
+    /// Numbers, written with the digits that give the same bits again.
     Real(Vec<f64>),
     /// Whole numbers.
     Integer(Vec<i64>),
@@ -63,10 +63,10 @@ impl Values {
         text
     }
 
-    /// Puts the value of a row in place of `text`, which is reused.
+    /// Replaces `text` by the value of a row.
     pub(crate) fn put(&self, row: usize, text: &mut String) {
         text.clear();
-        // A string takes whatever is written to it.
+        // Writing to a string cannot fail.
         let _ = match self {
             Self::Real(values) => put_real(values[row], text),
             Self::Integer(values) => write!(text, "{}", values[row]),
@@ -75,7 +75,7 @@ impl Values {
     }
 }
 
-/// The shortest text that brings the same number back; empty for NaN.
+/// The shortest text that gives the same number again; empty for NaN.
 pub(crate) fn real(x: f64) -> String {
     let mut text = String::new();
     let _ = put_real(x, &mut text);
@@ -93,7 +93,7 @@ fn put_real(x: f64, text: &mut String) -> std::fmt::Result {
     }
 }
 
-/// Refuses columns that do not have one value for each of `rows`.
+/// Checks that every column has one value for each of `rows`.
 pub(crate) fn check_rows(columns: &[Column], rows: usize) -> io::Result<()> {
     for column in columns {
         if column.values.len() != rows {
@@ -133,17 +133,18 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     csv.flush()
 }
 
-/// Whether a spreadsheet would take a text for a formula, after any number of apostrophes.
+/// Whether a spreadsheet would take a text for a formula, leading apostrophes aside.
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A text for a table: before what a spreadsheet would take for a formula stands an apostrophe, which readers here take off.
+/// The text for a table cell. Text that a spreadsheet would take for a formula gets a leading apostrophe, which [`unescape_formula`]
+/// removes.
 pub fn escape_formula(text: &str) -> Cow<'_, str> {
     if is_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
 }
 
-/// The text that [`escape_formula`] was given.
+/// The text that [`escape_formula`] wrote.
 pub(crate) fn unescape_formula(text: &str) -> &str {
     text.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(text)
 }

@@ -1,4 +1,4 @@
-//! iCafe: which artery each stretch of a traced SWC file is, from the Feature_Vessel.csv beside it.
+//! iCafe: labels the branches of a traced SWC file with the arteries that Feature_Vessel.csv in the same folder names.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ const ARTERIES: [&str; 23] = [
     "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
     "R-VA", "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
 ];
-/// Both files have six digits.
+/// Both files have six significant digits, so equal positions differ by less than this.
 const DIGITS: f64 = 1e-5;
 
 /// A row of Feature_Vessel.csv.
@@ -89,8 +89,8 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
     Ok(vessels)
 }
 
-/// Labels the links of a tracing, as [`crate::io::swc::read_swc`] gives them, with the vessels that lead along them, and takes away all other
-/// labels: the types of iCafe's points are landmarks. Returns how many vessels have a stretch; without any, nothing is changed.
+/// Labels the links of a tracing read by [`crate::io::swc::read_swc`] with the vessels that run along them, and removes all other
+/// labels, since the types of iCafe's points are landmarks. Returns the number of vessels found; if that is 0, nothing changes.
 ///
 /// A vessel is the path within one tree between points at its two ends; where several ends coincide, the path with its number of
 /// points, and among those the first that no other vessel has.
@@ -157,7 +157,7 @@ fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize>
     head
 }
 
-/// Reads the points of a tracing, named after the table of vessels beside it where that is its own.
+/// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it.
 pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
@@ -171,20 +171,25 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     Ok((format, Content::Centerlines(lines), notes))
 }
 
-/// Reads the one tracing beside a table of vessels.
+/// Reads the one tracing in the folder of a table of vessels.
 pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
     let tracing = find_tracing(path).map_err(here)?;
     let traced = bytes_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
-    let wrong = || Fault::file("none of its vessels begins and ends at points of the tracing", "expected those of one image");
+    let wrong = || {
+        Fault::file(
+            "none of its vessels begins and ends at points of the tracing",
+            "expected a table and a tracing of the same image",
+        )
+    };
     notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
     notes.extend(spacing_note(&tracing, &options.scale));
     Ok((Content::Centerlines(lines), notes))
 }
 
-/// Names the stretches of a tracing after its table of vessels; `None` when the table is that of another tracing.
+/// Labels a tracing by its table of vessels; `None` if the table belongs to another tracing.
 fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Scale) -> Result<Option<String>> {
     let vessels = read_traced_vessels(without_mark(bytes), scale).map_err(|fault| fault.in_file(table))?;
     let named = name_stretches(lines, &vessels);
@@ -192,7 +197,7 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
     Ok((named > 0).then(note))
 }
 
-/// The voxel spacing that iCafe states beside a tracing, where lengths are not taken as voxels.
+/// A note on the voxel spacing that iCafe states for a tracing, if lengths are not read as voxels.
 fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
     let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
     Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))

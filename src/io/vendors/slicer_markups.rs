@@ -51,10 +51,9 @@ struct Measurement {
     control_point_values: Option<Vec<Option<f64>>>,
 }
 
-/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also what a person should
-/// know.
+/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also notes for the user.
 ///
-/// Positions are kept in LPS, as VTK and ITK files of Slicer have them: those in RAS change the sign of x and y. The radius is the
+/// Positions are in LPS, as in Slicer's VTK and ITK files; in those given in RAS, x and y change sign. The radius is the
 /// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that `options.radius_array` names. Points
 /// whose position is not defined are left out. A curve's name is its label, its number in the file its strand; points are numbered
 /// from 0.
@@ -62,7 +61,7 @@ struct Measurement {
 /// # Errors
 ///
 /// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement with
-/// another number of values than points, a curve without radii unless they are optional, no curve.
+/// more or fewer values than points, a curve without radii unless they are optional, a file without curves.
 pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| {
         let text = error.to_string();
@@ -142,7 +141,7 @@ fn is_ras(markup: &Markup, item: impl Fn() -> String) -> Result<bool, Fault> {
     }
 }
 
-/// The unit that a markup states, unless a person said another one than mm.
+/// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.
 fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
     let code = match &markup.coordinate_units {
         None => return Ok(*scale),
@@ -162,7 +161,7 @@ fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Sca
     Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
 }
 
-/// The radius at every control point of a markup; `None` where it has none and need not.
+/// The radius at every control point of a markup; `None` without radii where they are optional.
 fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
     let called = |name: &str| {
         let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
@@ -178,7 +177,7 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
         }
         (None, Some(name)) => {
             let found = format!("no measurement {name} at its control points");
-            Err(Fault::item(item(), found, "expected it, as --radius-array says"))
+            Err(Fault::item(item(), found, "expected the one that --radius-array names"))
         }
         (None, None) if options.radius_optional => Ok(None),
         (None, None) => {

@@ -1,4 +1,4 @@
-//! The two tables of VesselVio: vertices, and edges that refer to them by row. Its names of columns, in whatever case.
+//! The two tables of VesselVio: vertices, and edges that refer to them by row; column names in any case.
 
 use std::io::{self, Write};
 
@@ -8,7 +8,7 @@ use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, skeleton};
 use crate::io::read::{Content, ReadOptions};
 use crate::io::tables::graph::axis;
-use crate::io::tables::reader::counted;
+use crate::io::tables::reader::plural;
 use crate::io::tables::reader::{Row, TableReader};
 use crate::io::tables::write::Column;
 use crate::io::tables::write::write_csv;
@@ -103,7 +103,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     }
     let mut notes = vec!["edges refer to vertices by row, as VesselVio's do".to_owned()];
     if straight > 0 {
-        notes.push(format!("{} without length: took the distance between the vertices", counted(straight, "edge")));
+        notes.push(format!("{} without length: took the distance between the vertices", plural(straight, "edge")));
     }
     Ok((Content::Vessels(network), notes))
 }

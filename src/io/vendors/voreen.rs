@@ -1,4 +1,4 @@
-//! The two tables of Voreen's vessel graph, which VesselGraph distributes: nodes and edges, parted by semicolons.
+//! The two tables of Voreen's vessel graph, which VesselGraph distributes: nodes and edges, separated by semicolons.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use crate::io::read::ReadOptions;
 use crate::io::tables::graph::NodeTable;
 use crate::io::tables::graph::axis;
 use crate::io::tables::reader::TableReader;
-use crate::io::tables::reader::counted;
+use crate::io::tables::reader::plural;
 use crate::io::tables::write::Column;
 use crate::io::tables::write::write_table;
 use crate::network::centerlines::is_radius;
@@ -48,7 +48,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
 /// Reads the table of edges over the nodes of [`read_voreen_nodes`]: observed vessels as they stand.
 ///
 /// The radius is sqrt(a/π) of `avgCrossSection`, else `avgRadiusAvg`. Voreen marks what it could not measure by -1: a
-/// length is then the distance between the nodes, and a radius is missing, which is NaN where `radius_optional`.
+/// length is then the distance between the nodes, and a radius is missing: NaN where radii are optional.
 ///
 /// # Errors
 ///
@@ -103,21 +103,23 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
     let mut notes = Vec::new();
-    for (edges, means) in [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, for want of a cross-section")] {
-        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", counted(edges, "edge"))));
+    for (edges, means) in
+        [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, since the cross-section is missing")]
+    {
+        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", plural(edges, "edge"))));
     }
     if straight > 0 {
-        notes.push(format!("{} without a valid length: took the distance between the nodes", counted(straight, "edge")));
+        notes.push(format!("{} without a valid length: took the distance between the nodes", plural(straight, "edge")));
     }
     Ok((network, notes))
 }
 
-/// Whether all ids of nodes are whole numbers, as Voreen's are.
+/// Whether all node ids are whole numbers, as in Voreen.
 pub(crate) fn has_whole_ids(network: &Network) -> bool {
     network.nodes().all(|n| n.id.parse::<u64>().is_ok_and(|id| id.to_string() == n.id))
 }
 
-/// Writes both tables in Voreen's order of columns, mm, mm², mm³; what is not known is -1, as Voreen marks it.
+/// Writes both tables in Voreen's order of columns, in mm, mm² and mm³; unknown values are -1, as in Voreen.
 ///
 /// Nodes keep their ids where all of these are whole numbers, as Voreen's are; otherwise the id is the row. Labels, where
 /// there are any, stand in a last column `label`.

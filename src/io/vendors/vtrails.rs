@@ -13,7 +13,7 @@ use crate::network::units::Scale;
 
 const STRUCT: &str = "GeodesicMSTs";
 const FIELD: &str = "CGPathContinuous";
-/// Points in all at the most, so that a small file cannot ask for all memory.
+/// The most points in all, so that a small file cannot claim all memory.
 const MOST_POINTS: u64 = 1 << 26;
 
 /// Reads the paths `GeodesicMSTs(i).CGPathContinuous` (points x 3), one strand each, without radii.
@@ -23,8 +23,8 @@ const MOST_POINTS: u64 = 1 << 26;
 ///
 /// # Errors
 ///
-/// A file that is broken or of another kind; a path that is not points x 3 or not finite; no radius to be had, which
-/// `radius_optional` says is known.
+/// A file that is broken or of another kind; a path that is not points x 3 or not finite; radii that are not optional, since the file
+/// has none.
 pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let room = &UnpackLimit::of(bytes.len(), read.max_input);
     let options = OpenOptions::default()
@@ -81,7 +81,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
     Ok((lines, notes))
 }
 
-/// Adds a path: MATLAB's points x 3 lie in HDF5 as 3 x points.
+/// Adds a path. MATLAB's points x 3 are stored in HDF5 as 3 x points.
 fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &UnpackLimit) -> Result<(), Fault> {
     let fault = |found: String, accepted: &str| Fault::item(format!("{STRUCT}({}).{FIELD}", row + 1), found, accepted);
     let [3, n] = *path.shape() else {

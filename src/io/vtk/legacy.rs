@@ -8,7 +8,7 @@ use crate::network::centerlines::Centerlines;
 
 pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
 
-/// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also what a person should know.
+/// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also notes for the user.
 ///
 /// Points keep their row as id; those on no line are left out. `options.radius_array` says which array holds the radius. Lines that run
 /// together become one vessel; cell arrays such as `label` name their lines.
@@ -49,7 +49,7 @@ fn head(cursor: &mut Cursor) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whose arrays come.
+/// Whether arrays belong to the points or to the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Group {
     Points,
@@ -64,7 +64,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
-    /// Whose arrays come, and how many values each has.
+    /// Whether arrays belong to the points or to the cells, and how many values each has.
     pub(crate) group: Option<(Group, usize)>,
 }
 
@@ -108,13 +108,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Cells: since version 5.1 offsets and points apart, before it each with its count before its points.
+    /// Cells: since version 5.1 offsets, then points; before that each cell with its count and its points.
     fn connectivity(&mut self, which: usize) -> Result<(), Fault> {
         let first = self.cursor.count("a number of cells", LIMIT)?;
         let second = self.cursor.count("a number of entries", LIMIT)?;
         if !self.cursor.is_next("OFFSETS") {
             let entries = self.cursor.wholes(Kind::INT, second)?;
-            return self.counted(which, first, &entries);
+            return self.cells_with_counts(which, first, &entries);
         }
         let mut ends = self.part("OFFSETS", first)?;
         let cells = self.part("CONNECTIVITY", second)?;
@@ -140,7 +140,7 @@ impl Reader<'_> {
         }
     }
 
-    fn counted(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
+    fn cells_with_counts(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
         let (mut ends, mut cells, mut at) = (Vec::new(), Vec::new(), 0);
         for n in 0..count {
             let cell = entries.get(at).and_then(|size| entries.get(at + 1..(at + 1).checked_add(usize::try_from(*size).ok()?)?));

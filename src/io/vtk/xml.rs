@@ -8,7 +8,7 @@ use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_w
 use crate::io::xml::{self, Element};
 use crate::network::centerlines::Centerlines;
 
-/// Reads the polylines of all pieces with the radius of each point; returns also what a person should know.
+/// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
 /// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
 /// `options.radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as `label`
@@ -123,7 +123,7 @@ fn is_array(element: &Element) -> bool {
     matches!(element.name.as_str(), "DataArray" | "Array")
 }
 
-/// A count that a piece announces; absent is 0.
+/// A count that a piece states; 0 where it is absent.
 fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
     match piece.attribute(name).trim() {
         "" => Ok(0),
@@ -132,7 +132,7 @@ fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
     }
 }
 
-/// The XML without its appended data, which need not be XML, and these.
+/// Splits a file into its XML and its appended data, which need not be XML.
 fn split(bytes: &[u8]) -> Result<(std::borrow::Cow<'_, [u8]>, Option<Source<'_>>), Fault> {
     let Some(start) = xml::find(bytes, b"<AppendedData") else { return Ok((bytes.into(), None)) };
     let rest = &bytes[start..];

@@ -10,7 +10,7 @@ use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
 use crate::support::geometry::{Point, box_diagonal, distance};
 
-/// More points, cells or indices than any centerline has: a file that announces them is broken.
+/// The most points, cells or indices of a file: one that announces more is broken.
 pub(crate) const LIMIT: usize = 1 << 26;
 
 /// A named array with one value for each point, or for each line.
@@ -29,7 +29,7 @@ pub(crate) enum Values {
     Numbers(Vec<f64>),
     /// Texts, one for each point or line.
     Texts(Vec<String>),
-    /// Left out by the reader: nothing here asks for it.
+    /// Not read.
     Unread,
 }
 
@@ -50,35 +50,35 @@ pub(crate) struct PolyData {
     pub(crate) line_data: Vec<Array>,
 }
 
-/// Whether an array is read: it may hold radii, areas or names, or says how VMTK cut a line up.
+/// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
     radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
 }
 
-/// A line of the file, or what is left of it.
+/// A line of the file, or the rest of it after merging.
 #[derive(Debug, Clone, PartialEq)]
 struct Line {
     /// The rows of its points.
     points: Vec<u32>,
-    /// Per link the row of its name; 0 for none.
+    /// Per link the row of its label; 0 for none.
     names: Vec<u32>,
     /// Its number in the file.
     strand: u32,
 }
 
-/// All pieces together, points counted through, in m.
+/// The lines of all pieces together, in m.
 #[derive(Debug, Default)]
 struct Lines {
     at: Vec<Point>,
     radii: Vec<f64>,
-    /// The names of links; the first one is empty.
+    /// The labels of links; the first one is empty.
     names: Vec<String>,
     each: Vec<Line>,
-    /// Points that are no more, each with the one that stands for it.
+    /// Points that were merged away, each with the one that replaces it.
     merged: Vec<[u32; 2]>,
 }
 
-/// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also what a person should know.
+/// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also notes for the user.
 ///
 /// # Errors
 ///
@@ -183,7 +183,7 @@ fn letters_only(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// Per line the row of its name among `names`, which grow; empty without names. Whole numbers are names by their digits.
+/// Per line the row of its label among `names`, to which new ones are added; empty without labels. Whole numbers become text.
 fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
     let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
     let circle = CIRCLE_RADII.iter().any(|name| has(name));
@@ -224,7 +224,7 @@ const GROUP: &str = "GroupIds";
 /// Consecutive pieces share a position; within this fraction of the bounding box.
 const TOUCH: f64 = 1e-6;
 
-/// Which stretch of which line a piece is.
+/// A piece of a line that `vmtkbranchextractor` cut.
 struct Tract {
     centerline: i64,
     order: i64,
@@ -232,7 +232,7 @@ struct Tract {
     line: usize,
 }
 
-/// The tracts of a piece of the file whose lines start at `from`; none where it does not say.
+/// The tracts of a piece of the file whose lines start at `from`; none without VMTK's arrays.
 fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
     let numbers = |name: &str| {
         piece.line_data.iter().find_map(|Array { name: found, values }| match values {
@@ -247,7 +247,7 @@ fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
     rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, order: *t as i64, group: *g as i64, line: from + row }).collect()
 }
 
-/// Joins pieces when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); says how many were joined.
+/// Joins the pieces again when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); a note says how many.
 fn join_tracts(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     tracts.sort_by_key(|t| (t.group, t.centerline));
     if !tracts.windows(2).any(|t| t[0].group == t[1].group && t[0].centerline != t[1].centerline) {

@@ -33,7 +33,7 @@ const MOST: usize = 4096;
 /// Between two places on the tree a remainder this many radii long is no vessel.
 const WOBBLE: f64 = 2.0;
 
-/// Merges the lines; says over which length, if at all.
+/// Merges stretches that several lines share; a note says over which length.
 pub(crate) fn merge(all: &mut Lines) -> Option<String> {
     if all.each.len() < 2 || all.each.len() > MOST || knows_its_nodes(&all.each) {
         return None;
@@ -76,10 +76,12 @@ pub(crate) fn merge(all: &mut Lines) -> Option<String> {
     let all_lines = all.each.len();
     all.each = kept.into_iter().flatten().collect();
     let length = millimetres(length);
-    Some(format!("{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: made one vessel each time"))
+    Some(format!(
+        "{merged} of {all_lines} lines run together with others, over {length:.1} mm in all: each shared stretch became one vessel"
+    ))
 }
 
-/// Whether a line ends at a point that another line uses too, by a link that no other line has.
+/// Whether the lines share points already: one ends at a point of another, by a link that no other line has.
 fn knows_its_nodes(lines: &[Line]) -> bool {
     let (mut points, mut links) = (HashMap::new(), HashMap::new());
     let link = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -123,7 +125,7 @@ fn order(all: &Lines, radii: &[f64]) -> Vec<usize> {
     order
 }
 
-/// What a line has for itself, with the points of the tree that it hangs on.
+/// The part of a line that it shares with no other, with the points of the tree to which it is attached.
 fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Option<Shared>) -> Option<Line> {
     let n = line.points.len();
     let first = front.map_or(0, |f| f.last + 1);
@@ -145,7 +147,7 @@ fn arc(all: &Lines, points: &[u32]) -> f64 {
     points.windows(2).map(|p| distance(all.at[p[0] as usize], all.at[p[1] as usize])).sum()
 }
 
-/// The radii with those of the point before, or else the first valid one of the line, where they are missing.
+/// The radii; a missing one is that of the point before, or else the first valid one of the line.
 fn without_gaps(all: &Lines) -> Vec<f64> {
     let mut radii = all.radii.clone();
     for line in &all.each {
@@ -190,7 +192,7 @@ const MOST_BETWEEN: f64 = 16.0;
 /// Points walked in search of one: a ring without length has no end.
 const MOST_STEPS: usize = 10_000;
 
-/// The links of the lines accepted so far.
+/// The lines merged so far, as links between points.
 struct Tree<'a> {
     at: &'a [Point],
     radii: &'a [f64],
@@ -225,7 +227,7 @@ impl<'a> Tree<'a> {
         Self { at, radii, links: Vec::new(), links_at: vec![Vec::new(); at.len()], ends: Vec::new(), seen: Vec::new(), now: 0 }
     }
 
-    /// Takes a line in.
+    /// Adds a line.
     pub(crate) fn add(&mut self, line: &[u32]) {
         for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
             for end in pair {
@@ -236,7 +238,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Notes where a line of the file ends.
+    /// Adds an end of a line of the file.
     pub(crate) fn add_end(&mut self, point: u32) {
         self.ends.push(point);
     }
@@ -312,7 +314,7 @@ impl<'a> Tree<'a> {
         out
     }
 
-    /// The nearest place on the links that hang together with `on` within a ball around `p`.
+    /// The place nearest to `p` on the links that are connected to `on` within a distance of `reach`.
     fn foot(&mut self, on: &[u32], p: Point, reach: f64) -> Option<Foot> {
         self.now += 1;
         let mut open: Vec<u32> = Vec::new();

@@ -1,4 +1,4 @@
-//! Which array of a PolyData holds the radius, and radii from areas.
+//! Finds the array of a VTK file that holds the radius, or computes it from areas.
 
 use super::{Array, PolyData, Values};
 use crate::error::Fault;
@@ -24,7 +24,7 @@ pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
     named || name == CLOSED || AREAS.iter().chain(&EQUIVALENT).chain(&RADII).any(|usual| *usual == name)
 }
 
-/// An array with a value for each point, made from one for each line where it is such.
+/// An array with a value for each point; one with a value for each line is averaged onto the points.
 struct Found {
     name: String,
     of_lines: bool,
@@ -38,7 +38,7 @@ impl Found {
     }
 }
 
-/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and what a person should know.
+/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and notes for the user.
 ///
 /// Areas give r = sqrt(a / pi), the radius of Moriconi et al. 2019, eq. 1, before any radius of an inscribed sphere; where an
 /// area or an equivalent radius is missing, the inscribed sphere's stands in. The array that the options name holds areas when its
