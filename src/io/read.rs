@@ -3,6 +3,8 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::companions::nodes_beside;
 use super::format::{Format, HEAD, format_of};
 use super::graphml::read::read_graphml;
@@ -52,24 +54,55 @@ pub struct Document {
 }
 
 /// How a file is to be read.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
     /// The array of a VTK file, or the measurement of markups, that holds the radius, where it has none of the usual names.
     pub radius_array: Option<String>,
-    /// Whether vessels may come without any radius.
-    pub radius_optional: bool,
+    /// Which radius stands for a vessel.
+    #[serde(rename = "radius")]
+    pub radius_rule: RadiusRule,
+    /// The radius of vessels that have none, m, positive; without it such a vessel is an error.
+    #[serde(rename = "default_radius_m")]
+    pub default_radius: Option<f64>,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
+    /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
+    pub observed: bool,
     /// Bytes at the most, of each file and of all that is compressed in it.
     pub max_input: u64,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        let scale = Scale::default();
-        Self { scale, radius_array: None, radius_optional: false, loops: None, max_input: MAX_INPUT }
+        Self {
+            scale: Scale::default(),
+            radius_array: None,
+            radius_rule: RadiusRule::default(),
+            default_radius: None,
+            loops: None,
+            observed: false,
+            max_input: MAX_INPUT,
+        }
+    }
+}
+
+impl ReadOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        self.scale.validate()?;
+        match self.default_radius {
+            Some(m) if !(m.is_finite() && m > 0.0) => {
+                Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -84,7 +117,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
-            return Err(Error::parameter("--loops", loops.display(), accepted));
+            return Err(Error::parameter("loops", loops.display(), accepted));
         };
         let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
@@ -104,7 +137,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
         let (graph, notes) =
-            read_graphml(stream, &options.scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
+            read_graphml(stream, &options.scale, options.default_radius.is_some()).map_err(|fault| fault.in_file(path))?;
         return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
     }
     file.read_to_end(&mut all).map_err(unread)?;
@@ -117,7 +150,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
 
 /// The format of a file with what lies beside it, what it holds, and what a person should know about it.
 fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
-    let (scale, optional) = (&options.scale, options.radius_optional);
+    let (scale, optional) = (&options.scale, options.default_radius.is_some());
     let radius = match options.radius_array.as_deref() {
         Some(name) => RadiusArray::Named(name),
         None if optional => RadiusArray::Optional,
@@ -157,7 +190,7 @@ fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Cont
     };
     let nodes = beside.as_ref().map(read).transpose()?;
     let (network, mut notes) =
-        read_csv_edges(bytes, nodes, scale, options.radius_optional).map_err(|fault| fault.in_file(path))?;
+        read_csv_edges(bytes, nodes, scale, options.default_radius.is_some()).map_err(|fault| fault.in_file(path))?;
     notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
     Ok((Content::Graph(network), notes))
 }

@@ -30,7 +30,7 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
                 _ => String::new(),
             };
             let accepted = format!("cannot be made: nothing can be written into {}{why}", folder.display());
-            Err(Error::parameter("--output", target.display(), accepted))
+            Err(Error::parameter("output", target.display(), accepted))
         }
     }
 }
@@ -76,7 +76,7 @@ impl StagedFolder {
             Some(path) => {
                 let accepted =
                     format!("--force replaces only a folder of an earlier run, and {} is none of its files", path.display());
-                Err(Error::parameter("--output", target.display(), accepted))
+                Err(Error::parameter("output", target.display(), accepted))
             }
         }
     }
@@ -173,7 +173,7 @@ impl StagedFile {
 
     fn may_stand(target: &Path, force: bool) -> Result<()> {
         if target.is_dir() {
-            return Err(Error::parameter("--output", target.display(), "is a folder; expected a file name"));
+            return Err(Error::parameter("output", target.display(), "is a folder; expected a file name"));
         }
         vacant(target, force)
     }

@@ -2,7 +2,7 @@
 
 pub mod atomic;
 mod disk;
-mod in_progress;
+pub mod in_progress;
 pub mod json;
 mod lock;
 pub mod names;

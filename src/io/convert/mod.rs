@@ -73,7 +73,7 @@ impl Target {
         };
         let format = found.map(|(format, ..)| *format).ok_or_else(|| {
             if let Some(word) = word {
-                return Error::parameter("--to", word, format!("expected one of {}", words()));
+                return Error::parameter("to", word, format!("expected one of {}", words()));
             }
             let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or --to FORMAT";
             Error::parameter("output", path.display(), accepted)

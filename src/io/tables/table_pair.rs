@@ -15,7 +15,7 @@ use crate::support::geometry::distance;
 pub(crate) fn read_voreen(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let (nodes, edges, note) = both(path, bytes, options.max_input)?;
     let table = read_voreen_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
-    let read = read_voreen_edges(&edges.1, table, &options.scale, options.radius_optional);
+    let read = read_voreen_edges(&edges.1, table, &options.scale, options.default_radius.is_some());
     let (network, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
     notes.push(note);
     Ok((Content::Vessels(network), notes))
@@ -25,7 +25,7 @@ pub(crate) fn read_voreen(path: &Path, bytes: &[u8], options: &ReadOptions) -> R
 pub(crate) fn read_vesselvio(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let (vertices, edges, note) = both(path, bytes, options.max_input)?;
     let table = read_vesselvio_vertices(&vertices.1, &options.scale).map_err(|fault| fault.in_file(&vertices.0))?;
-    let read = read_vesselvio_edges(&edges.1, table, &options.scale, options.radius_optional);
+    let read = read_vesselvio_edges(&edges.1, table, &options.scale, options.default_radius.is_some());
     let (content, mut notes) = read.map_err(|fault| fault.in_file(&edges.0))?;
     notes.push(note);
     Ok((content, notes))
