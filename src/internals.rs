@@ -47,6 +47,10 @@ pub mod perturbation {
 pub mod phantom {
     pub use crate::phantom::*;
 }
+/// See `src/pipeline`.
+pub mod pipeline {
+    pub use crate::pipeline::*;
+}
 /// See `src/report`.
 pub mod report {
     pub use crate::report::*;

@@ -12,8 +12,9 @@ fn main() -> ExitCode {
     match cli.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            cli::say_error(&error);
-            ExitCode::from(if error.is_usage() { 2 } else { 1 })
+            let status = if error.is_usage() { 2 } else { 1 };
+            cli::say_error(error);
+            ExitCode::from(status)
         }
     }
 }

@@ -45,7 +45,7 @@ fn graph(read: Result<(Network, Vec<String>), Fault>) {
 
 fuzz_target!(|bytes: &[u8]| {
     let mm = Scale::default();
-    let optional = ReadOptions { radius_optional: true, ..ReadOptions::default() };
+    let optional = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {

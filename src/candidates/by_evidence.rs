@@ -26,7 +26,8 @@ const LEAST_PROBABLE_LOOP: f64 = 1e-2;
 pub fn build_probable(network: &Network, inlets: &[usize], params: &CandidateOptions, weights: &Weights) -> Result<Network> {
     params.validate()?;
     let extraction = Extraction::new(network, inlets)?;
-    let mut bridges = search(&extraction, &Search { branches: params.k, ..Search::default() })?;
+    let mut bridges =
+        search(&extraction, &Search { branches: params.k.unwrap_or(Search::default().branches), ..Search::default() })?;
     bridges.retain(|b| {
         let gap = distance(extraction.position[extraction.ends[b.end].point], extraction.position[b.point]);
         let may_end = params.attach == Attach::Centerline || extraction.end_at[b.point].is_some();

@@ -24,6 +24,7 @@ use split::{Cuts, split};
 
 /// Where a candidate may end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Attach {
     /// On the centerline of any vessel, split there, or on a free end.
     #[default]
@@ -34,6 +35,7 @@ pub enum Attach {
 
 /// How a candidate's radius comes from the radii at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CandidateRadius {
     /// The smaller one.
     #[default]
@@ -43,34 +45,29 @@ pub enum CandidateRadius {
 }
 
 /// How candidates are built.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct CandidateOptions {
-    /// Nearest targets of every free end, at least 1.
-    pub k: usize,
+    /// Nearest branches and free ends that every free end is joined to, at least 1; by default 6, by evidence 5 branches and four free ends
+    /// beside them.
+    pub k: Option<usize>,
     /// The longest gap to bridge, m, positive; without it 20 point spacings + 5 end diameters alone limit the reach.
+    #[serde(rename = "max_gap_m")]
     pub max_gap: Option<f64>,
     /// Where a candidate may end.
     pub attach: Attach,
     /// How its radius comes about.
+    #[serde(rename = "candidate_radius")]
     pub radius: CandidateRadius,
     /// The largest radius of a candidate, m, positive.
+    #[serde(rename = "max_candidate_radius_m")]
     pub max_radius: Option<f64>,
     /// The radius rule of the observed vessels, for the parts of a vessel that is split.
     pub radius_rule: RadiusRule,
 }
 
-impl Default for CandidateOptions {
-    fn default() -> Self {
-        Self {
-            k: 6,
-            max_gap: None,
-            attach: Attach::default(),
-            radius: CandidateRadius::default(),
-            max_radius: None,
-            radius_rule: RadiusRule::default(),
-        }
-    }
-}
+/// [`CandidateOptions::k`] without evidence, where none is given.
+pub const NEAREST: usize = 6;
 
 impl CandidateOptions {
     /// Checks every field.
@@ -79,10 +76,10 @@ impl CandidateOptions {
     ///
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        if self.k == 0 {
-            return Err(Error::parameter("-k", self.k, "expected at least 1"));
+        if self.k == Some(0) {
+            return Err(Error::parameter("k", 0, "expected at least 1"));
         }
-        for (name, value) in [("--max-gap", self.max_gap), ("--max-candidate-radius", self.max_radius)] {
+        for (name, value) in [("max_gap", self.max_gap), ("max_candidate_radius", self.max_radius)] {
             if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
                 return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
             }

@@ -55,7 +55,8 @@ pub fn divide(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Netwo
 }
 
 /// What the labels of a network are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Scheme {
     /// Names in letters: `L-A1`, `A1 L`, `left A1`, `AComm`, `ACoA`, `left posterior cerebral artery`.
     Names,

@@ -156,7 +156,7 @@ pub(crate) fn place(network: &Network, landmark: &Landmark) -> Result<Nearest, F
     if away > REACH {
         return Err(Fault::line(
             landmark.line,
-            format!("\"{}\" lies {:.1} mm from the nearest_node centerline", landmark.label, millimetres(away)),
+            format!("\"{}\" lies {:.1} mm from the nearest centerline", landmark.label, millimetres(away)),
             format!("expected a position within {} mm, in the axes of the network's file", millimetres(REACH)),
         ));
     }

@@ -7,22 +7,25 @@ use serde_json::json;
 use willis::error::{Error, Result};
 use willis::internals::io::{graph_columns, write_graphml};
 use willis::internals::network::Origin;
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::write_file;
+use willis::internals::output::atomic::{StagedFile, write_file};
+use willis::{InferOptions, prepare, read};
 
-use super::boundary::{BoundaryArgs, say_boundary};
-use super::candidate_args::CandidateArgs;
-use super::prior::PriorArgs;
-use super::reading::InputArgs;
+use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::candidates::CandidateArgs;
+use super::args::reading::InputArgs;
+use super::checkpoint::Follower;
+use super::command_line::command_line;
+use super::print::{Terminal, plural, say_read};
 use super::shell::print_json;
-use super::tell::say_built;
-use super::terminal::{Terminal, plural};
 
 /// Build the over-connected candidate graph and stop
 ///
 /// The graph can be edited by hand or by a script and handed to `willis infer`; unedited it gives the same answer as the
 /// centerlines themselves.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis candidates extraction.vtp -o graph.graphml
+  willis infer graph.graphml -o edited")]
 pub struct CandidatesArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -31,8 +34,6 @@ pub struct CandidatesArgs {
     output: PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
-    #[command(flatten)]
-    prior: PriorArgs,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
@@ -43,42 +44,37 @@ pub struct CandidatesArgs {
 impl CandidatesArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("graphml")) {
-            return Err(Error::parameter("--output", self.output.display(), "expected an ending .graphml"));
+            return Err(Error::parameter("output", self.output.display(), "expected an ending .graphml"));
         }
         StagedFile::check(&self.output, force)?;
-        let outlets = |fragments| self.boundary.found_outlets(fragments);
-        outlets(true)?;
-        let mut loaded = self.input.load(terminal)?;
-        let prior = self.prior.resolve(&loaded, false)?;
-        let params = self.candidates.params(loaded.radius_rule, false, prior.is_evidence())?;
-        let boundary = self.boundary.resolve(&self.input.input, &loaded.network, outlets(loaded.fragments)?, terminal)?;
-        let graph = prior.graph(&mut loaded, &boundary, &params)?;
-        let boundary = boundary.extended_to(graph.node_count());
-        if loaded.fragments {
-            let note = say_built(terminal, &graph, &params, prior.is_evidence());
-            loaded.provenance.notes.extend(note.map(str::to_owned));
-        } else {
+        let path = &self.input.input;
+        let mut options = InferOptions { boundary: for_input(&self.boundary.options()?, path), ..InferOptions::default() };
+        self.candidates.put(&mut options.candidates, &mut options.prior)?;
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again.graphml"));
+        say_read(terminal, &input, self.input.reading.units.is_none());
+        if !input.is_fragments {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }
-        say_boundary(terminal, &graph, &boundary);
-        let graph = boundary.stated_in(graph);
+        let made = prepare(input, &options, &mut Follower::new(terminal))?;
+        let graph = made.boundary.stated_in(made.graph.clone());
         let (nodes, vessels) = graph_columns(&graph);
         let file = StagedFile::new(&self.output, force)?;
         write_file(&file.path(), |out| write_graphml(out, &graph, &nodes, &vessels))?;
         file.commit()?;
         if self.json {
-            let source = &loaded.provenance;
+            let source = &made.provenance;
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
             print_json(&json!({
                 "willis": env!("CARGO_PKG_VERSION"),
                 "command": source.command,
                 "input": source.of_input(),
+                "options": made.options,
                 "notes": source.notes,
-                "prior": prior.record(),
+                "prior": made.prior(),
                 "output": self.output.display().to_string(),
                 "counts": { "nodes": graph.node_count(), "vessels": graph.vessel_count(), "candidates": candidates },
-                "inlets_found": boundary.found_inlets.len(),
-                "outlets_found": boundary.found_outlets.len(),
+                "inlets_found": made.boundary.found_inlets.len(),
+                "outlets_found": made.boundary.found_outlets.len(),
             }))?;
         }
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));

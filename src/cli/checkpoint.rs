@@ -1,4 +1,4 @@
-//! `--checkpoint`: what is finished of a long run is kept beside its output, so that the same command goes on from there.
+//! Follows a run: shows its progress, and keeps what is finished beside its output, so that the same command resumes it (`--checkpoint`).
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,9 +9,10 @@ use willis::error::Error;
 use willis::internals::io::bytes_of;
 use willis::internals::output::atomic::{StagedFolder, replace_file};
 use willis::internals::output::{read_part, write_part};
-use willis::internals::sampling::{PartialRun, Progress};
+use willis::internals::sampling::PartialRun;
+use willis::{Progress, Step};
 
-use super::terminal::{CountProgress, Terminal, count};
+use super::print::{CountProgress, Terminal, count, say_step};
 
 /// Between the beginning and the first time that something is kept, and between two of them, where nobody says otherwise.
 const FIRST: Duration = Duration::from_mins(1);
@@ -48,8 +49,105 @@ struct About {
     command: String,
 }
 
+/// Follows one run.
+pub struct Follower<'a> {
+    terminal: Terminal,
+    bar: Option<CountProgress>,
+    keeper: Option<Keeper<'a>>,
+    /// Samples that are finished, and all that there are to be.
+    samples: (u64, u64),
+    part: Option<PartialRun>,
+}
+
+impl<'a> Follower<'a> {
+    /// Shows progress and keeps nothing.
+    pub fn new(terminal: Terminal) -> Self {
+        Self { terminal, bar: None, keeper: None, samples: (0, 0), part: None }
+    }
+
+    /// Keeps what is finished in the folder where the output is being made.
+    pub fn keeping(terminal: Terminal, interval: Interval, folder: &'a StagedFolder, command: &str) -> Self {
+        let keeper = Keeper {
+            interval,
+            terminal,
+            folder,
+            file: PathBuf::new(),
+            command: command.to_owned(),
+            start: Instant::now(),
+            last: None,
+            cost: Duration::ZERO,
+            kept: 0,
+            failed: false,
+        };
+        Self { keeper: Some(keeper), ..Self::new(terminal) }
+    }
+
+    /// Shows the progress of something else than samples.
+    pub fn counting(terminal: Terminal, doing: &'static str, things: &'static str, total: u64) -> Self {
+        Self { bar: Some(terminal.progress(doing, things, total)), ..Self::new(terminal) }
+    }
+
+    /// The files in which a run is kept, which stay when it does not come to its end; `key` is hexadecimal.
+    pub fn files(folder: &StagedFolder, key: &str) -> [PathBuf; 2] {
+        ["npz", "json"].map(|ending| folder.keep(&format!("{}.{ending}", key.get(..16).unwrap_or(key))))
+    }
+
+    /// Samples that are finished, and all that there are to be.
+    pub fn samples(&self) -> (u64, u64) {
+        self.samples
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.iter().for_each(CountProgress::finish);
+    }
+
+    /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
+    pub fn rescue(&mut self, error: Error) -> Error {
+        match (&mut self.keeper, &self.part) {
+            (Some(keeper), Some(part)) => keeper.rescue(part, error),
+            _ => error,
+        }
+    }
+}
+
+impl Progress for Follower<'_> {
+    fn step(&mut self, step: Step<'_>) {
+        say_step(self.terminal, &step);
+    }
+
+    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+        let keeper = self.keeper.as_mut()?;
+        [keeper.file, _] = Self::files(keeper.folder, key);
+        keeper.take_up(uncertain, fits)
+    }
+
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.samples = (done, total);
+        let terminal = self.terminal;
+        self.bar.get_or_insert_with(|| terminal.progress("sampling", "samples", total)).report(done, total)
+    }
+
+    fn finished(&mut self, part: &PartialRun) {
+        if let Some(keeper) = self.keeper.as_mut().filter(|keeper| keeper.is_due()) {
+            keeper.keep(part);
+        }
+    }
+
+    fn sampled(&mut self, part: &PartialRun, is_complete: bool) {
+        self.finish();
+        if let Some(keeper) = &mut self.keeper {
+            self.samples = (part.done(), part.samples());
+            self.part = Some(part.clone());
+            if is_complete && keeper.is_long() {
+                keeper.keep(part);
+            }
+        }
+    }
+}
+
 /// Keeps the finished part of one run.
-pub struct Keeper<'a> {
+struct Keeper<'a> {
     interval: Interval,
     terminal: Terminal,
     folder: &'a StagedFolder,
@@ -65,22 +163,10 @@ pub struct Keeper<'a> {
     failed: bool,
 }
 
-impl<'a> Keeper<'a> {
-    /// Keeps in the folder where the output is in the making; `key` stands for all that the samples depend on, in hexadecimal digits.
-    pub fn new(interval: Interval, folder: &'a StagedFolder, key: &str, command: &str, terminal: Terminal) -> Self {
-        let [file, _] = Self::files(folder, key);
-        let (command, start) = (command.to_owned(), Instant::now());
-        Self { interval, terminal, folder, file, command, start, last: None, cost: Duration::ZERO, kept: 0, failed: false }
-    }
-
-    /// The files in which a run is kept, which then stay when it does not come to its end.
-    pub fn files(folder: &StagedFolder, key: &str) -> [PathBuf; 2] {
-        ["npz", "json"].map(|ending| folder.keep(&format!("{}.{ending}", key.get(..16).unwrap_or(key))))
-    }
-
+impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what others left is only told of.
-    pub fn take_up(&mut self, uncertain: &[bool], fits: impl Fn(&PartialRun) -> bool) -> Option<PartialRun> {
-        self.tell_of_others();
+    fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+        self.note_others();
         if self.interval == Interval::Off || !self.file.exists() {
             return None;
         }
@@ -100,7 +186,7 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    fn tell_of_others(&self) {
+    fn note_others(&self) {
         let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
             let about: Option<About> = bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
@@ -159,15 +245,8 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Keeps a part that is the whole of what was to be sampled, where that took long.
-    pub fn sampled(&mut self, part: &PartialRun) {
-        if self.is_long() {
-            self.keep(part);
-        }
-    }
-
     /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
-    pub fn rescue(&mut self, part: &PartialRun, error: Error) -> Error {
+    fn rescue(&mut self, part: &PartialRun, error: Error) -> Error {
         let Error::Stopped { done, total } = error else {
             if matches!(error, Error::Write { .. }) {
                 // What was written is of no use, and may be what fills the disk.
@@ -186,23 +265,5 @@ impl<'a> Keeper<'a> {
             return Error::Stopped { done, total };
         }
         Error::StoppedAndKept { done, total, path: self.folder.checkpoint_folder().to_owned() }
-    }
-}
-
-/// Shows the progress of a run and keeps what is finished of it.
-pub struct Watch<'a, 'b> {
-    pub progress: CountProgress,
-    pub keeper: &'a mut Keeper<'b>,
-}
-
-impl Progress for Watch<'_, '_> {
-    fn report(&mut self, done: u64, total: u64) -> bool {
-        self.progress.report(done, total)
-    }
-
-    fn finished(&mut self, part: &PartialRun) {
-        if self.keeper.is_due() {
-            self.keeper.keep(part);
-        }
     }
 }

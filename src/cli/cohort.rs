@@ -1,27 +1,30 @@
-//! Many inputs in one command: a folder for each subject, a table and a page of all; what is done already is not done again.
+//! A cohort: many subjects, one row and one folder each; made in one command, or of runs that were made separately (`willis merge`).
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf, absolute};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use serde_json::Value;
-use willis::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use willis::error::{Error, Fault, Result};
 use willis::internals::circle_of_willis::MM_AWAY;
-use willis::internals::output::InProgress;
-use willis::internals::output::StagedFolder;
-use willis::internals::output::atomic::clear_leftovers;
-use willis::internals::output::names::{COHORT_PAGE, COHORT_TABLE, RECORD};
-use willis::internals::output::read_json;
-use willis::internals::report::cohort::{About, Figures, Row, write_cohort};
+use willis::internals::io::{checksum_of_file, companion_files};
+use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
+use willis::internals::output::in_progress::InProgress;
+use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
+use willis::internals::output::{read_json, write_json};
+use willis::internals::pipeline::RunOptions;
+use willis::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
 
-use super::ledger::{Entry, Ledger};
-use super::provenance::command_line;
+use super::command_line::command_line;
+use super::print::notes::{counted, say_notes};
+use super::print::{Terminal, is_stopped, listen, plural};
 use super::shell::print_json;
-use super::subjects::Subject;
-use super::tell_notes::{counted, say_notes};
-use super::terminal::{Terminal, is_stopped, listen, plural};
+use super::subjects::{Subject, named};
+use super::with_flags;
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;
@@ -38,7 +41,7 @@ pub trait Work: Sync {
     fn figures(&self, record: &Value) -> Figures;
 }
 
-/// A cohort to be made, or to go on with.
+/// A cohort to be made, or resumed.
 pub struct Cohort<'a> {
     /// The subcommand.
     pub command: &'static str,
@@ -52,6 +55,92 @@ pub struct Cohort<'a> {
     pub json: bool,
 }
 
+/// cohort.json: with what a cohort was made, so that the same command can resume it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Ledger {
+    /// The version.
+    willis: String,
+    /// The subcommand.
+    command: String,
+    /// What all subjects share: every option that changes a result.
+    parameters: Value,
+    /// The subjects in order.
+    subjects: Vec<Entry>,
+}
+
+/// With what a subject was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Entry {
+    /// The name of its folder.
+    subject: String,
+    /// Its input.
+    input: String,
+    /// The SHA-256 of all files that go into it; null for one that cannot be read.
+    files: BTreeMap<String, Option<String>>,
+}
+
+impl Entry {
+    /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
+    fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
+        let input = if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() };
+        let mut files = BTreeMap::new();
+        for path in std::iter::once(input.clone()).chain(companion_files(&input)).chain(others) {
+            files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
+        }
+        Self { subject: subject.name.clone(), input: input.display().to_string(), files }
+    }
+
+    /// The SHA-256 of the input, if it can be read.
+    fn sha256(&self) -> Option<&str> {
+        self.files.get(&self.input)?.as_deref()
+    }
+}
+
+impl Ledger {
+    fn new(command: &str, parameters: &Value, subjects: Vec<Entry>) -> Self {
+        Self { willis: env!("CARGO_PKG_VERSION").into(), command: command.into(), parameters: parameters.clone(), subjects }
+    }
+
+    /// Writes it into the folder of a cohort, in place of an earlier one.
+    fn write(&self, folder: &Path) -> Result<()> {
+        let file = StagedFile::new(&folder.join(COHORT), true)?;
+        write_json(&file.path(), self)?;
+        file.commit()
+    }
+
+    /// Refuses to resume a cohort of other parameters, or one with a subject that is not among these.
+    fn resumes(&self, earlier: &Self, folder: &Path) -> Result<()> {
+        const MEND: &str = "choose another --output, or give --force to start anew";
+        let refused = |why: String| Err(Error::parameter("output", folder.display(), format!("{why}; {MEND}")));
+        if self.command != earlier.command {
+            return refused(format!("holds a cohort of willis {}", earlier.command));
+        }
+        if self.willis == earlier.willis
+            && let Some((option, [now, before])) = differing(&self.parameters, &earlier.parameters)
+        {
+            return refused(format!("holds a cohort made with other parameters ({option} was {before}, now {now})"));
+        }
+        let stays = |old: &&Entry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
+        match earlier.subjects.iter().find(|old| !stays(old)) {
+            Some(old) => refused(format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input)),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether a subject stands as the files are now; `earlier` is the ledger that was found.
+    fn stands(&self, at: usize, earlier: &Self) -> bool {
+        let entry = &self.subjects[at];
+        self.willis == earlier.willis && entry.sha256().is_some() && earlier.subjects.contains(entry)
+    }
+}
+
+/// The first option in which two sets of them differ, and in words what it is in the one and in the other.
+fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
+    let name = willis::internals::pipeline::differing(one, other)?;
+    let said = |value: &Value| if value.is_null() { "not given".into() } else { value.to_string() };
+    Some((name.replace('_', "-"), [said(&one[&name]), said(&other[&name])]))
+}
+
 impl Cohort<'_> {
     /// Does the work for every subject that is not done, then writes the table and the page.
     ///
@@ -61,12 +150,7 @@ impl Cohort<'_> {
     pub fn run(&self, subjects: &[Subject], work: &impl Work, terminal: Terminal) -> Result<()> {
         listen();
         let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(&s.input))).collect();
-        let ledger = Ledger {
-            willis: env!("CARGO_PKG_VERSION").to_owned(),
-            command: self.command.to_owned(),
-            parameters: self.parameters.clone(),
-            subjects: entries,
-        };
+        let ledger = Ledger::new(self.command, &self.parameters, entries);
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
@@ -106,14 +190,9 @@ impl Cohort<'_> {
         let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
         let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
-        // Where the landmarks of each lie is told nowhere but there.
-        let notes = notes.filter(|note| !note.ends_with(MM_AWAY));
-        say_notes(terminal, &counted(notes), "subject");
-        let about = About { command: self.command, line: command_line(), parameters: &self.parameters };
-        write_cohort(self.output, &rows, &about)?;
-        if self.json {
-            rows.iter().try_for_each(|row| print_json(&row.record()))?;
-        }
+        // Where the landmarks of each lie is said nowhere but there.
+        say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(MM_AWAY))), "subject");
+        self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
         match rows.iter().filter(|row| row.figures.is_err()).count() {
             0 => Ok(()),
@@ -121,11 +200,19 @@ impl Cohort<'_> {
         }
     }
 
-    /// The ledger of the cohort to go on with; the new one, without a subject, where the folder is made anew.
+    /// Writes the table and the page into a folder, and prints the rows where that is asked for.
+    fn write_table(&self, folder: &Path, rows: &[Row]) -> Result<()> {
+        let about = About { command: self.command, line: command_line("again"), parameters: &self.parameters };
+        write_cohort(folder, rows, &about)?;
+        if self.json { rows.iter().try_for_each(|row| print_json(&row.record())) } else { Ok(()) }
+    }
+
+    /// The ledger of the cohort to resume; the new one, without a subject, where the folder is made anew.
     fn earlier(&self, ledger: &Ledger) -> Result<Ledger> {
         if self.output.exists() && !self.force {
-            let Some(earlier) = Ledger::read(self.output) else { return Err(Error::Exists { path: self.output.to_owned() }) };
-            ledger.goes_on(&earlier, self.output)?;
+            let earlier: Result<Ledger> = read_json(&self.output.join(COHORT), "");
+            let Ok(earlier) = earlier else { return Err(Error::Exists { path: self.output.to_owned() }) };
+            ledger.resumes(&earlier, self.output)?;
             return Ok(earlier);
         }
         let empty = Ledger { subjects: Vec::new(), ..ledger.clone() };
@@ -162,16 +249,17 @@ impl Cohort<'_> {
                 if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
                     return;
                 }
+                let failure = made.err().map(|error| with_flags(error).to_string());
                 let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
-                match &made {
-                    Ok(()) => terminal.say("done", place),
-                    Err(error) => terminal.say("failed", format!("{place}: {error}")),
+                match &failure {
+                    None => terminal.say("done", place),
+                    Some(error) => terminal.say("failed", format!("{place}: {error}")),
                 }
-                ended.push((at, made.err().map(|error| error.to_string())));
+                ended.push((at, failure));
             }
         };
-        // What is told of a subject stays together when one is done after the other.
+        // What is said of a subject stays together when one is done after the other.
         let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
         thread::scope(|scope| {
             for _ in 1..threads {
@@ -193,5 +281,204 @@ impl Cohort<'_> {
     /// The record of a subject that stands.
     fn record(&self, name: &str) -> Option<Value> {
         read_json(&self.output.join(name).join(RECORD), "").ok()
+    }
+}
+
+/// failed.json: why an input gave no run, in the place of its run, for `willis merge` to make a row of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// The version.
+    pub willis: String,
+    /// The command of the whole run.
+    pub command: String,
+    pub input: FailedInput,
+    pub options: RunOptions,
+    /// The first sample and the first after the last, where it stands for a shard.
+    pub range: Option<[u64; 2]>,
+    /// The one line that says why.
+    pub error: String,
+}
+
+/// The file that was given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FailedInput {
+    pub path: String,
+    /// None where it cannot be read.
+    pub sha256: Option<String>,
+}
+
+impl Failure {
+    /// Of an input and its run, or a range of its samples.
+    pub fn of(input: &Path, options: RunOptions, command: String, range: Option<[u64; 2]>, error: String) -> Self {
+        let input = FailedInput { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
+        Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, range, error }
+    }
+
+    /// Whether an error is one of the input, which comes again, and not of the machine.
+    pub fn is_of_input(error: &Error) -> bool {
+        error.is_usage() || matches!(error, Error::Breakdown)
+    }
+
+    /// Whether a folder holds one.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(FAILURE).is_file()
+    }
+
+    /// The failure in a folder.
+    ///
+    /// # Errors
+    ///
+    /// A file that is none.
+    pub fn read(folder: &Path) -> Result<Self> {
+        read_json(&folder.join(FAILURE), "expected it as willis infer --record-failure wrote it")
+    }
+
+    /// Writes its folder.
+    pub fn write(&self, output: &Path, force: bool) -> Result<()> {
+        let folder = StagedFolder::new(output, force)?;
+        write_json(&folder.path().join(FAILURE), self)?;
+        folder.commit()
+    }
+}
+
+/// A run that was made separately, or why there is none.
+struct SeparateRun<'a> {
+    folder: &'a Path,
+    input: FailedInput,
+    /// Every option that changes a result.
+    parameters: Value,
+    /// Its run.json, or the error.
+    record: Result<Value, String>,
+}
+
+/// Writes the cohort of the runs, or failures, in these folders.
+///
+/// # Errors
+///
+/// A folder that holds none; runs of other options, seed or version than the first; two of one input; a folder that cannot be written.
+pub fn gather(folders: &[PathBuf], output: &Path, force: bool, json: bool, terminal: Terminal) -> Result<()> {
+    let runs = folders.iter().map(|folder| SeparateRun::read(folder)).collect::<Result<Vec<_>>>()?;
+    let Some(first) = runs.iter().find(|run| run.record.is_ok()).or(runs.first()) else { return Ok(()) };
+    for (at, run) in runs.iter().enumerate() {
+        run.check(first, &runs[..at])?;
+    }
+    let subjects = named(runs.iter().map(|run| PathBuf::from(&run.input.path)).collect());
+    let rows = runs.iter().zip(&subjects).map(|(run, subject)| Row {
+        subject: subject.name.clone(),
+        input: run.input.path.clone(),
+        sha256: run.input.sha256.clone().unwrap_or_default(),
+        page: run.record.is_ok().then(|| run.page(output)).flatten(),
+        figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
+    });
+    let rows: Vec<Row> = rows.collect();
+    let entries = runs.iter().zip(&subjects).map(|(run, subject)| Entry {
+        subject: subject.name.clone(),
+        input: run.input.path.clone(),
+        files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
+    });
+    let cohort = Cohort { command: "merge", parameters: first.parameters.clone(), output, force, json };
+    let folder = StagedFolder::new(output, force)?;
+    Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
+    cohort.write_table(&folder.path(), &rows)?;
+    folder.commit()?;
+    for row in &rows {
+        if let Err(error) = &row.figures {
+            terminal.say("failed", format!("{}: {error}", row.subject));
+        }
+    }
+    let failed = rows.iter().filter(|row| row.figures.is_err()).count();
+    terminal.say("written", format!("{}: {}, {failed} failed", output.display(), plural(rows.len(), "subject")));
+    Ok(())
+}
+
+impl<'a> SeparateRun<'a> {
+    fn read(folder: &'a Path) -> Result<Self> {
+        const RUN: &str = "expected the folder of a run of willis infer for one occlusion probability";
+        let (version, input, options, prior, record) = if Failure::is_in(folder) {
+            let Failure { willis, input, options, error, .. } = Failure::read(folder)?;
+            (willis, input, json!(options), Value::Null, Err(error))
+        } else {
+            let record: Value = read_json(&folder.join(RECORD), RUN)?;
+            let text = |value: &Value| value.as_str().map(str::to_owned);
+            let input = FailedInput {
+                path: text(&record["input"]["path"]).unwrap_or_default(),
+                sha256: text(&record["input"]["sha256"]),
+            };
+            let (options, prior) = (record["options"].clone(), record["parameters"]["prior"].clone());
+            (text(&record["willis"]).unwrap_or_default(), input, options, prior, Ok(record))
+        };
+        if version != env!("CARGO_PKG_VERSION") {
+            let found = format!("was made by willis {version}, and this is {}", env!("CARGO_PKG_VERSION"));
+            return Err(Fault::file(found, "expected a run of this version").in_file(folder));
+        }
+        let options: RunOptions =
+            serde_json::from_value(options).map_err(|_| Fault::file("a run of another command", RUN).in_file(folder))?;
+        Ok(Self { folder, input, parameters: options.comparable(&prior), record })
+    }
+
+    /// Refuses a run of other options than the `first`, or of an input that one of those `before` has.
+    fn check(&self, first: &Self, before: &[Self]) -> Result<()> {
+        let refused = |found: String, expected: &str| Err(Fault::file(found, expected).in_file(self.folder));
+        let (mut here, mut there) = (self.parameters.clone(), first.parameters.clone());
+        if self.record.is_err() != first.record.is_err() {
+            // A run that failed does not know the content of a file of priors.
+            (here["prior"], there["prior"]) = (Value::Null, Value::Null);
+        }
+        if let Some((option, [here, there])) = differing(&here, &there) {
+            let found = format!("has {option} {here}, where {} has {there}", first.folder.display());
+            return refused(found, "expected runs with the same options");
+        }
+        let is_same = |other: &&Self| self.input.sha256.is_some() && self.input == other.input;
+        match before.iter().find(is_same) {
+            Some(other) => {
+                let found = format!("is of {}, as {} is", self.input.path, other.folder.display());
+                refused(found, "expected one run of each input")
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Its page, or its record where the graph is too large for one, seen from the folder of the cohort; `None` where no path leads
+    /// there.
+    fn page(&self, cohort: &Path) -> Option<String> {
+        let page = Some(self.folder.join(PAGE)).filter(|page| page.is_file());
+        relative(&page.unwrap_or_else(|| self.folder.join(RECORD)), cohort)
+    }
+}
+
+/// The path from a folder to a file, with `/` between its steps.
+fn relative(file: &Path, folder: &Path) -> Option<String> {
+    let (file, folder) = (plain(file)?, plain(folder)?);
+    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
+    // On another drive there is no path.
+    let steps = if shared == 0 { None } else { Some(folder.len() - shared) };
+    let up = std::iter::repeat_n("..".to_owned(), steps?);
+    Some(up.chain(file[shared..].iter().cloned()).collect::<Vec<_>>().join("/"))
+}
+
+/// The steps to a path from the root, none of which leads back.
+fn plain(path: &Path) -> Option<Vec<String>> {
+    let mut steps: Vec<String> = Vec::new();
+    for step in absolute(path).ok()?.components() {
+        match step {
+            Component::ParentDir => drop(steps.pop()),
+            Component::CurDir => {}
+            step => steps.push(step.as_os_str().to_str()?.to_owned()),
+        }
+    }
+    Some(steps)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_leads_from_folder_to_file() {
+        let way = |file: &str, folder: &str| relative(Path::new(file), Path::new(folder)).expect("a way");
+        assert_eq!(way("/a/runs/x/r.html", "/a/cohort"), "../runs/x/r.html");
+        assert_eq!(way("runs/x/r.html", "./out/../cohort"), "../runs/x/r.html");
+        assert_eq!(way("cohort/x/r.html", "cohort"), "x/r.html");
+        assert_eq!(way("/b/r.html", "/a/c/d"), "../../../b/r.html");
     }
 }

@@ -9,13 +9,14 @@ use serde_json::json;
 use willis::error::{Error, Result};
 use willis::internals::io::convert::{Target, Written, losses, refusal, write_into};
 use willis::internals::io::{unread_columns, write_loops};
-use willis::internals::network::Network;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
+use willis::{Network, read};
 
-use super::reading::InputArgs;
+use super::args::reading::InputArgs;
+use super::command_line::command_line;
+use super::print::{Terminal, plural, say_read};
 use super::shell::print_json;
-use super::terminal::{Terminal, plural};
 
 /// Convert centerlines or a graph into another format, saying what is lost
 ///
@@ -38,13 +39,15 @@ pub struct ConvertArgs {
 
 impl ConvertArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
-        self.input.refuse_candidates("convert")?;
+        self.input.reading.refuse_candidates("convert")?;
         let target = Target::new(&self.output, self.to.as_deref())?;
         check(&target, force)?;
-        let loaded = self.input.load(terminal)?;
-        let (nodes, vessels) = (loaded.network.node_count(), loaded.network.vessel_count());
-        let (names, mut lost) = put(&loaded.network, &target, terminal, force)?;
-        let unread = unread_columns(&self.input.input, loaded.format);
+        let path = &self.input.input;
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
+        say_read(terminal, &input, self.input.reading.units.is_none());
+        let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());
+        let (names, mut lost) = put(&input.network, &target, terminal, force)?;
+        let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));
             terminal.say("lost", lost.last().map_or("", String::as_str));
@@ -56,9 +59,9 @@ impl ConvertArgs {
         }
         print_json(&json!({
             "willis": env!("CARGO_PKG_VERSION"),
-            "command": loaded.provenance.command,
-            "input": loaded.provenance.of_input(),
-            "notes": loaded.provenance.notes,
+            "command": input.provenance.command,
+            "input": input.provenance.of_input(),
+            "notes": input.provenance.notes,
             "output": names,
             "format": target.format.name(),
             "counts": { "nodes": nodes, "vessels": vessels },

@@ -1,48 +1,57 @@
 //! `willis infer`: from centerlines or a candidate graph to the likelihood matrix and the plausible topology.
 
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
-use clap::{Args, FromArgMatches};
-use serde::Serialize;
+use clap::Args;
 use serde_json::Value;
-use willis::error::{Error, Result};
-use willis::internals::output::StagedFolder;
-use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
-use willis::internals::sampling::SamplingOptions;
+use willis::error::{Error, Fault, Result};
+use willis::internals::io::write_csv;
+use willis::internals::output::atomic::{StagedFolder, write_file};
+use willis::internals::output::in_progress::write_error;
+use willis::internals::output::names::AGREEMENT;
+use willis::internals::pipeline::{RunOptions, blocks_of, samples_of};
+use willis::internals::report::cohort::{Figures, infer_figures};
+use willis::internals::report::figures::DEFAULT_DPI;
+use willis::internals::report::{Summary, agreement};
+use willis::{ArterySource, InferOptions, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare, read};
 
-use super::boundary::BoundaryArgs;
-use super::candidate_args::CandidateArgs;
-use super::circle::CircleArgs;
-use super::inference::Inference;
-use super::keep::parse_rule;
-use super::prior::PriorArgs;
-use super::provenance::{command_line, words_of};
-use super::reading::ReadingArgs;
-use super::sampling_args::SamplingArgs;
-use super::shard::{blocks_of, write_shard};
+use super::args::arteries::{self, ArteryArgs};
+use super::args::boundary::{self, BoundaryArgs};
+use super::args::candidates::CandidateArgs;
+use super::args::figures::whole;
+use super::args::reading::ReadingArgs;
+use super::args::sampling::SamplingArgs;
+use super::checkpoint::{Follower, Interval};
+use super::cohort::{Cohort, Failure, Work};
+use super::command_line::{command_line, command_line_of};
+use super::print::arteries::say_variant;
+use super::print::inference::say_outcome;
+use super::print::{Terminal, count, listen, say_read};
 use super::shell::print_json;
-use super::subjects::{Inputs, expand};
-use super::terminal::{Terminal, listen};
-use super::typed::whole;
+use super::subjects::{Inputs, Subject, expand};
+use super::with_flags;
 
 /// Infer the plausible topology of centerlines or of a candidate graph
-#[derive(Debug, Args, Serialize)]
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis infer extraction.vtp -o clean
+  willis infer 'scans/*.swc' --landmarks '{}.landmarks.csv' -o cohort
+
+--help lists every option.")]
 pub struct InferArgs {
     /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
     /// (GraphML, CSV of edges); several, or a pattern in quotes ('scans/*.swc'), are a cohort: a folder each, and a table of all
     #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
-    #[serde(skip)]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
-    #[serde(flatten)]
     pub reading: ReadingArgs,
     /// The folder to write; it must not exist, unless it is that of a cohort to go on with
-    #[serde(skip)]
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     pub output: PathBuf,
     #[command(flatten)]
-    #[serde(flatten)]
     pub sampling: SamplingArgs,
     /// Which uncertain vessels stay: probable[=ROOT_FACTOR] (the most probable forest; a smaller factor leaves fewer fragments
     /// alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
@@ -50,77 +59,58 @@ pub struct InferArgs {
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     pub keep: Option<String>,
     /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true,
+        help_heading = "Answer", hide_short_help = true)]
     pub dpi: u32,
     /// Print run.json on standard output too, in a line for each occlusion probability; of a cohort, its row of each subject
-    #[serde(skip)]
-    #[arg(long, help_heading = "Answer")]
+    #[arg(long, help_heading = "Answer", hide_short_help = true)]
     pub json: bool,
     #[command(flatten)]
-    #[serde(flatten)]
     pub candidates: CandidateArgs,
     #[command(flatten)]
-    #[serde(flatten)]
-    pub prior: PriorArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
     pub boundary: BoundaryArgs,
     #[command(flatten)]
-    #[serde(flatten)]
-    pub circle: CircleArgs,
+    pub arteries: ArteryArgs,
+}
+
+/// The same work on every input, be it one or a cohort of them.
+struct Inferences<'a> {
+    args: &'a InferArgs,
+    options: InferOptions,
+    /// A run for each occlusion probability.
+    runs: Vec<SamplingOptions>,
+    save: SaveOptions,
 }
 
 impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let rule = self.keep.as_deref().map(parse_rule).transpose()?;
-        let runs = self
-            .sampling
-            .epsilon
-            .iter()
-            .map(|epsilon| self.sampling.params(*epsilon))
-            .collect::<Result<Vec<SamplingOptions>>>()?;
-        if let Some(epsilon) =
-            (1..runs.len()).map(|i| self.sampling.epsilon[i]).enumerate().find(|(i, e)| self.sampling.epsilon[..=*i].contains(e))
-        {
-            return Err(Error::parameter("--epsilon", epsilon.1, "given twice; expected each probability once"));
-        }
+        let (options, runs) = self.options()?;
         let range = self.sampling.range.as_deref().map(|text| blocks_of(text, self.sampling.samples)).transpose()?;
         if let (Some(range), true) = (&self.sampling.range, runs.len() > 1) {
-            return Err(Error::parameter("--range", range, "goes with one --epsilon; shard the run of each by itself"));
+            return Err(Error::parameter("range", range, "goes with one --epsilon; shard the run of each by itself"));
         }
-        self.boundary.found_outlets(true)?;
-        check_dpi(self.dpi)?;
-        let inference = Inference { args: &self, rule, runs };
+        let save = SaveOptions { dpi: self.dpi };
+        save.validate()?;
+        let work = Inferences { args: &self, options, runs, save };
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
-            Inputs::Many(subjects) => return inference.cohort(&subjects, terminal, force),
+            Inputs::Many(subjects) => return work.cohort(&subjects, terminal, force),
         };
         StagedFolder::check(&self.output, force)?;
         if self.sampling.record_failure {
-            inference.check()?;
+            self.reading.shared()?;
         }
-        let job = match inference.job(&input, command_line(), terminal) {
-            Err(error) => return inference.fail(error, &input, range.as_ref(), force, terminal),
-            Ok(job) => job,
-        };
-        listen();
-        let folder = StagedFolder::new(&self.output, force)?;
-        let written = match &range {
-            None => job.write(&inference.runs, &folder, self.sampling.checkpoint, start, terminal),
-            Some(blocks) => {
-                let shard = write_shard(job, &inference.runs[0], blocks, &folder, self.sampling.checkpoint, terminal);
-                shard.map(|()| Vec::new())
+        let records = match work.one(&input, range.as_ref(), terminal, force) {
+            Err(error) if self.sampling.record_failure && Failure::is_of_input(&error) => {
+                let range = range.as_ref().map(|blocks| samples_of(blocks, self.sampling.samples));
+                let error = with_flags(error).to_string();
+                terminal.say("failed", &error);
+                let options = RunOptions { read: self.reading.options(&input)?, infer: work.for_input(&input) };
+                return Failure::of(&input, options, command_line("again"), range, error).write(&self.output, force);
             }
+            made => made?,
         };
-        let records = match written {
-            Err(error) => {
-                drop(folder);
-                return inference.fail(error, &input, range.as_ref(), force, terminal);
-            }
-            Ok(records) => records,
-        };
-        folder.commit()?;
         if self.json {
             records.iter().try_for_each(print_json)?;
         }
@@ -128,12 +118,171 @@ impl InferArgs {
         Ok(())
     }
 
-    /// All options of a command line that change a result, as the ledger of a cohort has them; `None` for another command's.
-    pub fn parameters_of(command: &str) -> Option<Value> {
-        let words = words_of(command);
-        let options = words.strip_prefix(&["willis".to_owned(), "infer".to_owned()][..])?;
-        let all = ["infer", "--output", "-"].map(str::to_owned).into_iter().chain(options.iter().cloned());
-        let matches = Self::augment_args(clap::Command::new("infer")).try_get_matches_from(all).ok()?;
-        serde_json::to_value(Self::from_arg_matches(&matches).ok()?).ok()
+    /// The options of the library, and those of sampling for each occlusion probability.
+    fn options(&self) -> Result<(InferOptions, Vec<SamplingOptions>)> {
+        let mut options = match self.sampling.preset {
+            Some(Preset::Paper) => InferOptions::paper(),
+            _ => InferOptions::default(),
+        };
+        if let Some(rule) = &self.keep {
+            options.keep = Some(rule.parse()?);
+        }
+        let runs = self.sampling.put(&options.sampling)?;
+        options.sampling.clone_from(&runs[0]);
+        options.until_stable = self.sampling.until.is_some();
+        let usual = options.boundary.found_outlets;
+        options.boundary = self.boundary.options()?;
+        options.boundary.found_outlets = options.boundary.found_outlets.or(usual);
+        self.candidates.put(&mut options.candidates, &mut options.prior)?;
+        options.arteries = self.arteries.source();
+        options.validate()?;
+        Ok((options, runs))
+    }
+}
+
+impl Inferences<'_> {
+    /// The options for an input, each file that is named for all inputs being that of this one.
+    fn for_input(&self, input: &Path) -> InferOptions {
+        let mut options = self.options.clone();
+        options.boundary = boundary::for_input(&options.boundary, input);
+        options.arteries = options.arteries.as_ref().map(|source| arteries::for_input(source, input));
+        options
+    }
+
+    /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.
+    fn prepared(&self, input: &Path, command: String, terminal: Terminal) -> Result<Arc<Prepared>> {
+        if input.is_dir() {
+            let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
+            return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
+        }
+        let read = read(input, &self.args.reading.options(input)?)?.with_command(command);
+        say_read(terminal, &read, self.args.reading.units.is_none());
+        prepare(read, &self.for_input(input), &mut Follower::new(terminal))
+    }
+
+    /// The output folder of one input, or the shard of a range of its samples.
+    fn one(&self, input: &Path, range: Option<&Range<u64>>, terminal: Terminal, force: bool) -> Result<Vec<Summary>> {
+        let prepared = self.prepared(input, command_line("again"), terminal)?;
+        listen();
+        let folder = StagedFolder::new(&self.args.output, force)?;
+        let records = match range {
+            None => self.write(&prepared, &folder, terminal)?,
+            Some(blocks) => {
+                self.write_shard(&prepared, blocks, &folder, terminal)?;
+                Vec::new()
+            }
+        };
+        folder.commit()?;
+        Ok(records)
+    }
+
+    /// Writes the folder of an input, or one in it for each of several occlusion probabilities.
+    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: Terminal) -> Result<Vec<Summary>> {
+        let path = folder.path();
+        // Before the first of several looks at what is there.
+        for options in &self.runs {
+            Follower::files(folder, &prepared.key(options, None));
+        }
+        let (mut decisions, mut records) = (Vec::new(), Vec::new());
+        for options in &self.runs {
+            let mut sub = path.clone();
+            if self.runs.len() > 1 {
+                sub = path.join(format!("epsilon-{}", options.epsilon));
+                std::fs::create_dir(&sub).map_err(write_error(&sub))?;
+            }
+            let mut follower = self.follower(folder, &prepared.provenance.command, terminal);
+            let written = prepared.sample(options, &mut follower).and_then(|inference| {
+                say_outcome(terminal, &inference.outcome(), inference.seconds());
+                let (record, notes) = inference.write(&sub, &self.save)?;
+                notes.iter().for_each(|note| terminal.say("note", note));
+                if let Some((posterior, how)) = inference.posterior() {
+                    terminal.say("drawn", how);
+                    say_variant(terminal, &posterior.best(), Some(posterior));
+                }
+                let (done, total) = follower.samples();
+                // Nothing is written after a stop.
+                if terminal.is_stopped() {
+                    Err(Error::Stopped { done, total })
+                } else {
+                    Ok((inference.decision().clone(), record))
+                }
+            });
+            let (decision, record) = written.map_err(|error| follower.rescue(error))?;
+            decisions.push((options.epsilon, decision));
+            records.push(record);
+        }
+        if self.runs.len() > 1 {
+            let uncertain = self.runs[0].uncertain.vessels(&prepared.graph);
+            write_file(&path.join(AGREEMENT), |out| write_csv(out, &agreement(&decisions, &uncertain)))?;
+        }
+        Ok(records)
+    }
+
+    fn write_shard(
+        &self,
+        prepared: &Arc<Prepared>,
+        blocks: &Range<u64>,
+        folder: &StagedFolder,
+        terminal: Terminal,
+    ) -> Result<()> {
+        let mut follower = self.follower(folder, &prepared.provenance.command, terminal);
+        let shard = prepared.sample_range(&self.runs[0], blocks, &mut follower).map_err(|error| follower.rescue(error))?;
+        let ([from, to], seconds) = shard.samples();
+        shard.write(&folder.path()).map_err(|error| follower.rescue(error))?;
+        let total = count(self.args.sampling.samples);
+        terminal.say("shard", format!("samples {from}..{to} of {total}, in {seconds:.1} s"));
+        Ok(())
+    }
+
+    fn follower<'a>(&self, folder: &'a StagedFolder, command: &str, terminal: Terminal) -> Follower<'a> {
+        Follower::keeping(terminal, self.interval(), folder, command)
+    }
+
+    fn interval(&self) -> Interval {
+        self.args.sampling.checkpoint
+    }
+
+    fn cohort(&self, subjects: &[Subject], terminal: Terminal, force: bool) -> Result<()> {
+        let args = self.args;
+        if self.runs.len() > 1 {
+            let given: Vec<String> = args.sampling.epsilon.iter().map(f64::to_string).collect();
+            return Err(Error::parameter("epsilon", given.join(","), "several go with one INPUT; give one for a cohort"));
+        }
+        if let Some(range) = &args.sampling.range {
+            return Err(Error::parameter("range", range, "goes with one INPUT; shard the run of each subject by itself"));
+        }
+        if args.sampling.record_failure {
+            let accepted = "goes with one INPUT; a cohort has its failures as rows";
+            return Err(Error::parameter("record_failure", "with several", accepted));
+        }
+        let options = RunOptions { read: args.reading.shared()?, infer: self.options.clone() };
+        let parameters = options.comparable(&Value::Null);
+        let cohort = Cohort { command: "infer", parameters, output: &args.output, force, json: args.json };
+        cohort.run(subjects, self, terminal)
+    }
+}
+
+impl Work for Inferences<'_> {
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
+        let options = self.for_input(input);
+        let landmarks = match options.arteries {
+            Some(ArterySource::Landmarks(path)) => Some(path),
+            _ => None,
+        };
+        let prior = match options.prior {
+            Some(Prior::File(path)) => Some(path),
+            _ => None,
+        };
+        [self.args.reading.loops(input), options.boundary.conditions, prior, landmarks].into_iter().flatten().collect()
+    }
+
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
+        let command = command_line_of(&subject.input, &self.args.inputs);
+        let prepared = self.prepared(&subject.input, command, terminal)?;
+        self.write(&prepared, folder, terminal).map(drop)
+    }
+
+    fn figures(&self, record: &Value) -> Figures {
+        infer_figures(record)
     }
 }

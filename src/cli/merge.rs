@@ -1,26 +1,25 @@
-//! `willis merge`: the shards of one run become the run, runs that were made apart a cohort.
+//! `willis merge`: the shards of one run become the run, runs that were made separately a cohort.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
-use willis::internals::network::Network;
-use willis::internals::output::StagedFolder;
-use willis::internals::output::names::SHARD;
-use willis::internals::sampling::{Likelihood, PartialRun};
+use willis::internals::output::atomic::StagedFolder;
+use willis::internals::output::names::{RECORD, SHARD};
+use willis::internals::pipeline::ShardRecord;
+use willis::internals::report::figures::DEFAULT_DPI;
+use willis::{SaveOptions, merge};
 
-use super::apart::gather;
-use super::failure::Failure;
-use super::job::Sampled;
-use super::run::Run;
-use super::shard::Record;
+use super::args::figures::whole;
+use super::cohort::{Failure, gather};
+use super::print::arteries::say_variant;
+use super::print::inference::say_outcome;
+use super::print::{Terminal, count, listen, plural};
 use super::shell::print_json;
 use super::subjects::paths;
-use super::terminal::{Terminal, count, listen, plural};
 
-/// Put together what was made apart: the shards of one run to the run, runs of many subjects to a cohort
+/// Put together what was made separately: the shards of one run to the run, runs of many subjects to a cohort
 ///
 /// A shard is what willis infer --range A..B writes; all shards of a run make the files of the whole run, in whatever order they
 /// are given. Runs are the folders of willis infer: they make cohort.csv and cohort.html, with the rows that willis infer writes for all inputs
@@ -37,12 +36,17 @@ pub struct MergeArgs {
     /// Print run.json on standard output too, in one line; of a cohort, its row of each subject
     #[arg(long)]
     json: bool,
+    /// Resolution of the pictures
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true)]
+    dpi: u32,
 }
 
 impl MergeArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         StagedFolder::check(&self.output, force)?;
+        let save = SaveOptions { dpi: self.dpi };
+        save.validate()?;
         let is_known = |path: &Path| Kind::in_folder(path).is_ok_and(|kind| kind.is_some());
         let folders = paths(&self.folders, "folder of a shard or a run", is_known)?;
         let kinds = folders.iter().map(|folder| Kind::of(folder)).collect::<Result<Vec<_>>>()?;
@@ -56,39 +60,21 @@ impl MergeArgs {
         if kinds.iter().any(|kind| matches!(kind, Kind::FailedShard(_))) {
             return self.fail(&folders, kinds, force, terminal);
         }
-        let (mut shards, mut graph): (Vec<(&Path, Record)>, _) = (Vec::new(), Network::new());
-        for path in &folders {
-            let mut record = Record::read(path)?;
-            // All have the same graph, which may be large.
-            let own = std::mem::take(&mut record.job.graph);
-            match shards.first() {
-                Some((first, of)) => belongs(path, &record, first, of)?,
-                None => graph = own,
-            }
-            shards.push((path, record));
-        }
-        shards.sort_by_key(|(_, record)| record.range);
-        complete(&shards)?;
-        let mut whole: Option<PartialRun> = None;
-        for (path, record) in &shards {
-            let part = record.part(path, &graph)?;
-            match &mut whole {
-                None => whole = Some(part),
-                Some(whole) => drop(whole.join(part)),
-            }
-        }
-        let (seconds, parts): (f64, _) = (shards.iter().map(|(_, record)| record.sampling_s).sum(), shards.len());
-        let Some((part, (_, mut first))) = whole.zip(shards.into_iter().next()) else { return Ok(()) };
-        first.job.graph = graph;
-        terminal.say("merging", format!("{}: {} samples, seed {}", plural(parts, "shard"), count(part.done()), first.seed));
+        let inference = merge(&folders, |parts, samples, seed| {
+            terminal.say("merging", format!("{}: {} samples, seed {seed}", plural(parts, "shard"), count(samples)));
+        })?;
         listen();
         let folder = StagedFolder::new(&self.output, force)?;
-        let result = Likelihood::new(part.total().unwrap_or_default(), part.uncertain().to_vec(), part.trace());
-        let time = json!({ "sampling_s": seconds, "samples_per_s": part.done() as f64 / seconds, "shards": parts });
-        let sampled = Sampled { result, method: first.solver.method(), time, seconds };
-        let (_, record) = first.job.write_one(&first.params, &sampled, &folder.path(), start, terminal)?;
+        say_outcome(terminal, &inference.outcome(), inference.seconds());
+        let (record, notes) = inference.write(&folder.path(), &save)?;
+        notes.iter().for_each(|note| terminal.say("note", note));
+        if let Some((posterior, how)) = inference.posterior() {
+            terminal.say("drawn", how);
+            say_variant(terminal, &posterior.best(), Some(posterior));
+        }
         if terminal.is_stopped() {
-            return Err(Error::Stopped { done: part.done(), total: part.samples() });
+            let samples = inference.likelihood().samples;
+            return Err(Error::Stopped { done: samples, total: samples });
         }
         folder.commit()?;
         if self.json {
@@ -107,7 +93,7 @@ impl MergeArgs {
                 made.push((path, failure.willis.clone(), failure.command.clone()));
                 failed.get_or_insert((path, failure));
             } else {
-                let shard = Record::read(path)?;
+                let shard = ShardRecord::read(path)?;
                 made.push((path, shard.willis, shard.command));
             }
         }
@@ -143,76 +129,21 @@ impl Kind {
         match Self::in_folder(folder)? {
             Some(kind) => Ok(kind),
             // Which says what is missing.
-            None => Record::read(folder).map(|_| Self::Shard),
+            None => ShardRecord::read(folder).map(|_| Self::Shard),
         }
     }
 
     /// Of a folder; `None` where it is none of them.
     fn in_folder(folder: &Path) -> Result<Option<Self>> {
-        Ok(if Run::stands_in(folder) {
+        Ok(if folder.join(RECORD).is_file() {
             Some(Self::Run)
         } else if folder.join(SHARD).is_file() {
             Some(Self::Shard)
-        } else if Failure::stands_in(folder) {
+        } else if Failure::is_in(folder) {
             let failure = Failure::read(folder)?;
             Some(if failure.range.is_some() { Self::FailedShard(failure) } else { Self::Run })
         } else {
             None
         })
-    }
-}
-
-/// Refuses a shard of another run than the first one's, by what differs.
-fn belongs(path: &Path, shard: &Record, first: &Path, of: &Record) -> Result<()> {
-    let differs = |what: &str, here: &dyn std::fmt::Display, there: &dyn std::fmt::Display| {
-        let found = format!("{what} {here}, where {} has {there}", first.display());
-        Err(Fault::file(found, "expected the shards of one run").in_file(path))
-    };
-    if shard.willis != of.willis {
-        return differs("was made by willis", &shard.willis, &of.willis);
-    }
-    if shard.input != of.input {
-        return differs("is of another input, with SHA-256", &shard.input, &of.input);
-    }
-    if shard.seed != of.seed {
-        return differs("has seed", &shard.seed, &of.seed);
-    }
-    if shard.samples != of.samples {
-        return differs("is of a run of samples", &shard.samples, &of.samples);
-    }
-    let names = shard.parameters.keys().chain(of.parameters.keys());
-    let value = |of: &Record, name: &str| of.parameters.get(name).unwrap_or(&Value::Null).clone();
-    if let Some(name) = names.into_iter().find(|name| value(shard, name) != value(of, name)) {
-        return differs(&format!("has {name}"), &value(shard, name), &value(of, name));
-    }
-    if shard.graph != of.graph {
-        return differs("has another graph or other boundary conditions, with SHA-256", &shard.graph, &of.graph);
-    }
-    if shard.solver != of.solver {
-        let words = |record: &Record| format!("{:?}", record.solver);
-        return differs("was computed by", &words(shard), &words(of));
-    }
-    Ok(())
-}
-
-/// Refuses shards, in rising order, that have samples in common or leave some out.
-fn complete(shards: &[(&Path, Record)]) -> Result<()> {
-    let refused = |path: &Path, found: String| Err(Fault::file(found, "expected every sample in one shard").in_file(path));
-    let (mut next, mut last): (_, Option<&Path>) = (0, None);
-    for (path, record) in shards {
-        let [from, to] = record.range;
-        match last {
-            Some(before) if from < next => {
-                return refused(path, format!("samples {from}..{} are in {} too", next.min(to), before.display()));
-            }
-            _ if from > next => return refused(path, format!("samples {next}..{from} before it are in no shard")),
-            _ => (next, last) = (to, Some(*path)),
-        }
-    }
-    match (shards.last(), last) {
-        (Some((_, record)), Some(path)) if next < record.samples => {
-            refused(path, format!("samples {next}..{} after it are in no shard", record.samples))
-        }
-        _ => Ok(()),
     }
 }

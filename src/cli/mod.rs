@@ -1,51 +1,31 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
 
-mod apart;
-mod beside;
-mod boundary;
-mod candidate_args;
+mod args;
 mod candidates;
 mod checkpoint;
-mod circle;
 mod classify;
 mod cohort;
+mod command_line;
 mod convert;
-mod failure;
 mod infer;
-mod inference;
-mod job;
-mod keep;
-mod ledger;
-mod loaded;
 mod merge;
 mod modulate;
-mod perturbation;
 mod phantom;
-mod plausible;
-mod prior;
-mod provenance;
-mod reading;
+mod print;
 mod refusal;
-mod run;
-mod sampling_args;
-mod shard;
 mod shell;
 mod simulate;
 mod subjects;
-mod tell;
-mod tell_circle;
-mod tell_flow;
-mod tell_notes;
-mod terminal;
 mod train;
-mod typed;
+
+use std::sync::OnceLock;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use willis::error::{Error, Result};
 
-use terminal::Terminal;
-use typed::whole;
+use args::figures::whole;
+use print::Terminal;
 
 /// Find the plausible topology of vascular centerlines.
 ///
@@ -92,9 +72,29 @@ struct Common {
     force: bool,
 }
 
+/// The subcommand that is at work.
+static COMMAND: OnceLock<String> = OnceLock::new();
+
 /// Prints an error in one line.
-pub fn say_error(error: &Error) {
-    terminal::line(format_args!("willis: {error}"));
+pub fn say_error(error: Error) {
+    print::line(format_args!("willis: {}", with_flags(error)));
+}
+
+/// An error that names an option as it is typed, where the library names a field: `--max-gap` for `max_gap`.
+fn with_flags(error: Error) -> Error {
+    let Error::Parameter { name, value, accepted } = error else { return error };
+    let (field, rest) = name.split_once(' ').map_or((name.as_str(), None), |(field, rest)| (field, Some(rest)));
+    let flag = field.replace('_', "-");
+    let command = COMMAND.get().and_then(|command| Cli::builder().find_subcommand(command).cloned());
+    let is_flag =
+        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
+    let dashes = if flag.len() == 1 { "-" } else { "--" };
+    let is_common = matches!(flag.as_str(), "threads" | "force");
+    let name = match command.filter(|command| is_common || command.get_arguments().any(is_flag)) {
+        Some(_) => format!("{dashes}{flag}{}", rest.map_or(String::new(), |rest| format!(" {rest}"))),
+        None => name.clone(),
+    };
+    Error::Parameter { name, value, accepted }
 }
 
 impl Cli {
@@ -109,7 +109,11 @@ impl Cli {
 
     /// The command line, or the exit status after its help or its one-line error has been printed.
     pub fn read() -> Result<Self, u8> {
-        let parsed = Self::builder().try_get_matches().and_then(|matches| Self::from_arg_matches(&matches));
+        let matches = Self::builder().try_get_matches();
+        if let Ok(matches) = &matches {
+            let _ = COMMAND.set(matches.subcommand_name().unwrap_or_default().to_owned());
+        }
+        let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
         parsed.map_err(|error| {
             let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
             if !error.use_stderr() || without_command {
@@ -118,7 +122,7 @@ impl Cli {
                 return if without_command { 2 } else { 0 };
             }
             let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-            terminal::line(format_args!("willis: {}", refusal::one_line(&error, &given)));
+            print::line(format_args!("willis: {}", refusal::one_line(&error, &given)));
             2
         })
     }
@@ -127,10 +131,10 @@ impl Cli {
     pub fn run(self) -> Result<()> {
         if let Some(threads) = self.common.threads {
             if threads == 0 || threads > 4096 {
-                return Err(Error::parameter("--threads", threads, "expected a number from 1 to 4096"));
+                return Err(Error::parameter("threads", threads, "expected a number from 1 to 4096"));
             }
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-            pool.map_err(|e| Error::parameter("--threads", threads, e.to_string()))?;
+            pool.map_err(|e| Error::parameter("threads", threads, e.to_string()))?;
         }
         let terminal = Terminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;

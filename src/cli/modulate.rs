@@ -1,37 +1,31 @@
 //! `willis modulate`: how pressures, flows and resilience respond to resistances that vary at random.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use willis::error::{Error, Result};
-use willis::internals::modulation::{Class, HypertensionByClass, ModulationOptions, Reading, modulate};
+use willis::internals::modulation::{Class, Reading};
 use willis::internals::network::units::pascals_per_square_metre;
-use willis::internals::network::{Network, vessels_called};
-use willis::internals::output::StagedFolder;
-use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
-use willis::internals::report::{ModulationOutcome, write_modulation};
+use willis::internals::network::vessels_called;
+use willis::internals::output::atomic::StagedFolder;
+use willis::internals::report::ModulationOutcome;
+use willis::internals::report::figures::DEFAULT_DPI;
+use willis::{ModulationOptions, Network, SaveOptions, modulate_with, read};
 
-use super::boundary::{BoundaryArgs, say_boundary};
-use super::reading::InputArgs;
+use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::figures::{viscosity, whole};
+use super::args::reading::InputArgs;
+use super::args::words;
+use super::checkpoint::Follower;
+use super::command_line::command_line;
+use super::print::{Terminal, brief, is_stopped, plural, say_read};
 use super::shell::print_json;
-use super::terminal::{Terminal, brief, is_stopped, plural};
-use super::typed::{viscosity, whole};
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Meaning {
-    /// The resistance grows: R(1 + u)
-    Increment,
-    /// The conductance shrinks: R/(1 - u)
-    Conductance,
-    /// The resistance shrinks: R(1 - u)
-    Literal,
-    /// The radius shrinks, r(1 - u1), and the length grows, l(1 + u2); the volume follows
-    Geometry,
-}
 
 /// Modulate the resistances of a network at random, and see what pressures, flows, resilience and hypertension become
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis modulate circle.graphml -o modulated
+  willis modulate circle.graphml -o modulated --classes 0:0.2,0.2:0.5 -n 10000 --save-samples")]
 pub struct ModulateArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -55,8 +49,10 @@ pub struct ModulateArgs {
     #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
     seed: u64,
     /// What a modulation by u means
-    #[arg(long, value_enum, default_value = "increment", help_heading = "Modulation")]
-    reading: Meaning,
+    #[arg(long, default_value = "increment", help_heading = "Modulation", value_parser = words::<Reading>(&[("increment", "The resistance grows: R(1 + u)"),
+        ("conductance", "The conductance shrinks: R/(1 - u)"), ("literal", "The resistance shrinks: R(1 - u)"),
+        ("geometry", "The radius shrinks, r(1 - u1), and the length grows, l(1 + u2); the volume follows")]))]
+    reading: Reading,
     /// Modulate only these vessels, by label or edge:ROW [default: all vessels]
     #[arg(long, value_name = "VESSEL,...", value_delimiter = ',', help_heading = "Modulation")]
     vessels: Option<Vec<String>>,
@@ -81,78 +77,63 @@ pub struct ModulateArgs {
 
 impl ModulateArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
-        let mut params = self.params()?;
+        let path = &self.input.input;
+        let mut options = self.options()?;
         let threshold = self.threshold()?;
-        let outlets = self.boundary.found_outlets(false)?;
-        check_dpi(self.dpi)?;
-        self.input.refuse_candidates("modulate")?;
+        let boundary = for_input(&self.boundary.options()?, path);
+        let save = SaveOptions { dpi: self.dpi };
+        save.validate()?;
+        self.input.reading.refuse_candidates("modulate")?;
         StagedFolder::check(&self.output, force)?;
 
-        let loaded = self.input.load(terminal)?;
-        let network = loaded.network;
-        params.vessels = self.vessels.as_ref().map(|names| called(&network, names)).transpose()?;
-        let boundary = self.boundary.resolve(&self.input.input, &network, outlets, terminal)?;
-        say_boundary(terminal, &network, &boundary);
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
+        say_read(terminal, &input, self.input.reading.units.is_none());
+        let network = &input.network;
+        options.vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
         let folder = StagedFolder::new(&self.output, force)?;
 
-        let modulated = params.vessels.as_ref().map_or(network.vessel_count(), |v| v.iter().filter(|v| **v).count());
-        let how = format!("{} each, seed {}", plural(params.samples as usize, "instance"), params.seed);
-        let classes = if params.classes.len() == 1 { "1 class".to_owned() } else { format!("{} classes", params.classes.len()) };
-        let reading = params.reading.name();
+        let modulated = options.vessels.as_ref().map_or(network.vessel_count(), |v| v.iter().filter(|v| **v).count());
+        let how = format!("{} each, seed {}", plural(options.samples as usize, "instance"), options.seed);
+        let classes =
+            if options.classes.len() == 1 { "1 class".to_owned() } else { format!("{} classes", options.classes.len()) };
+        let reading = options.reading.name();
         terminal.say("modulating", format!("{} in {classes}, {how}, reading {reading}", plural(modulated, "vessel")));
-        let start = Instant::now();
-        let mut progress = terminal.progress("solving", "instances", params.samples * params.classes.len() as u64);
-        let result = modulate(&network, &boundary, &params, &mut progress);
-        progress.finish();
-        let (result, seconds) = (result?, start.elapsed().as_secs_f64());
-        let hypertension = HypertensionByClass::of(&result, threshold);
-        let outcome = ModulationOutcome {
-            network: &network,
-            boundary: &boundary,
-            outlets,
-            provenance: &loaded.provenance,
-            params: &params,
-            result: &result,
-            hypertension: &hypertension,
-            seconds,
-        };
-        say_outcome(terminal, &outcome);
-        write_modulation(&folder.path(), &outcome, self.save_samples, self.dpi)?;
+        let total = options.samples * options.classes.len() as u64;
+        let mut follower = Follower::counting(terminal, "solving", "instances", total);
+        let run = modulate_with(&input, &boundary, &options, threshold, &mut follower);
+        follower.finish();
+        let run = run?;
+        say_outcome(terminal, &run.outcome());
+        run.write(&folder.path(), self.save_samples, &save)?;
         if is_stopped() {
-            let total = params.samples * params.classes.len() as u64;
             return Err(Error::Stopped { done: total, total });
         }
         folder.commit()?;
         if self.json {
-            print_json(&outcome.record())?;
+            print_json(&run.record())?;
         }
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }
 
-    fn params(&self) -> Result<ModulationOptions> {
-        let params = ModulationOptions {
+    fn options(&self) -> Result<ModulationOptions> {
+        let options = ModulationOptions {
             classes: self.classes.iter().map(|text| parse_class(text)).collect::<Result<_>>()?,
             samples: self.samples,
             seed: self.seed,
-            reading: match self.reading {
-                Meaning::Increment => Reading::Increment,
-                Meaning::Conductance => Reading::Conductance,
-                Meaning::Literal => Reading::Literal,
-                Meaning::Geometry => Reading::Geometry,
-            },
+            reading: self.reading,
             vessels: None,
             viscosity: viscosity(&self.viscosity)?,
         };
-        params.validate()?;
-        Ok(params)
+        options.validate()?;
+        Ok(options)
     }
 
     /// The threshold, Pa/m².
     fn threshold(&self) -> Result<Option<f64>> {
         match self.threshold {
             Some(x) if !(x.is_finite() && x > 0.0) => {
-                Err(Error::parameter("--threshold", x, "expected a positive number of mmHg/mm2"))
+                Err(Error::parameter("threshold", x, "expected a positive number of mmHg/mm2"))
             }
             given => Ok(given.map(pascals_per_square_metre)),
         }
@@ -163,14 +144,14 @@ impl ModulateArgs {
 fn parse_class(text: &str) -> Result<Class> {
     let number = |text: &str| text.trim().parse().ok();
     let class = text.split_once(':').and_then(|(low, high)| Some(Class { low: number(low)?, high: number(high)? }));
-    class.ok_or_else(|| Error::parameter("--classes", format!("\"{text}\""), "expected LOW:HIGH with 0 <= low < high < 1"))
+    class.ok_or_else(|| Error::parameter("classes", format!("\"{text}\""), "expected LOW:HIGH with 0 <= low < high < 1"))
 }
 
 /// Per vessel whether it is called by one of the `names`.
 fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
     let mut called = vec![false; network.vessel_count()];
     for name in names {
-        let rows = vessels_called(network, name).map_err(|why| Error::parameter("--vessels", format!("\"{name}\""), why))?;
+        let rows = vessels_called(network, name).map_err(|why| Error::parameter("vessels", format!("\"{name}\""), why))?;
         for row in rows {
             called[row] = true;
         }

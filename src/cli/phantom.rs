@@ -4,22 +4,23 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
+use willis::Network;
 use willis::error::{Error, Result};
-use willis::internals::candidates;
+use willis::internals::candidates::NEAREST;
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::convert::Target;
 use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops};
 use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::{Network, Origin, fragments};
+use willis::internals::network::{Origin, fragments};
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::internals::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without};
 
+use super::args::figures::{length, whole};
 use super::convert::{check, put};
+use super::print::{Terminal, count, plural};
 use super::shell::print_json;
-use super::terminal::{Terminal, count, plural};
-use super::typed::{length, whole};
 
 /// Make test anatomy with a known answer
 ///
@@ -69,7 +70,7 @@ impl PhantomArgs {
         if self.broken && target.format != Format::Swc && !graph {
             let or = if kind.has_any_size() { ", .graphml or .csv" } else { "" };
             let accepted = format!("expected an ending .swc{or} for a broken extraction");
-            return Err(Error::parameter("--output", self.output.display(), accepted));
+            return Err(Error::parameter("output", self.output.display(), accepted));
         }
         let network = self.anatomy(kind, &recipe, terminal)?;
         match (self.broken, kind.gaps(&recipe)) {
@@ -98,11 +99,11 @@ impl PhantomArgs {
     fn recipe(&self, kind: Kind) -> Result<Recipe> {
         if self.seed.is_some() && !self.broken && !kind.has_any_size() {
             let accepted = format!("{kind} is always the same; expected with --break, arterial or capillary");
-            return Err(Error::parameter("--seed", self.seed.unwrap_or_default(), accepted));
+            return Err(Error::parameter("seed", self.seed.unwrap_or_default(), accepted));
         }
         if kind.has_any_size() && !self.without.is_empty() {
             let accepted = format!("the vessels of {kind} have no labels; expected with another phantom");
-            return Err(Error::parameter("--without", self.without.join(","), accepted));
+            return Err(Error::parameter("without", self.without.join(","), accepted));
         }
         let spacing = length("--spacing", self.spacing.as_ref())?;
         Ok(Recipe { spacing, edges: self.edges, seed: self.seed.unwrap_or_default() })
@@ -141,7 +142,7 @@ impl PhantomArgs {
         terminal: Terminal,
         force: bool,
     ) -> Result<()> {
-        let (graph, truth) = over_connected(network, gaps, candidates::CandidateOptions::default().k)?;
+        let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let answer = StagedFile::new(&sibling(&self.output, "truth.json"), force)?;
         write_file(&answer.path(), |out| truth.write_json(out))?;
         let (names, _) = put(&graph, target, terminal, force)?;

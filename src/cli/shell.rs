@@ -9,7 +9,7 @@ use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 
 use super::Cli;
-use super::terminal::{Terminal, plural};
+use super::print::{Terminal, plural};
 
 /// Print shell completions
 #[derive(Debug, Args)]

@@ -4,22 +4,29 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use willis::error::Result;
-use willis::internals::output::StagedFolder;
-use willis::internals::report::figures::{DEFAULT_DPI, check_dpi};
-use willis::internals::report::{FlowRecord, Simulated, write_simulated};
-use willis::internals::simulation::simulate;
+use willis::error::{Error, Result};
+use willis::internals::network::quantity::Dimension;
+use willis::internals::output::atomic::StagedFolder;
+use willis::internals::report::figures::DEFAULT_DPI;
+use willis::{Change, FlowOptions, SaveOptions, Stenosis, read, simulate_with};
 
-use super::boundary::{BoundaryArgs, say_boundary};
-use super::perturbation::PerturbationArgs;
-use super::reading::InputArgs;
+use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::figures::{viscosity, whole};
+use super::args::reading::InputArgs;
+use super::checkpoint::Follower;
+use super::command_line::command_line;
+use super::print::flow::say_simulated;
+use super::print::{Terminal, say_read};
 use super::shell::print_json;
-use super::tell_flow::say_simulated;
-use super::terminal::Terminal;
-use super::typed::{viscosity, whole};
+
+const SEVERITY: &str =
+    "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";
 
 /// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis simulate circle.graphml -o flow
+  willis simulate circle.graphml -o stenosis --stenosis \"L-ICA I=70%\" --occlude L-PComm")]
 pub struct SimulateArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -27,49 +34,112 @@ pub struct SimulateArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     /// Blood viscosity
-    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP")]
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", hide_short_help = true)]
     viscosity: String,
     /// Resolution of the picture
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true, help_heading = "Answer")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true,
+        help_heading = "Answer", hide_short_help = true)]
     dpi: u32,
     /// Print run.json on standard output too
-    #[arg(long, help_heading = "Answer")]
+    #[arg(long, help_heading = "Answer", hide_short_help = true)]
     json: bool,
     #[command(flatten)]
-    perturbation: PerturbationArgs,
+    changes: ChangeArgs,
     #[command(flatten)]
     boundary: BoundaryArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Perturbations (VESSEL is a label, or edge:ROW; several with commas)")]
+struct ChangeArgs {
+    /// Narrow a vessel by a share of its diameter, or of its area; @ narrows a stretch of it only
+    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', allow_hyphen_values = true)]
+    stenosis: Vec<String>,
+    /// Close a vessel
+    #[arg(long, value_name = "VESSEL", value_delimiter = ',', allow_hyphen_values = true)]
+    occlude: Vec<String>,
+    /// Lengthen a vessel by a factor of at least 1
+    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', allow_hyphen_values = true)]
+    tortuosity: Vec<String>,
 }
 
 impl SimulateArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let viscosity = viscosity(&self.viscosity)?;
-        let outlets = self.boundary.found_outlets(false)?;
-        self.perturbation.check()?;
-        check_dpi(self.dpi)?;
-        self.input.refuse_candidates("simulate")?;
+        let path = &self.input.input;
+        let boundary = for_input(&self.boundary.options()?, path);
+        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)? };
+        let changes = self.changes.parse()?;
+        let save = SaveOptions { dpi: self.dpi };
+        save.validate()?;
+        self.input.reading.refuse_candidates("simulate")?;
         StagedFolder::check(&self.output, force)?;
 
-        let loaded = self.input.load(terminal)?;
-        let network = &loaded.network;
-        let perturbations = self.perturbation.resolve(network)?;
-        let boundary = self.boundary.resolve(&self.input.input, network, outlets, terminal)?;
-        say_boundary(terminal, network, &boundary);
-        let result = simulate(network, &boundary, viscosity, &perturbations)?;
-        let simulated = Simulated { network, boundary: &boundary, perturbations: &perturbations, result: &result, viscosity };
-        let record = FlowRecord::new(&simulated, &loaded.provenance, loaded.radius_rule, outlets);
-        say_simulated(terminal, &simulated);
-
-        let folder = StagedFolder::new(&self.output, force)?;
-        for note in write_simulated(&folder.path(), &simulated, &record, self.dpi)? {
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
+        say_read(terminal, &input, self.input.reading.units.is_none());
+        let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
+        say_simulated(terminal, &run.simulated());
+        for note in run.save(&self.output, force, &save)? {
             terminal.say("note", note);
         }
-        folder.commit()?;
         if self.json {
-            print_json(&record)?;
+            print_json(&run.record())?;
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
+}
+
+impl ChangeArgs {
+    /// What is to be done to which vessels.
+    fn parse(&self) -> Result<Vec<(&str, Change)>> {
+        let refused = |option: &'static str, text: &str| {
+            let value = format!("\"{text}\"");
+            move |why: String| Error::parameter(option, value, why)
+        };
+        let mut changes = Vec::new();
+        for text in &self.stenosis {
+            changes.push(stenosis(text).map_err(refused("stenosis", text))?);
+        }
+        changes.extend(self.occlude.iter().map(|name| (name.as_str(), Change::Occlusion)));
+        for text in &self.tortuosity {
+            changes.push(tortuosity(text).map_err(refused("tortuosity", text))?);
+        }
+        Ok(changes)
+    }
+}
+
+/// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.
+fn stenosis(text: &str) -> Result<(&str, Change), String> {
+    let (name, value) = text.rsplit_once('=').ok_or(SEVERITY)?;
+    let (severity, stretch) = match value.split_once('@') {
+        None => (value, None),
+        Some((severity, place)) => (severity, Some(stretch(place)?)),
+    };
+    let (of_area, percent) = severity.trim().strip_prefix("area:").map_or((false, severity.trim()), |rest| (true, rest));
+    let percent: f64 = percent.strip_suffix('%').and_then(|digits| digits.trim().parse().ok()).ok_or(SEVERITY)?;
+    if percent >= 100.0 {
+        return Err("leaves nothing open; expected a reduction below 100%, or --occlude to close the vessel".into());
+    }
+    if percent.is_nan() || percent < 0.0 {
+        return Err("expected a reduction from 0% to below 100%".into());
+    }
+    let reduction = percent / 100.0;
+    let narrowed = if of_area { Stenosis::of_area(reduction) } else { Stenosis::of_diameter(reduction) };
+    Ok((name, Change::Stenosis(stretch.map_or(narrowed, |length| narrowed.over(length)))))
+}
+
+/// The length (m) in `mid:10mm`, `start:10mm` or `end:10mm`: where the stretch lies makes no difference to a steady flow.
+fn stretch(place: &str) -> Result<f64, String> {
+    let length = ["mid:", "start:", "end:"].iter().find_map(|word| place.trim().strip_prefix(word)).ok_or(SEVERITY)?;
+    let length = Dimension::Length.parse(length)?;
+    if length > 0.0 { Ok(length) } else { Err("expected a positive length of the narrowed stretch, such as @mid:10mm".into()) }
+}
+
+/// `VESSEL=FACTOR`.
+fn tortuosity(text: &str) -> Result<(&str, Change), String> {
+    const ACCEPTED: &str = "expected VESSEL=FACTOR with a factor of length of at least 1, such as 1.3";
+    let (name, factor) = text.rsplit_once('=').ok_or(ACCEPTED)?;
+    let factor: f64 = factor.trim().parse().map_err(|_| ACCEPTED)?;
+    if factor.is_finite() && factor >= 1.0 { Ok((name, Change::Tortuosity(factor))) } else { Err(ACCEPTED.into()) }
 }

@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Fault, Result};
 use willis::internals::output::is_cohort_file;
-use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE};
+use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 
 use super::Cli;
-use super::run::Run;
 
 /// The longest name of a folder, in characters.
 const LONGEST: usize = 80;
@@ -35,6 +34,11 @@ pub enum Inputs {
     Many(Vec<Subject>),
 }
 
+/// Whether a path is the folder of a run.
+fn is_run(path: &Path) -> bool {
+    path.join(RECORD).is_file()
+}
+
 /// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern.
 ///
 /// # Errors
@@ -52,13 +56,13 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     let is_input = |path: &Path| path.is_file() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
     let given: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
-    let found = paths(&given, "file", |path| is_input(path) || Run::stands_in(path))?;
+    let found = paths(&given, "file", |path| is_input(path) || is_run(path))?;
     Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
 }
 
 /// Refuses a folder that is no run, with what in it may be meant.
 fn check_folder(path: &Path) -> Result<()> {
-    if !path.is_dir() || Run::stands_in(path) {
+    if !path.is_dir() || is_run(path) {
         return Ok(());
     }
     let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));

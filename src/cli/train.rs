@@ -16,11 +16,11 @@ use willis::internals::training::{
     Case, CrossValidation, Example, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
 };
 
-use super::provenance::command_line;
+use super::args::figures::whole;
+use super::command_line::command_line;
+use super::print::notes::say_notes;
+use super::print::{Terminal, count, plural};
 use super::shell::print_json;
-use super::tell_notes::say_notes;
-use super::terminal::{Terminal, count, plural};
-use super::typed::whole;
 
 /// Fit the evidence model to extractions whose right links are known
 ///
@@ -84,7 +84,7 @@ impl TrainArgs {
             })?;
             validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
         }
-        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line());
+        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
         weights.provenance.figures.clone_from(&validated.figures);
         weights.provenance.folds.clone_from(&validated.folds);
         let folds = if self.save_folds { validated.weights } else { Vec::new() };
@@ -107,7 +107,7 @@ impl TrainArgs {
     fn params(&self) -> Result<TrainParams> {
         let all = TrainParams::default().iterations;
         if !(1..=all.len()).contains(&self.passes) {
-            return Err(Error::parameter("--passes", self.passes, format!("expected a number from 1 to {}", all.len())));
+            return Err(Error::parameter("passes", self.passes, format!("expected a number from 1 to {}", all.len())));
         }
         let params = TrainParams { l2: self.l2, iterations: all[..self.passes].to_vec(), ..TrainParams::default() };
         params.validate()?;
@@ -117,10 +117,10 @@ impl TrainArgs {
     /// The files to write: the weights, then those of the folds.
     fn outputs(&self) -> Result<Vec<PathBuf>> {
         if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
-            return Err(Error::parameter("--output", self.output.display(), "expected an ending .toml"));
+            return Err(Error::parameter("output", self.output.display(), "expected an ending .toml"));
         }
         if self.save_folds && self.folds == 0 {
-            return Err(Error::parameter("--save-folds", "", "goes with --folds of 2 or more"));
+            return Err(Error::parameter("save_folds", "", "goes with --folds of 2 or more"));
         }
         let folds = if self.save_folds { self.folds } else { 0 };
         let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
@@ -186,7 +186,7 @@ fn summary(cases: &[Case], outputs: &[String], figures: &[Figures]) -> Value {
     });
     json!({
         "willis": env!("CARGO_PKG_VERSION"),
-        "command": command_line(),
+        "command": command_line("again.toml"),
         "output": outputs,
         "cases": cases.len(),
         "figures": figures.collect::<Vec<Value>>(),

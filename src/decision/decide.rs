@@ -79,7 +79,7 @@ fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
         return Ok(probabilities(network));
     }
     let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
-    Err(Error::parameter("--keep", rule, accepted))
+    Err(Error::parameter("keep", rule, accepted))
 }
 
 /// Per vessel whether its probability is near the cut.

@@ -1,11 +1,18 @@
 //! Which likelihood is enough: the median of the paper, and other rules.
 
+use std::fmt;
+use std::str::FromStr;
+
+use super::most_probable_forest::ROOT_FACTOR;
 use crate::error::{Error, Result};
 use crate::sampling::likelihood::Likelihood;
 use crate::support::statistics::{median, otsu, quantile};
+use crate::support::suggestions::did_you_mean;
 
-/// The rule that decides which uncertain vessels stay.
+/// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
+/// `probability=0.5`, `probable` or `probable=0.5`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Keep {
     /// L above the median of the uncertain vessels with L > 0 (the paper).
     #[default]
@@ -28,6 +35,79 @@ pub enum Keep {
 /// The largest root factor.
 const MOST_ROOT_FACTOR: f64 = 1000.0;
 
+const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+/// Rules that need a figure, with one such.
+const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
+
+impl fmt::Display for Keep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Median => f.write_str("median"),
+            Self::Quantile(q) => write!(f, "quantile={q}"),
+            Self::Value(x) => write!(f, "value={x}"),
+            Self::Otsu => f.write_str("otsu"),
+            Self::Frequency(x) => write!(f, "frequency={x}"),
+            Self::Probability(p) => write!(f, "probability={p}"),
+            Self::Probable(factor) => write!(f, "probable={factor}"),
+        }
+    }
+}
+
+impl From<Keep> for String {
+    fn from(rule: Keep) -> Self {
+        rule.to_string()
+    }
+}
+
+impl TryFrom<String> for Keep {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl FromStr for Keep {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let refused = |accepted: String| Error::parameter("keep", format!("\"{text}\""), accepted);
+        let unknown = || {
+            let word = text.split('=').next().unwrap_or_default();
+            let rules = ["probable", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
+            let meant = if rules.clone().any(|rule| rule == word) { String::new() } else { did_you_mean(word, rules) };
+            refused(format!("{meant}{ACCEPTED}"))
+        };
+        if let Some((rule, figure)) = WITH_FIGURE.iter().find(|(rule, _)| text.trim_end_matches('=') == *rule) {
+            return Err(refused(format!("needs a figure, as in {rule}={figure}")));
+        }
+        let number = |figure: &str| figure.parse::<f64>().map_err(|_| unknown());
+        let share = |figure: &str| {
+            let (digits, is_percent) = figure.strip_suffix('%').map_or((figure, false), |digits| (digits, true));
+            let x = number(digits)?;
+            if !is_percent && (0.0..=1.0).contains(&x) {
+                return Ok(x);
+            }
+            let rule = text.trim_end_matches(figure);
+            let meant = if (1.0..=100.0).contains(&x) { format!(", such as {rule}{}", x / 100.0) } else { String::new() };
+            Err(refused(format!("expected a number from 0 to 1{meant}")))
+        };
+        let rule = match text.split_once('=') {
+            None if text == "median" => Self::Median,
+            None if text == "otsu" => Self::Otsu,
+            None if text == "probable" => Self::Probable(ROOT_FACTOR),
+            Some(("probable", factor)) => Self::Probable(number(factor)?),
+            Some(("quantile", q)) => Self::Quantile(share(q)?),
+            Some(("value", x)) => Self::Value(number(x)?),
+            Some(("frequency", f)) => Self::Frequency(share(f)?),
+            Some(("probability", p)) => Self::Probability(share(p)?),
+            _ => return Err(unknown()),
+        };
+        rule.validate()?;
+        Ok(rule)
+    }
+}
+
 impl Keep {
     /// Checks the figure of the rule.
     ///
@@ -37,11 +117,11 @@ impl Keep {
     pub fn validate(self) -> Result<()> {
         match self {
             Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) if !(0.0..=1.0).contains(&q) => {
-                Err(Error::parameter("--keep", q, "expected a number from 0 to 1"))
+                Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
             }
-            Self::Value(x) if !x.is_finite() => Err(Error::parameter("--keep value", x, "expected a finite number of W/m3")),
+            Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),
             Self::Probable(x) if !(0.0..=MOST_ROOT_FACTOR).contains(&x) => {
-                Err(Error::parameter("--keep probable", x, format!("expected a number from 0 to {MOST_ROOT_FACTOR}")))
+                Err(Error::parameter("keep probable", x, format!("expected a number from 0 to {MOST_ROOT_FACTOR}")))
             }
             _ => Ok(()),
         }

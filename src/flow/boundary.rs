@@ -22,6 +22,7 @@ pub struct Given {
 
 /// What outlets that willis finds by itself are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FoundOutlets {
     /// Zero pressure, as in the paper.
     Ground,
@@ -38,8 +39,10 @@ impl FoundOutlets {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Total {
     /// They let this flow pass at the highest pressure of any condition, m³/s.
+    #[serde(rename = "flow_m3_per_s")]
     Flow(f64),
     /// Pa s/m³.
+    #[serde(rename = "resistance_Pa_s_per_m3")]
     Resistance(f64),
 }
 

@@ -18,7 +18,7 @@ pub fn check_viscosity(viscosity: f64) -> Result<()> {
     if viscosity.is_normal() && viscosity > 0.0 {
         return Ok(());
     }
-    Err(Error::parameter("--viscosity", centipoise(viscosity), "expected a positive number of cP"))
+    Err(Error::parameter("viscosity", centipoise(viscosity), "expected a positive number of cP"))
 }
 
 /// R = 8µl/(πr⁴), Pa s/m³, of a tube of length `length` (m) and radius `radius` (m) at `viscosity` (Pa s).

@@ -39,7 +39,7 @@ impl Target {
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
         let format = found.ok_or_else(|| {
             if let Some(word) = word {
-                return Error::parameter("--to", word, format!("expected one of {}", words()));
+                return Error::parameter("to", word, format!("expected one of {}", words()));
             }
             let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or --to FORMAT";
             Error::parameter("output", path.display(), accepted)

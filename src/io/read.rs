@@ -3,6 +3,8 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::format::{Format, HEAD, format_of};
 use super::unit_check::{check_extent, unit_check};
 use super::xml;
@@ -40,25 +42,61 @@ pub struct Document {
 }
 
 /// How to read a file.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array with
-    /// "area" in its name holds areas.
+    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array
+    /// with "area" in its name holds areas.
     pub radius_array: Option<String>,
-    /// Whether vessels may lack any radius.
-    pub radius_optional: bool,
+    /// Which radius stands for a vessel.
+    #[serde(rename = "radius")]
+    pub radius_rule: RadiusRule,
+    /// The radius of vessels that have none, m, positive; without it such a vessel is an error.
+    #[serde(rename = "default_radius_m")]
+    pub default_radius: Option<f64>,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
     pub loops: Option<PathBuf>,
+    /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
+    pub observed: bool,
     /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        let scale = Scale::default();
-        Self { scale, radius_array: None, radius_optional: false, loops: None, max_input: MAX_INPUT }
+        Self {
+            scale: Scale::default(),
+            radius_array: None,
+            radius_rule: RadiusRule::default(),
+            default_radius: None,
+            loops: None,
+            observed: false,
+            max_input: MAX_INPUT,
+        }
+    }
+}
+
+impl ReadOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        self.scale.validate()?;
+        match self.default_radius {
+            Some(m) if !(m.is_finite() && m > 0.0) => {
+                Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether vessels may lack any radius.
+    pub(crate) fn radius_optional(&self) -> bool {
+        self.default_radius.is_some()
     }
 }
 
@@ -73,7 +111,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = &mut content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
-            return Err(Error::parameter("--loops", loops.display(), accepted));
+            return Err(Error::parameter("loops", loops.display(), accepted));
         };
         let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;

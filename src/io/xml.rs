@@ -101,8 +101,8 @@ impl<R: BufRead> Events<R> {
                     self.depth -= 1;
                     return Ok(Some(Step::End));
                 }
-                Ok(Event::Text(text)) if inside => put(&mut self.part, &text.xml10_content()),
-                Ok(Event::CData(text)) if inside => put(&mut self.part, &text.xml10_content()),
+                Ok(Event::Text(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
+                Ok(Event::CData(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
                 Ok(Event::GeneralRef(name)) if inside => {
                     self.part.clear();
                     match name.resolve_char_ref().map_err(|error| broken(&error))? {
@@ -230,11 +230,6 @@ impl Tag {
             Some(byte) => Err(Fault::line(self.line, format!("attribute {name}: character {byte}"), ACCEPTED)),
         }
     }
-}
-
-fn put(part: &mut String, text: &str) {
-    part.clear();
-    part.push_str(text);
 }
 
 /// Whether XML forbids a character.

@@ -16,7 +16,8 @@ pub struct Class {
 }
 
 /// What a modulation by u means. The paper names the classes and leaves this open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Reading {
     /// The resistance grows: R (1 + u).
     #[default]

@@ -48,10 +48,10 @@ impl ModulationOptions {
     pub fn validate(&self) -> Result<()> {
         let count = self.classes.len();
         if count == 0 || count > MOST_CLASSES {
-            return Err(Error::parameter("--classes", format!("of {count}"), format!("expected 1 to {MOST_CLASSES} classes")));
+            return Err(Error::parameter("classes", format!("of {count}"), format!("expected 1 to {MOST_CLASSES} classes")));
         }
         for (at, class) in self.classes.iter().enumerate() {
-            let refused = |why: &str| Error::parameter("--classes", class, why);
+            let refused = |why: &str| Error::parameter("classes", class, why);
             if class.low >= class.high {
                 return Err(refused("the class ends before it begins; expected LOW:HIGH with 0 <= low < high < 1"));
             }
@@ -63,7 +63,7 @@ impl ModulationOptions {
             }
         }
         if self.samples == 0 || self.samples > MOST_SAMPLES {
-            return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^24"));
+            return Err(Error::parameter("samples", self.samples, "expected a number from 1 to 2^24"));
         }
         check_viscosity(self.viscosity)
     }
@@ -83,11 +83,11 @@ mod tests {
             (class(-0.1, 0.2), "-0.1:0.2: expected LOW:HIGH with 0 <= low < high < 1"),
             (class(0.5, 1.0), "0.5:1: expected"),
             (class(f64::NAN, 0.5), "NaN:0.5: expected"),
-            (ModulationOptions { classes: Vec::new(), ..ModulationOptions::default() }, "--classes of 0"),
+            (ModulationOptions { classes: Vec::new(), ..ModulationOptions::default() }, "classes of 0"),
             (ModulationOptions { classes: twice, ..ModulationOptions::default() }, "0:0.2: given twice"),
-            (ModulationOptions { samples: 0, ..ModulationOptions::default() }, "--samples 0"),
-            (ModulationOptions { samples: 1 << 25, ..ModulationOptions::default() }, "--samples 33554432"),
-            (ModulationOptions { viscosity: 0.0, ..ModulationOptions::default() }, "--viscosity 0"),
+            (ModulationOptions { samples: 0, ..ModulationOptions::default() }, "samples 0"),
+            (ModulationOptions { samples: 1 << 25, ..ModulationOptions::default() }, "samples 33554432"),
+            (ModulationOptions { viscosity: 0.0, ..ModulationOptions::default() }, "viscosity 0"),
         ];
         for (params, words) in cases {
             let said = params.validate().expect_err("refused").to_string();

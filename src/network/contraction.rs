@@ -9,6 +9,7 @@ use crate::support::geometry::distance;
 
 /// Which single radius a vessel gets from the radii along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RadiusRule {
     /// The mean over arc length, r = (1/l) ∫ r dz (Moriconi et al. 2019, eq. 1), by the trapezoid rule.
     #[default]

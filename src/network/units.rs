@@ -74,27 +74,34 @@ pub fn centipoise(pascal_seconds: f64) -> f64 {
 }
 
 /// The unit of the coordinates and radii in an input file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum LengthUnit {
     /// Millimetres, the default for every format.
     #[default]
+    #[serde(rename = "mm")]
     Millimetre,
     /// Micrometres.
+    #[serde(rename = "um")]
     Micrometre,
     /// Centimetres.
+    #[serde(rename = "cm")]
     Centimetre,
     /// Metres.
+    #[serde(rename = "m")]
     Metre,
     /// Voxels, made millimetres by [`Scale::spacing`].
+    #[serde(rename = "voxel")]
     Voxel,
 }
 
 /// How the coordinates and radii of an input file become millimetres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Scale {
     /// The file's unit.
     pub unit: LengthUnit,
     /// Voxel spacing in mm along x, y and z; needed with [`LengthUnit::Voxel`].
+    #[serde(rename = "spacing_mm")]
     pub spacing: Option<[f64; 3]>,
 }
 
@@ -122,11 +129,11 @@ impl Scale {
         let refused = |accepted: &str| {
             let given = self.spacing.unwrap_or_default().map(|x| x.to_string());
             let given = if given.iter().all(|x| *x == given[0]) { given[0].clone() } else { given.join(",") };
-            Err(Error::parameter("--spacing", given, accepted))
+            Err(Error::parameter("spacing", given, accepted))
         };
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
-                Err(Error::parameter("--units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
+                Err(Error::parameter("units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
             }
             (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")

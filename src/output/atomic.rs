@@ -31,7 +31,7 @@ fn check_vacant(target: &Path, force: bool) -> Result<()> {
                 _ => String::new(),
             };
             let accepted = format!("cannot be made: nothing can be written into {}{why}", folder.display());
-            Err(Error::parameter("--output", target.display(), accepted))
+            Err(Error::parameter("output", target.display(), accepted))
         }
     }
 }
@@ -77,7 +77,7 @@ impl StagedFolder {
             Some(path) => {
                 let accepted =
                     format!("--force replaces only a folder of an earlier run, and {} is not one of its files", path.display());
-                Err(Error::parameter("--output", target.display(), accepted))
+                Err(Error::parameter("output", target.display(), accepted))
             }
         }
     }
@@ -174,7 +174,7 @@ impl StagedFile {
 
     fn check_target(target: &Path, force: bool) -> Result<()> {
         if target.is_dir() {
-            return Err(Error::parameter("--output", target.display(), "is a folder; expected a file name"));
+            return Err(Error::parameter("output", target.display(), "is a folder; expected a file name"));
         }
         check_vacant(target, force)
     }

@@ -240,7 +240,7 @@ impl LockError {
         match self {
             Self::Busy(process) => {
                 let accepted = format!("another willis{process} is writing there; wait for it, or choose another --output");
-                Error::parameter("--output", target.display(), accepted)
+                Error::parameter("output", target.display(), accepted)
             }
             Self::System(source) => Error::Write { path: target.to_owned(), source },
         }

@@ -2,7 +2,7 @@
 
 pub mod atomic;
 mod files;
-mod in_progress;
+pub mod in_progress;
 pub mod names;
 mod ownership;
 pub mod partial_run;

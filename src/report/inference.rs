@@ -17,7 +17,7 @@ use crate::network::{Condition, Network, Role, fragments};
 use crate::output::atomic::write_file;
 use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
-use crate::sampling::{Likelihood, Method, Snapshot, Weight};
+use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
 /// how many.
@@ -62,6 +62,12 @@ pub struct Outcome<'a> {
     pub expected: Option<ExpectedErrors>,
     /// Whether A = 1 was used instead of the vessels' own priors.
     pub uniform_prior: bool,
+    /// The options of sampling.
+    pub epsilon: f64,
+    /// The seed.
+    pub seed: u64,
+    /// Which vessels were uncertain.
+    pub uncertain: Uncertain,
     /// What a vessel of the forest contributed.
     pub weight: Weight,
     /// Whether every pattern was enumerated.

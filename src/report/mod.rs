@@ -12,5 +12,5 @@ mod simulation;
 pub use inference::{Outcome, agreement, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
-pub use record::{Provenance, Summary, candidate_parameters, outlets_found, word_of_keep};
+pub use record::{Provenance, Summary, outlets_found};
 pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, write_simulated};

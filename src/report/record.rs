@@ -7,16 +7,15 @@ use serde_json::{Value, json};
 
 use super::inference::Outcome;
 use crate::candidates;
-use crate::candidates::{Attach, CandidateRadius};
-use crate::decision::{Keep, Topology, UNDECIDED_BAND, UNDECIDED_Z};
+use crate::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use crate::flow::boundary::Total;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Condition, Network, Origin, Role, fragments};
-use crate::sampling::{SamplingOptions, Weight};
+use crate::sampling::Weight;
 
 /// Where a run comes from.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The command line that repeats the run, without what changes no result.
     pub command: String,
@@ -39,6 +38,8 @@ pub struct Summary {
     command: String,
     input: Value,
     seed: u64,
+    /// The options as they were given; every later command reads these back.
+    options: Value,
     parameters: Value,
     boundary_conditions: Vec<Value>,
     counts: Value,
@@ -62,19 +63,6 @@ pub enum Built<'a> {
     Given,
     /// Candidates were added.
     Candidates(&'a candidates::CandidateOptions),
-}
-
-/// The rule as `--keep` takes it.
-pub fn word_of_keep(keep: Keep) -> String {
-    match keep {
-        Keep::Median => "median".into(),
-        Keep::Quantile(q) => format!("quantile={q}"),
-        Keep::Value(x) => format!("value={x}"),
-        Keep::Otsu => "otsu".into(),
-        Keep::Frequency(f) => format!("frequency={f}"),
-        Keep::Probability(p) => format!("probability={p}"),
-        Keep::Probable(f) => format!("probable={f}"),
-    }
 }
 
 /// The unit of L.
@@ -107,8 +95,8 @@ pub fn candidate_parameters(built: Built<'_>) -> Value {
     json!({
         "k": p.k,
         "max_gap_mm": p.max_gap.map(millimetres),
-        "attach": match p.attach { Attach::Centerline => "centerline", Attach::Ends => "ends" },
-        "candidate_radius": match p.radius { CandidateRadius::Min => "min", CandidateRadius::Mean => "mean" },
+        "attach": p.attach,
+        "candidate_radius": p.radius,
         "max_candidate_radius_mm": p.max_radius.map(millimetres),
         "radius": p.radius_rule.name(),
     })
@@ -158,17 +146,11 @@ impl Summary {
         self.parameters["prior"] = prior;
     }
 
-    /// Marks the preset of the paper, and what was chosen where the paper is silent.
-    pub fn follow_the_paper(&mut self) {
-        self.parameters["preset"] = json!("paper");
-        self.parameters["our_choice_where_the_paper_is_silent"] = json!(["k", "candidate_radius"]);
-    }
-
     /// Gathers the record of a run.
     pub fn new(
         outcome: &Outcome<'_>,
         provenance: &Provenance,
-        params: &SamplingOptions,
+        options: &impl Serialize,
         built: Built<'_>,
         outlets: FoundOutlets,
     ) -> Self {
@@ -180,15 +162,16 @@ impl Summary {
             willis: env!("CARGO_PKG_VERSION"),
             command: provenance.command.clone(),
             input: provenance.of_input(),
-            seed: params.seed,
+            seed: outcome.seed,
+            options: json!(options),
             parameters: json!({
-                "epsilon": params.epsilon,
+                "epsilon": outcome.epsilon,
                 "samples": result.samples,
-                "exact": params.exact,
-                "uncertain": params.uncertain.name(),
-                "weight": params.weight.name(),
-                "keep": word_of_keep(outcome.rule),
-                "viscosity_cP": centipoise(params.viscosity),
+                "exact": outcome.exact,
+                "uncertain": outcome.uncertain.name(),
+                "weight": outcome.weight.name(),
+                "keep": outcome.rule,
+                "viscosity_cP": centipoise(outcome.viscosity),
                 "outlets_found": outlets_found(outlets),
                 "candidates": candidate_parameters(built),
             }),
@@ -205,7 +188,7 @@ impl Summary {
                 "topology_median": topology(&outcome.above_median),
                 "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),
             }),
-            threshold: json!({ "rule": word_of_keep(outcome.rule), "value": answer.threshold, "median": answer.median }),
+            threshold: json!({ "rule": outcome.rule, "value": answer.threshold, "median": answer.median }),
             convergence: json!({
                 "undecided": answer.undecided.len(),
                 "undecided_edges": answer.undecided,

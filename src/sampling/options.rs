@@ -8,6 +8,7 @@ use crate::network::{Network, Origin, Vessel};
 
 /// Which vessels are uncertain: occluded at random, and to be decided on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Uncertain {
     /// The candidates; observed vessels are never occluded.
     #[default]
@@ -36,6 +37,7 @@ impl Uncertain {
 
 /// What a vessel of the forest contributes to L.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Weight {
     /// Its resilience ρ, as in the paper.
     #[default]
@@ -71,6 +73,7 @@ impl Weight {
 
 /// The solver of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Solver {
     /// The fastest that the structure of the graph allows.
     #[default]
@@ -85,6 +88,7 @@ pub enum Solver {
 
 /// The parameters of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SamplingOptions {
     /// Occlusion probability ε in [0, 1).
     pub epsilon: f64,
@@ -99,6 +103,7 @@ pub struct SamplingOptions {
     /// Whether A = 1 everywhere instead of the prior of each vessel.
     pub uniform_prior: bool,
     /// Blood viscosity µ, Pa s, positive.
+    #[serde(rename = "viscosity_Pa_s")]
     pub viscosity: f64,
     /// The solver.
     pub solver: Solver,
@@ -138,10 +143,10 @@ impl SamplingOptions {
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
         if !(0.0..1.0).contains(&self.epsilon) {
-            return Err(Error::parameter("--epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
+            return Err(Error::parameter("epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
         }
         if self.samples == 0 || self.samples > 1 << 50 {
-            return Err(Error::parameter("--samples", self.samples, "expected a number from 1 to 2^50"));
+            return Err(Error::parameter("samples", self.samples, "expected a number from 1 to 2^50"));
         }
         check_viscosity(self.viscosity)
     }

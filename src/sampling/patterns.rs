@@ -32,7 +32,7 @@ impl Patterns {
         }
         let refused = |uncertain| {
             let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without --exact");
-            Error::parameter("--exact", format!("with {uncertain} uncertain vessels"), accepted)
+            Error::parameter("exact", format!("with {uncertain} uncertain vessels"), accepted)
         };
         Enumeration::new(&keep).map(Self::Enumerated).map_err(refused)
     }

@@ -44,12 +44,12 @@ pub struct Simulation {
 }
 
 impl Change {
-    /// The option of the command line that asks for it.
-    fn option(&self) -> &'static str {
+    /// The name of the change, as errors say it.
+    pub fn field(&self) -> &'static str {
         match self {
-            Self::Stenosis(_) => "--stenosis",
-            Self::Occlusion => "--occlude",
-            Self::Tortuosity(_) => "--tortuosity",
+            Self::Stenosis(_) => "stenosis",
+            Self::Occlusion => "occlude",
+            Self::Tortuosity(_) => "tortuosity",
         }
     }
 }
@@ -81,14 +81,14 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
     let mut tubes = at_rest.to_vec();
     let mut lengths: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.length).collect();
     for (at, Perturbation { vessel, change }) in perturbations.iter().enumerate() {
-        let same = |p: &&Perturbation| p.vessel == *vessel && p.change.option() == change.option();
+        let same = |p: &&Perturbation| p.vessel == *vessel && p.change.field() == change.field();
         if perturbations[..at].iter().any(|p| same(&p)) {
             let accepted = "is given twice; expected one perturbation of a kind on a vessel";
-            return Err(Error::parameter(change.option(), network.vessel_name(*vessel), accepted));
+            return Err(Error::parameter(change.field(), network.vessel_name(*vessel), accepted));
         }
         if let Change::Tortuosity(factor) = change {
             if !(factor.is_finite() && *factor >= 1.0) {
-                return Err(Error::parameter("--tortuosity", factor, "expected a factor of length of at least 1"));
+                return Err(Error::parameter("tortuosity", factor, "expected a factor of length of at least 1"));
             }
             lengths[*vessel] *= factor;
             tubes[*vessel] = tubes[*vessel].times(&Factors::of_length(*factor));
@@ -112,11 +112,11 @@ fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> 
     let open = stenosis.open_diameter;
     if !(open > 0.0 && open <= 1.0) {
         let reduction = format!("{}%", 100.0 * (1.0 - open));
-        return Err(Error::parameter("--stenosis", reduction, "expected a reduction from 0% to below 100%; see --occlude"));
+        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; see --occlude"));
     }
     match stenosis.stretch {
         Some(stretch) if !(stretch > 0.0 && stretch <= length) => Err(Error::parameter(
-            "--stenosis",
+            "stenosis",
             format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel)),
             format!("expected a positive length of at most the vessel's, {} mm", millimetres(length)),
         )),

@@ -74,7 +74,7 @@ pub fn check_folds(cases: &[&Case], folds: usize) -> Result<()> {
             n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
             _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
         };
-        return Err(Error::parameter("--folds", folds, accepted));
+        return Err(Error::parameter("folds", folds, accepted));
     }
     Ok(())
 }

@@ -47,7 +47,7 @@ impl TrainParams {
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
         if !(0.0..=1e6).contains(&self.l2) {
-            return Err(Error::parameter("--l2", self.l2, "expected a number from 0 to 1e6"));
+            return Err(Error::parameter("l2", self.l2, "expected a number from 0 to 1e6"));
         }
         if self.iterations.is_empty() || self.iterations.contains(&0) {
             let accepted = "expected one pass at least, of one iteration at least";

@@ -629,7 +629,7 @@ fn real_tracings_have_the_segments_of_their_tables() {
     assert!(patients.len() > 20);
     let mut wrong = Vec::new();
     for patient in &patients {
-        let options = ReadOptions { radius_optional: true, ..ReadOptions::default() };
+        let options = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
         let document = read(&patient.join("Feature_Vessel.csv"), &options).unwrap();
         let Content::Centerlines(mut lines) = document.content else { panic!("no centerlines") };
         lines.weld(WELD_TOLERANCE);

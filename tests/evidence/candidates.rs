@@ -125,7 +125,7 @@ fn excluded_pairs_are_not_joined() {
             assert!(!on_own, "{end} to {other} on its own vessel");
             assert!(params.attach == Attach::Centerline || is_free[other]);
         }
-        assert!(from.into_iter().all(|n| n <= params.k));
+        assert!(from.into_iter().all(|n| n <= params.k.unwrap_or(NEAREST)));
     });
 }
 
@@ -209,7 +209,7 @@ fn ends_are_joined_to_their_nearest_neighbours() {
             let mut near: Vec<(f64, usize)> =
                 others.map(|o| (distance(position(network, *end), position(network, *o)), *o)).filter(|n| n.0 <= reach).collect();
             near.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            expected.extend(near.iter().take(params.k).map(|(_, o)| [*end.min(o), *end.max(o)]));
+            expected.extend(near.iter().take(params.k.unwrap_or(NEAREST)).map(|(_, o)| [*end.min(o), *end.max(o)]));
         }
         let got: BTreeSet<[usize; 2]> = candidates(graph).iter().map(|(a, b, _)| [*a.min(b), *a.max(b)]).collect();
         assert_eq!(got, expected);
@@ -227,7 +227,7 @@ fn joined(graph: &Network) -> BTreeSet<[[i64; 3]; 2]> {
 /// their nearest point, and then the k-th place goes by row).
 #[test]
 fn the_order_and_direction_of_vessels_is_irrelevant() {
-    let all = CandidateOptions { k: 1000, ..CandidateOptions::default() };
+    let all = CandidateOptions { k: Some(1000), ..CandidateOptions::default() };
     for params in [all, CandidateOptions { attach: Attach::Ends, ..CandidateOptions::default() }] {
         for seed in 0..20 {
             let mut draw = Draw::new(seed);
@@ -336,13 +336,13 @@ fn equal_distances_come_in_node_order() {
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut vessels: Vec<_> = (0..4).map(|i| ([2 * i, 2 * i + 1], out(quarter * i as f64))).collect();
     vessels.push(([8, 9], Vessel::along(center.to_vec(), RadiusRule::Mean)));
-    let params = CandidateOptions { k: 2, attach: Attach::Ends, max_gap: Some(2.5e-3), ..CandidateOptions::default() };
+    let params = CandidateOptions { k: Some(2), attach: Attach::Ends, max_gap: Some(2.5e-3), ..CandidateOptions::default() };
     let graph = build(&located(vessels, Some(5e-4)), &params).unwrap();
     let from_center: Vec<usize> = candidates(&graph).iter().filter(|c| c.0 == 8).map(|c| c.1).collect();
     let to_center: BTreeSet<usize> = candidates(&graph).iter().filter(|c| c.1 == 8).map(|c| c.0).collect();
     // Every end sees the center alone within 2.5 mm; the center's own two are among those, met from the other side.
     assert_eq!((from_center, to_center), (vec![], BTreeSet::from([0, 2, 4, 6])));
-    let params = CandidateOptions { max_gap: Some(2.5e-3), k: 1, ..params };
+    let params = CandidateOptions { max_gap: Some(2.5e-3), k: Some(1), ..params };
     let mut vessels: Vec<_> = (0..4).map(|i| ([2 * i + 2, 2 * i + 3], out(quarter * i as f64))).collect();
     vessels.insert(0, ([0, 1], Vessel::along(center.to_vec(), RadiusRule::Mean)));
     let graph = build(&located(vessels, Some(5e-4)), &params).unwrap();
@@ -352,7 +352,7 @@ fn equal_distances_come_in_node_order() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let wrong = [
-        ("-k", CandidateOptions { k: 0, ..CandidateOptions::default() }),
+        ("k", CandidateOptions { k: Some(0), ..CandidateOptions::default() }),
         ("--max-gap", CandidateOptions { max_gap: Some(0.0), ..CandidateOptions::default() }),
         ("--max-candidate-radius", CandidateOptions { max_radius: Some(f64::NAN), ..CandidateOptions::default() }),
     ];

@@ -16,7 +16,7 @@ fn mm() -> ReadOptions {
 }
 
 fn optional() -> ReadOptions {
-    ReadOptions { radius_optional: true, ..ReadOptions::default() }
+    ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() }
 }
 
 /// A Y whose trunk has a name, and a parallel vessel.
@@ -326,6 +326,6 @@ fn the_trees_of_vtrails_are_read_from_matlab_s_hdf5() {
     for at in (0..whole.len()).step_by(5) {
         let mut spoiled = whole.clone();
         spoiled[at] ^= 0xa5;
-        let _ = read_vtrails(&spoiled, &ReadOptions { radius_optional: true, ..ReadOptions::default() });
+        let _ = read_vtrails(&spoiled, &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() });
     }
 }

@@ -30,7 +30,7 @@ fn mm() -> ReadOptions {
 }
 
 fn optional() -> ReadOptions {
-    ReadOptions { radius_optional: true, ..ReadOptions::default() }
+    ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() }
 }
 
 #[test]

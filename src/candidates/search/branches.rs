@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::free_ends::{BEND, FreeEnd, SNAP_SPACINGS, point_spacing, reach};
 use super::limits::Looks;
 use super::neighbours::PointIndex;
-use crate::candidates::{Anchor, Attach, CandidateOptions, NetworkPoint};
+use crate::candidates::{Anchor, Attach, CandidateOptions, NEAREST, NetworkPoint};
 use crate::network::{Network, Origin};
 use crate::support::geometry::{Point, distance, dot, norm_squared, sub};
 
@@ -64,15 +64,16 @@ impl<'a> Surroundings<'a> {
     ///
     /// No targets once `looks` says that there were too many.
     pub fn targets(&self, end: &FreeEnd, params: &CandidateOptions, looks: &Looks) -> Vec<Target> {
+        let k = params.k.unwrap_or(NEAREST);
         let reach = reach(self.spacing, end.radius);
         let reach = params.max_gap.map_or(reach, |most| reach.min(most));
         let mut radius = reach.min(FIRST_SPACINGS * self.spacing).max(FIRST_SHARE * reach);
         let mut order = self.found(end, radius, reach, params.attach, looks);
-        while order.len() < params.k && radius < reach {
+        while order.len() < k && radius < reach {
             radius = reach.min(WIDENING * radius);
             order = self.found(end, radius, reach, params.attach, looks);
         }
-        order.truncate(params.k);
+        order.truncate(k);
         let from = Anchor { place: NetworkPoint::Node(end.node), position: end.position, radius: end.radius };
         order.into_iter().map(|(_, anchor)| Target { from, to: self.with_end_radius(self.anchors[anchor]) }).collect()
     }

@@ -26,7 +26,7 @@ use crate::support::geometry::Point;
 ///
 /// A scene that is cut off or miscounts its objects or points, values that are no numbers, a coordinate that is not finite, a
 /// parent point that does not exist, a tube that is its own ancestor, tubes without a column for the radius unless
-/// `radius_optional`, no tube.
+/// radii are optional, no tube.
 pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let objects = read_scene(bytes)?;
     let mut notes = Vec::new();
@@ -46,7 +46,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
-        if !options.radius_optional && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
+        if !options.radius_optional() && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
             let (line, _) = object.field("PointDim").unwrap_or((object.line, ""));
             let found = format!("{} has no radius", object.name());
             return Err(Fault::line(line, found, "expected a column r in PointDim, or give --default-radius"));

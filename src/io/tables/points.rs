@@ -31,7 +31,7 @@ const ID: &[&str] = &["id"];
 ///
 /// # Errors
 ///
-/// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
+/// A missing column (that of the radius only unless radii are optional), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
@@ -40,7 +40,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };
-    if radius.is_none() && !options.radius_optional {
+    if radius.is_none() && !options.radius_optional() {
         return Err(Fault::line(header, "no column radius", "expected one, or give --default-radius"));
     }
     let mut lines = Centerlines::default();

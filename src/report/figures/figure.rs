@@ -25,7 +25,7 @@ const FINEST: u32 = 600;
 /// Fewer than 36 or more than 1200 pixels per inch.
 pub fn check_dpi(dpi: u32) -> Result<()> {
     let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
-    if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("--dpi", dpi, accepted())) }
+    if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("dpi", dpi, accepted())) }
 }
 
 type Draw = dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync;

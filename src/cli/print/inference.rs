@@ -1,38 +1,9 @@
-//! What `willis infer` and `willis candidates` tell a person: what was built, what came out.
+//! Prints what came out of `willis infer`.
 
-use willis::internals::candidates;
-use willis::internals::decision::Keep;
-use willis::internals::network::{Network, Origin};
 use willis::internals::report::Outcome;
-use willis::internals::sampling::Weight;
+use willis::{Keep, Weight};
 
-use super::terminal::{Terminal, brief, count, plural};
-
-/// What the candidates make of the fragments; returns what a person should know about it.
-pub fn say_built(
-    terminal: Terminal,
-    graph: &Network,
-    params: &candidates::CandidateOptions,
-    evidence: bool,
-) -> Option<&'static str> {
-    let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
-    let size = format!(
-        "{} in a graph of {}, {}",
-        plural(candidates, "candidate"),
-        plural(graph.node_count(), "node"),
-        plural(graph.vessel_count(), "vessel")
-    );
-    let how = if evidence { "by evidence".to_owned() } else { format!("k = {}", params.k) };
-    terminal.say("built", format!("{size} ({how})"));
-    let note = (candidates == 0).then_some(match params.max_gap {
-        Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
-        None => "no free end has another vessel within reach",
-    });
-    if let Some(note) = note {
-        terminal.say("note", note);
-    }
-    note
-}
+use super::{Terminal, brief, count, plural};
 
 /// What was kept, and what the kept graph looks like.
 pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {

@@ -1,13 +1,14 @@
-//! What `willis simulate` tells a person: resilience, inflow, and what a perturbation did to them.
+//! Prints what came out of `willis simulate`: resilience, inflow, and what a perturbation did to them.
 
 use willis::internals::flow::state::{LAMINAR_LIMIT, State};
+use willis::internals::network::Condition;
 use willis::internals::network::units::{millimetres, ml_per_min};
-use willis::internals::network::{Condition, Network};
 use willis::internals::perturbation::Stenosis;
 use willis::internals::report::{MOST_COLLATERALS, Simulated};
-use willis::internals::simulation::{Change, FlowChange, Perturbation, gains, reversals};
+use willis::internals::simulation::{FlowChange, Perturbation, gains, reversals};
+use willis::{Change, Network};
 
-use super::terminal::{Terminal, brief, count, plural};
+use super::{Terminal, brief, count, plural};
 
 /// Vessels named in a warning.
 const NAMED: usize = 6;

@@ -1,8 +1,8 @@
-//! What a person should know about many cases or subjects, each thing once with how many it is true of.
+//! Prints notes about many cases or subjects: each once, with the number of cases that it applies to.
 
 use std::collections::BTreeMap;
 
-use super::terminal::{Terminal, plural};
+use super::{Terminal, plural};
 
 /// So many notes of single cases are told unasked.
 const MOST: usize = 3;

@@ -1,11 +1,21 @@
 //! What a person sees while a command runs: one headed line a fact, progress with rate and time left.
 
+pub mod arteries;
+pub mod flow;
+pub mod inference;
+pub mod notes;
+
 use std::io::{IsTerminal, Write};
 use std::sync::Once;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use willis::internals::flow::Boundary;
+use willis::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+use willis::internals::network::{Condition, Origin, Role, fragments};
+use willis::internals::pipeline::nothing_built;
+use willis::{Contents, Input, Network, Step};
 
 /// Where facts are told: standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
@@ -130,8 +140,9 @@ pub struct CountProgress {
     before: Option<u64>,
 }
 
-impl willis::internals::sampling::Progress for CountProgress {
-    fn report(&mut self, done: u64, total: u64) -> bool {
+impl CountProgress {
+    /// Shows so many of the total; false where a person asked to stop.
+    pub fn report(&mut self, done: u64, total: u64) -> bool {
         let before = *self.before.get_or_insert_with(|| {
             self.bar.set_position(done);
             self.bar.reset_eta();
@@ -148,9 +159,7 @@ impl willis::internals::sampling::Progress for CountProgress {
         }
         STOPS.load(Ordering::Relaxed) < self.stops
     }
-}
 
-impl CountProgress {
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
@@ -178,4 +187,117 @@ pub fn brief(x: f64) -> String {
     let exponent: i32 = format!("{x:.2e}").split_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
     let decimals = if x == 0.0 { 0 } else { (2 - exponent).clamp(0, 6) };
     format!("{x:.*}", decimals as usize)
+}
+
+/// Says what was read; `assumed` where nobody said the unit.
+pub fn say_read(terminal: Terminal, input: &Input, assumed: bool) {
+    let (network, source) = (&input.network, &input.provenance);
+    let assumed = if assumed { " assumed" } else { "" };
+    let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
+    let size = match input.contents {
+        Contents::Centerlines(points) => {
+            let parts = plural(fragments(network, |_, _| true).count, "fragment");
+            format!("{parts}, {vessels}, {}", plural(points, "point"))
+        }
+        Contents::Vessels => format!("{nodes}, {vessels}"),
+        Contents::Graph => {
+            let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
+            let candidates = network.vessel_count() - observed;
+            format!("{nodes}, {} observed and {} candidate vessels", count(observed as u64), count(candidates as u64))
+        }
+    };
+    let heading = format!("{}, {}{assumed}", source.format, source.units);
+    terminal.say("read", format!("{}: {heading}: {size}{}", source.input, radii(network)));
+    source.notes.iter().for_each(|note| terminal.say("note", note));
+}
+
+/// The range of the radii, after a comma.
+fn radii(network: &Network) -> String {
+    let radii = || network.vessels().map(|(_, v)| millimetres(v.radius));
+    let [low, high] = [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)].map(brief);
+    if network.vessel_count() == 0 {
+        String::new()
+    } else if low == high {
+        format!(", radius {low} mm")
+    } else {
+        format!(", radius {low} - {high} mm")
+    }
+}
+
+/// Says that a step of the method is done.
+pub fn say_step(terminal: Terminal, step: &Step<'_>) {
+    match step {
+        Step::Located { name, node, found, is_in_file } => {
+            let fact = format!("{name} is node {node}{}", found.note());
+            if *is_in_file { terminal.detail("condition", fact) } else { terminal.say("condition", fact) }
+        }
+        Step::OutletsAllStated => {
+            terminal.say("note", "--outlets changes nothing: every outlet is stated; --outlet NODE=ground or --bc replaces it");
+        }
+        Step::Built { graph, options, by_evidence } => {
+            let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
+            let (nodes, vessels) = (plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+            let how = match options.k {
+                Some(k) if !by_evidence => format!("k = {k}"),
+                _ => "by evidence".to_owned(),
+            };
+            terminal.say("built", format!("{} in a graph of {nodes}, {vessels} ({how})", plural(candidates, "candidate")));
+            nothing_built(graph, options).iter().for_each(|note| terminal.say("note", note));
+        }
+        Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
+        Step::Note(note) => terminal.say("note", note),
+        Step::Sampling { graph, options } => {
+            let uncertain = options.uncertain.vessels(graph).iter().filter(|u| **u).count();
+            let threads = plural(rayon::current_num_threads(), "thread");
+            let how =
+                format!("epsilon {}, {} samples, seed {}, {threads}", options.epsilon, count(options.samples), options.seed);
+            let vessels = plural(graph.vessel_count(), "vessel");
+            terminal.say("sampling", format!("{how}: {} of {vessels} uncertain", count(uncertain as u64)));
+        }
+        _ => {}
+    }
+}
+
+/// Says which conditions are used, and which of them were found.
+fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
+    for (role, heading, found) in
+        [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
+    {
+        let rows: Vec<usize> = (0..network.node_count()).filter(|n| boundary.roles[*n] == role).collect();
+        let words: Vec<String> = rows
+            .iter()
+            .filter_map(|n| Some((*n, words(boundary.condition(*n)?))))
+            .map(|(n, w)| format!("{} ({w})", network.node(n).id))
+            .collect();
+        let how = match found.len() {
+            0 => String::new(),
+            n if n == rows.len() => match role {
+                Role::Inlet => ", found: the widest free ends".to_owned(),
+                _ => ", found: the other free ends".to_owned(),
+            },
+            n => format!(", {n} of them found at free ends"),
+        };
+        let most = 6;
+        let shown = if words.len() > most {
+            format!("{}, and {} more", words[..most].join(", "), words.len() - most)
+        } else {
+            words.join(", ")
+        };
+        terminal.say(heading, format!("{}{how}: {shown}", plural(rows.len(), "node")));
+        for word in words.iter().skip(most) {
+            terminal.detail(heading, word);
+        }
+    }
+}
+
+fn words(condition: Condition) -> String {
+    match condition {
+        Condition::Pressure(0.0) => "ground".into(),
+        Condition::Pressure(p) => format!("{} mmHg", brief(mmhg(p))),
+        Condition::Resistance { resistance, venous } => {
+            let venous = if venous == 0.0 { String::new() } else { format!(" to {} mmHg", brief(mmhg(venous))) };
+            format!("{} mmHg·s/mL{venous}", brief(mmhg_s_per_ml(resistance)))
+        }
+        Condition::Flow(flow) => format!("{} mL/min", brief(ml_per_min(flow))),
+    }
 }

@@ -39,5 +39,5 @@ pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
 
 /// Viscosity, Pa s, from `--viscosity`.
 pub fn viscosity(text: &str) -> Result<f64> {
-    Dimension::Viscosity.parse(text).map_err(|accepted| Error::parameter("--viscosity", format!("\"{text}\""), accepted))
+    Dimension::Viscosity.parse(text).map_err(|accepted| Error::parameter("viscosity", format!("\"{text}\""), accepted))
 }

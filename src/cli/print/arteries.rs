@@ -1,8 +1,8 @@
-//! What `willis infer` and `willis classify` tell a person of a Circle of Willis.
+//! Prints what `willis infer` and `willis classify` know of a Circle of Willis.
 
 use willis::internals::circle_of_willis::{Collateral, Posterior, RING, TERRITORIES, Variant};
 
-use super::terminal::{Terminal, brief};
+use super::{Terminal, brief};
 
 /// Says what a Circle of Willis has, and how probable that is.
 pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {

@@ -19,19 +19,20 @@ const IMMATERIAL: [(&str, bool); 12] = [
     ("--record-failure", false),
 ];
 
-/// This process's command line without the options that change no result, quoted for a shell.
-pub fn command_line() -> String {
-    written(|word| Some(word.to_owned()))
+/// This process's command line without the options that change no result, quoted for a shell, with an output that is called `again`: it
+/// repeats the run as it stands.
+pub fn command_line(again: &str) -> String {
+    written(|word| Some(word.to_owned()), again)
 }
 
 /// The same for one `input` alone of those that were given.
 pub fn command_line_of(input: &Path, given: &[PathBuf]) -> String {
     let mut own = Some(input.to_string_lossy().into_owned());
-    written(|word| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) })
+    written(|word| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) }, "again")
 }
 
 /// The command line with every word that counts as `wording` has it.
-fn written(mut wording: impl FnMut(&str) -> Option<String>) -> String {
+fn written(mut wording: impl FnMut(&str) -> Option<String>, again: &str) -> String {
     let mut words = vec!["willis".to_owned()];
     let mut rest = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = rest.next() {
@@ -41,6 +42,7 @@ fn written(mut wording: impl FnMut(&str) -> Option<String>) -> String {
             None => words.extend(wording(&word).map(|word| quoted(&word))),
         }
     }
+    words.extend(["-o".to_owned(), again.to_owned()]);
     words.join(" ")
 }
 
@@ -54,25 +56,6 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
-/// The words of such a command line.
-pub fn words_of(line: &str) -> Vec<String> {
-    let (mut words, mut word, mut quotes) = (Vec::new(), None::<String>, false);
-    let mut rest = line.chars();
-    while let Some(c) = rest.next() {
-        match c {
-            '\'' => {
-                quotes = !quotes;
-                word.get_or_insert_default();
-            }
-            ' ' if !quotes => words.extend(word.take()),
-            '\\' if !quotes => word.get_or_insert_default().extend(rest.next()),
-            c => word.get_or_insert_default().push(c),
-        }
-    }
-    words.extend(word);
-    words
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,6 +66,5 @@ mod tests {
         let words = ["willis", "infer", "it's a scan.swc", "", "--bc", "{}.bc.csv", r"a\b", "''", "-n=64"];
         let line = words.map(quoted).join(" ");
         assert_eq!(line, r"willis infer 'it'\''s a scan.swc' '' --bc '{}.bc.csv' 'a\b' ''\'''\''' -n=64");
-        assert_eq!(words_of(&line), words);
     }
 }

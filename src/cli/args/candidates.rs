@@ -1,0 +1,53 @@
+//! `-k`, `--max-gap`, `--prior` and the other options of candidates.
+
+use clap::Args;
+use willis::error::Result;
+use willis::{Attach, CandidateOptions, CandidateRadius, Prior};
+
+use super::figures::{length, whole};
+use super::words;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Candidates")]
+pub struct CandidateArgs {
+    /// How probable a candidate is before any flow: evidence (the shipped model of real arteries), WEIGHTS.toml (one of your own,
+    /// from willis train), none (what the file states), uniform (1 everywhere), or A.npy or A.csv, numbers from 0 to 1 for pairs
+    /// of nodes or for vessels of the graph [default: evidence on centerlines, none on a ready graph]
+    #[arg(long, value_name = "evidence|none|uniform|FILE")]
+    prior: Option<String>,
+    /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
+    /// [default: 5 by evidence, else 6]
+    #[arg(short, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true, hide_short_help = true)]
+    k: Option<usize>,
+    /// The longest gap to bridge, in mm unless it says otherwise (5mm, 800um); never beyond 20 point spacings + 5 end diameters
+    #[arg(long, value_name = "LENGTH")]
+    max_gap: Option<String>,
+    /// What a candidate may meet [default: centerline]
+    #[arg(long, hide_short_help = true, value_parser = words::<Attach>(&[("centerline", "Any vessel, split where the candidate meets it, or a free end"),
+        ("ends", "Free ends only")]))]
+    attach: Option<Attach>,
+    /// A candidate's radius from the radii at its two ends [default: min]
+    #[arg(long, hide_short_help = true, value_parser = words::<CandidateRadius>(&[("min", ""), ("mean", "")]))]
+    candidate_radius: Option<CandidateRadius>,
+    /// The largest radius of a candidate, in mm unless it says otherwise
+    #[arg(long, value_name = "LENGTH", hide_short_help = true)]
+    max_candidate_radius: Option<String>,
+}
+
+impl CandidateArgs {
+    /// Puts what was given in the place of the `usual` options.
+    pub fn put(&self, usual: &mut CandidateOptions, prior: &mut Option<Prior>) -> Result<()> {
+        *usual = CandidateOptions {
+            k: self.k.or(usual.k),
+            max_gap: length("max_gap", self.max_gap.as_ref())?,
+            attach: self.attach.unwrap_or(usual.attach),
+            radius: self.candidate_radius.unwrap_or(usual.radius),
+            max_radius: length("max_candidate_radius", self.max_candidate_radius.as_ref())?,
+            radius_rule: usual.radius_rule,
+        };
+        if let Some(text) = &self.prior {
+            *prior = Some(text.parse()?);
+        }
+        Ok(())
+    }
+}

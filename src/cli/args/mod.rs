@@ -1,0 +1,38 @@
+//! Groups of options that several commands share, each with the options of the library that it means.
+
+pub mod arteries;
+pub mod boundary;
+pub mod candidates;
+pub mod figures;
+pub mod reading;
+pub mod sampling;
+
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::de::value::{Error, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
+
+/// A parser for an enum of the library by the words that serde writes, each with its help.
+pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
+    words: &[(&'static str, &'static str)],
+) -> impl TypedValueParser<Value = T> {
+    let value = |(word, help): &(&'static str, &'static str)| match *help {
+        "" => PossibleValue::new(*word),
+        help => PossibleValue::new(*word).help(help),
+    };
+    PossibleValuesParser::new(words.iter().map(value)).try_map(|word| {
+        let word: StrDeserializer<'_, Error> = word.as_str().into_deserializer();
+        T::deserialize(word)
+    })
+}
+
+/// A file named for every input: `{}` in its name is the input without its ending, `{dir}` the folder of the input.
+pub fn file_of(name: &Path, input: &Path) -> PathBuf {
+    let Some(text) = name.to_str().filter(|text| text.contains('{')) else { return name.to_owned() };
+    let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let whole = if input.is_dir() { input.to_owned() } else { input.with_extension("") };
+    // Split first, so that braces in the name of a folder stay as they are.
+    let parts = text.split("{dir}").map(|part| part.replace("{}", &whole.to_string_lossy()));
+    parts.collect::<Vec<_>>().join(&folder.to_string_lossy()).into()
+}

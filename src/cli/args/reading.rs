@@ -1,0 +1,107 @@
+//! How an input is read: its unit, its radii, the links beside it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use willis::error::{Error, Result};
+use willis::internals::io::byte_count;
+use willis::{LengthUnit, RadiusRule, ReadOptions, Scale};
+
+use super::figures::{length, spacing};
+use super::{file_of, words};
+
+/// The file that a command works on.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
+pub struct InputArgs {
+    /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
+    /// (GraphML, CSV of edges)
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
+    pub input: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// How an input is read.
+#[derive(Debug, Args, Serialize)]
+#[command(next_help_heading = "Input")]
+pub struct ReadingArgs {
+    /// The unit of coordinates and radii in INPUT [default: mm]
+    #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
+    pub units: Option<LengthUnit>,
+    /// Voxel spacing in mm, with --units voxel: one number, or three
+    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true)]
+    pub spacing: Option<Vec<f64>>,
+    /// The VTP point array that holds the radius, when it has an unusual name
+    #[arg(long, value_name = "NAME")]
+    pub radius_array: Option<String>,
+    /// Which radius stands for a vessel
+    #[arg(long, default_value = "mean", hide_short_help = true, value_parser = words::<RadiusRule>(&[("mean", "The mean over arc length"),
+        ("effective", "The one with the vessel's own Poiseuille resistance")]))]
+    pub radius: RadiusRule,
+    /// The radius of vessels that have none, in mm unless it says otherwise (0.5, 500um)
+    #[arg(long, value_name = "LENGTH", hide_short_help = true)]
+    pub default_radius: Option<String>,
+    /// Links between points that SWC cannot hold: a CSV file of id_a,id_b; in its name {} is INPUT without its ending and {dir}
+    /// the folder of INPUT
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    pub loops: Option<PathBuf>,
+    /// Take the vessels of a graph file as observed and build candidates around them
+    #[arg(long, hide_short_help = true)]
+    pub observed: bool,
+    /// The largest file to read, on the disk and unpacked
+    #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = byte_count, hide_short_help = true)]
+    pub max_input: u64,
+}
+
+impl ReadingArgs {
+    /// Refuses what only commands that build candidates know.
+    pub fn refuse_candidates(&self, command: &str) -> Result<()> {
+        if self.observed {
+            let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
+            return Err(Error::parameter("observed", "", why));
+        }
+        Ok(())
+    }
+
+    /// The options of the library for an input.
+    pub fn options(&self, input: &Path) -> Result<ReadOptions> {
+        let options = ReadOptions { loops: self.loops(input), ..self.shared()? };
+        options.validate()?;
+        Ok(options)
+    }
+
+    /// The same for every input.
+    pub fn shared(&self) -> Result<ReadOptions> {
+        let options = ReadOptions {
+            scale: self.scale()?,
+            radius_array: self.radius_array.clone(),
+            radius_rule: self.radius,
+            default_radius: length("default_radius", self.default_radius.as_ref())?,
+            loops: self.loops.clone(),
+            observed: self.observed,
+            max_input: self.max_input,
+        };
+        options.validate()?;
+        Ok(options)
+    }
+
+    /// The file of links that goes with an input.
+    pub fn loops(&self, input: &Path) -> Option<PathBuf> {
+        self.loops.as_ref().map(|name| file_of(name, input))
+    }
+
+    fn scale(&self) -> Result<Scale> {
+        let spacing = match self.spacing.as_deref() {
+            None => None,
+            Some([s]) => Some([*s; 3]),
+            Some([x, y, z]) => Some([*x, *y, *z]),
+            Some(other) => {
+                let given: Vec<String> = other.iter().map(f64::to_string).collect();
+                return Err(Error::parameter("spacing", given.join(","), "expected one or three positive numbers, in mm"));
+            }
+        };
+        Ok(Scale { unit: self.units.unwrap_or_default(), spacing })
+    }
+}

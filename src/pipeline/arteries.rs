@@ -1,0 +1,128 @@
+//! Where the arteries of a Circle of Willis are in a network, and what its plausible topologies say of them.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::options::SourceFile;
+use crate::circle_of_willis::{Circle, Collateral, Posterior, Scheme, collaterals, identify};
+use crate::decision::{Draw, KnownEnds, Topologies};
+use crate::error::Result;
+use crate::flow::boundary::stated;
+use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{bytes_of, checksum, read_landmarks};
+use crate::network::units::Scale;
+use crate::network::{Condition, Network, Role};
+use crate::sampling::SamplingOptions;
+
+/// How the arteries of a Circle of Willis are known.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ArterySource {
+    /// By the labels of vessels: names, or numbers where only one list has them.
+    #[default]
+    AnyLabels,
+    /// By labels of this kind.
+    Labels(Scheme),
+    /// By a CSV file of landmarks: `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input.
+    Landmarks(PathBuf),
+}
+
+impl ArterySource {
+    pub(crate) fn is_landmarks(&self) -> bool {
+        matches!(self, Self::Landmarks(_))
+    }
+
+    /// Finds the arteries in the network of an input.
+    pub(crate) fn find(&self, input: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
+        let scheme = match self {
+            Self::Landmarks(file) => return by_landmarks(file, network, scale),
+            Self::Labels(scheme) => *scheme,
+            Self::AnyLabels => {
+                let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
+                Scheme::of(labels).map_err(|fault| fault.in_file(input))?
+            }
+        };
+        let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
+        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, notes })
+    }
+}
+
+fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
+    let bytes = bytes_of(file)?;
+    let landmarks = read_landmarks(&bytes, scale).and_then(identify).map_err(|fault| fault.in_file(file))?;
+    let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
+    let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
+    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes })
+}
+
+/// Where the arteries are, and how that is known.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct FoundArteries {
+    pub(crate) circle: Circle,
+    /// `names`, `icafe`, `topcow` or `landmarks`.
+    pub(crate) known_by: String,
+    pub(crate) landmarks: Option<SourceFile>,
+    pub(crate) notes: Vec<String>,
+}
+
+impl FoundArteries {
+    /// The record of the landmarks.
+    pub(crate) fn record(&self) -> Value {
+        json!(self.landmarks)
+    }
+
+    /// What plausible topologies say of the circle, and how they were drawn: by the evidence, or without any those that the samples vote
+    /// for, by the vessels `above_median`. `given` are the nodes whose conditions were stated.
+    pub(crate) fn posterior(
+        &self,
+        network: &Network,
+        boundary: &Boundary,
+        options: &SamplingOptions,
+        given: &[usize],
+        above_median: Option<&[bool]>,
+    ) -> Result<(Posterior, String)> {
+        let mut known = vec![false; network.node_count()];
+        let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
+        for node in rows.filter(|node| *node < network.node_count()) {
+            known[node] = true;
+        }
+        let mut inlets = self.circle.inlets();
+        if !inlets.is_empty() {
+            inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
+        }
+        let (draw, how) = match above_median {
+            None => (Draw::Ends(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
+            Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
+        };
+        let topologies = Topologies::draw(network, boundary, options, draw)?;
+        let how = format!("{} plausible topologies, {how}", topologies.samples);
+        Ok((Posterior::of(&self.circle, network, &topologies), how))
+    }
+
+    /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in
+    /// Pa s.
+    pub(crate) fn collaterals(
+        &self,
+        network: &Network,
+        kept: &[bool],
+        outlets: FoundOutlets,
+        viscosity: f64,
+    ) -> Result<Vec<Collateral>> {
+        let mut network = network.clone();
+        self.state_inlets(&mut network);
+        let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
+        collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
+    }
+
+    /// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
+    pub(crate) fn state_inlets(&self, network: &mut Network) {
+        for node in self.circle.inlets() {
+            let node = network.node_mut(node);
+            if node.condition.is_none() {
+                (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
+            }
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Boundary conditions as a person states them: nodes by name, in options, in a file and in the graph, in that order of precedence.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::progress::{Progress, Step};
+use crate::error::{Error, Place, Result};
+use crate::flow::boundary::{Total, stated};
+use crate::flow::{Boundary, FoundOutlets, Given};
+use crate::io::bytes_of;
+use crate::io::tables::conditions::{read_csv, read_toml};
+use crate::network::quantity::Dimension;
+use crate::network::{Condition, FoundBy, Network, Role, locate};
+use crate::support::suggestions::did_you_mean;
+
+const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
+                       murray=8mmHg.s/mL, of all outlets together and positive";
+
+/// Where blood enters and leaves. A NODE is the id of a node, its label, or `x,y,z` in mm.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BoundaryOptions {
+    /// Inlets, `NODE` (at 100 mmHg) or `NODE=PRESSURE`; found at the widest free ends when none is given anywhere.
+    pub inlet: Vec<String>,
+    /// Outlets, `NODE` (to ground), `NODE=PRESSURE`, `NODE=RESISTANCE` or `NODE=RESISTANCE@PRESSURE`; found at the other free ends.
+    pub outlet: Vec<String>,
+    /// Fixed flows into the network, `NODE=FLOW` (negative: out of it).
+    pub flow: Vec<String>,
+    /// A CSV or TOML file of conditions.
+    pub conditions: Option<PathBuf>,
+    /// What outlets that are found are; by default Murray's law for a brain's flow in [`infer`](crate::infer) on centerlines, else ground.
+    pub found_outlets: Option<FoundOutlets>,
+}
+
+impl BoundaryOptions {
+    /// The conditions of a network: those given, and where they lack a source or a sink, those found at the free ends, which are
+    /// `outlets`.
+    pub(crate) fn resolve(&self, network: &Network, outlets: FoundOutlets, progress: &mut dyn Progress) -> Result<Boundary> {
+        let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
+        given.extend(self.from_file(network, progress)?);
+        given.extend(self.from_options(network, progress)?);
+        let given: Vec<Given> = given.into_values().collect();
+        let boundary = Boundary::resolve(network, &given, outlets)?;
+        if self.found_outlets.is_some() && boundary.found_outlets.is_empty() {
+            progress.step(Step::OutletsAllStated);
+        }
+        Ok(boundary)
+    }
+
+    /// Whether a person said where blood comes in, or left it to a file to say.
+    pub(crate) fn states_an_inlet(&self) -> bool {
+        self.conditions.is_some() || !self.inlet.is_empty() || !self.flow.is_empty()
+    }
+
+    fn from_file(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+        let Some(path) = &self.conditions else { return Ok(BTreeMap::new()) };
+        let bytes = bytes_of(path)?;
+        let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        let statements = if is_toml { read_toml(&bytes) } else { read_csv(&bytes) }.map_err(|f| f.in_file(path))?;
+        let (mut given, mut stated_at) = (BTreeMap::new(), BTreeMap::new());
+        for s in statements {
+            let fault = |why: String| s.fault(why).in_file(path);
+            let found = locate(network, &s.spec).map_err(fault)?;
+            progress.step(Step::Located { name: &s.spec, node: &network.node(found.node).id, found, is_in_file: true });
+            if given.insert(found.node, Given { node: found.node, role: s.role, condition: s.condition }).is_some() {
+                let first: &Place = &stated_at[&found.node];
+                let id = &network.node(found.node).id;
+                return Err(fault(format!("is node {id}, as {} is; expected one condition a node", first.words())));
+            }
+            stated_at.insert(found.node, s.place);
+        }
+        Ok(given)
+    }
+
+    fn from_options(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+        let options = [("inlet", &self.inlet), ("outlet", &self.outlet), ("flow", &self.flow)];
+        let mut given = BTreeMap::new();
+        for (option, text) in options.into_iter().flat_map(|(option, texts)| texts.iter().map(move |text| (option, text))) {
+            let refused = |why: String| Error::parameter(option, format!("\"{text}\""), why);
+            let is_name = option != "flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
+            let (name, role, condition) = parse(option, text, is_name).map_err(refused)?;
+            let found = locate(network, name).map_err(|why| refused(several(network, option, name).unwrap_or(why)))?;
+            if found.by != FoundBy::Name {
+                progress.step(Step::Located { name, node: &network.node(found.node).id, found, is_in_file: false });
+            }
+            if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {
+                let id = &network.node(found.node).id;
+                return Err(refused(format!("is node {id}, which has a condition already; expected one condition a node")));
+            }
+        }
+        Ok(given)
+    }
+}
+
+/// The outlets that a text means: `ground`, `murray`, `murray=FLOW` or `murray=RESISTANCE`.
+///
+/// # Errors
+///
+/// Another text: says what is accepted.
+pub fn parse_found_outlets(text: &str) -> Result<FoundOutlets> {
+    let refused = || {
+        let (word, words) = (text.split('=').next().unwrap_or_default(), ["ground", "murray"]);
+        let meant = if words.contains(&word) { String::new() } else { did_you_mean(word, words) };
+        Error::parameter("outlets", format!("\"{text}\""), meant + OUTLETS)
+    };
+    match text.split_once('=') {
+        None if text == "ground" => Ok(FoundOutlets::Ground),
+        None if text == "murray" => Ok(FoundOutlets::CEREBRAL),
+        Some(("murray", figure)) => {
+            let is_resistance = Dimension::Resistance.has_unit_in(figure);
+            let dimension = if is_resistance { Dimension::Resistance } else { Dimension::Flow };
+            let total = dimension.parse(figure).ok().filter(|total| *total > 0.0).ok_or_else(refused)?;
+            Ok(FoundOutlets::Murray(if is_resistance { Total::Resistance(total) } else { Total::Flow(total) }))
+        }
+        _ => Err(refused()),
+    }
+}
+
+/// The advice to give one option a node, where each word between commas names one.
+fn several(network: &Network, option: &str, name: &str) -> Option<String> {
+    let names: Vec<&str> = name.split(',').map(str::trim).collect();
+    let is_node = |name: &&str| locate(network, name).is_ok();
+    // Points inside vessels are no nodes, but were meant as such beside one that is.
+    let are_numbers = names.iter().all(|name| name.parse::<u64>().is_ok()) && names.iter().any(is_node);
+    let are_nodes = names.len() > 1 && (are_numbers || names.iter().all(is_node));
+    let each: Vec<String> = names.iter().map(|name| format!("--{option} {name}")).collect();
+    are_nodes.then(|| format!("looks like {} nodes; give one at a time: {}", names.len(), each.join(" ")))
+}
+
+/// `NODE[=VALUE]`: the value is what follows the last `=`, unless the whole text is the name of a node.
+fn parse<'a>(option: &str, text: &'a str, is_name: bool) -> Result<(&'a str, Role, Condition), String> {
+    let split = text.rsplit_once('=').filter(|_| !is_name);
+    match option {
+        "inlet" => match split.map(|(name, value)| (name, Dimension::Pressure.parse(value))) {
+            None => Ok((text, Role::Inlet, Condition::INLET)),
+            Some((name, pressure)) => Ok((name, Role::Inlet, Condition::Pressure(pressure?))),
+        },
+        "outlet" => match split {
+            None => Ok((text, Role::Outlet, Condition::GROUND)),
+            Some((name, value)) => Ok((name, Role::Outlet, outlet(value)?)),
+        },
+        _ => {
+            let (name, value) = split.ok_or("expected NODE=FLOW")?;
+            let flow = Dimension::Flow.parse(value)?;
+            Ok((name, Role::of_flow(flow), Condition::Flow(flow)))
+        }
+    }
+}
+
+/// `ground`, `PRESSURE` or `RESISTANCE[@PRESSURE]`.
+fn outlet(value: &str) -> Result<Condition, String> {
+    if value == "ground" {
+        return Ok(Condition::GROUND);
+    }
+    if Dimension::Resistance.has_unit_in(value.split('@').next().unwrap_or_default()) {
+        let (resistance, venous) = value.split_once('@').map_or((value, None), |(r, p)| (r, Some(p)));
+        let resistance = Dimension::Resistance.parse(resistance)?;
+        if resistance <= 0.0 {
+            return Err("expected a positive resistance".into());
+        }
+        let venous = venous.map_or(Ok(0.0), |p| Dimension::Pressure.parse(p))?;
+        return Ok(Condition::Resistance { resistance, venous });
+    }
+    let meant = match Dimension::Pressure.near(value) {
+        near if near.is_empty() => did_you_mean(value, ["ground"]) + &Dimension::Resistance.near(value),
+        near => near,
+    };
+    let accepted = format!("{meant}expected ground, a pressure (5mmHg) or a resistance (20mmHg.s/mL)");
+    Dimension::Pressure.parse(value).map(Condition::Pressure).map_err(|_| accepted)
+}

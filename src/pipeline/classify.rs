@@ -1,0 +1,123 @@
+//! The phenotype of a Circle of Willis: of vessels as they are, or with probabilities of the folder of a run.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::arteries::FoundArteries;
+use super::{ArterySource, Input};
+use crate::circle_of_willis::{Collateral, Posterior, Variant, counted};
+use crate::decision::{Keep, decide, has_evidence};
+use crate::error::{Fault, Result};
+use crate::flow::boundary::stated;
+use crate::flow::poiseuille::BLOOD_VISCOSITY;
+use crate::flow::{Boundary, FoundOutlets};
+use crate::output::write_record;
+use crate::report::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
+use crate::sampling::{SamplingOptions, infer};
+
+/// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
+#[derive(Debug)]
+pub struct Phenotype {
+    /// The variant; of uncertain topologies the most probable one.
+    pub variant: Variant,
+    /// The probabilities, where the topology is uncertain.
+    pub posterior: Option<Posterior>,
+    /// What becomes of the flow without each feeder.
+    pub collaterals: Vec<Collateral>,
+    /// How many vessels counted.
+    pub counted: usize,
+    /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
+    pub known_by: String,
+    /// What a person should know.
+    pub notes: Vec<String>,
+    /// What phenotype.json holds.
+    pub json: Value,
+    record: Value,
+}
+
+/// Classifies the Circle of Willis of an input. The vessels of a file are taken as they are; of the folder of a run, the plausible
+/// topologies are drawn again. The arteries are known by `source`, else as the run knew them, else by labels. `progress` says whether to
+/// go on.
+///
+/// # Errors
+///
+/// Arteries that cannot be found; landmarks of the run that have changed; a breakdown of the solver.
+pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn super::Progress) -> Result<Phenotype> {
+    let (path, scale) = (Path::new(&input.provenance.input), &input.options.scale);
+    let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
+    let usual = ArterySource::default();
+    let chosen = source.or(of_run).unwrap_or(&usual);
+    let divide = input.run.is_none() && input.is_fragments && !chosen.is_landmarks();
+    let divided = divide.then(|| input.divided_by_labels());
+    let network = divided.as_ref().unwrap_or(&input.network);
+    let found = chosen.find(path, network, scale)?;
+    if source.is_none() {
+        check_landmarks(input, &found)?;
+    }
+    let mut notes = found.notes.clone();
+    let (kept, variant, posterior) = if let Some(run) = &input.run {
+        let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
+        let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
+        let above = if has_evidence(network) {
+            None
+        } else {
+            let (likelihood, _) = infer(network, &boundary, &options, &mut |done, total| progress.report(done, total))?;
+            Some(decide(Keep::Median, network, &likelihood)?.above_median)
+        };
+        let (posterior, how) = found.posterior(network, &boundary, &options, &run.given, above.as_deref())?;
+        notes.push(how);
+        (posterior.topology.clone(), posterior.best(), Some(posterior))
+    } else {
+        let (kept, note) = counted(network);
+        notes.extend(note.map(str::to_owned));
+        let variant = found.circle.variant(network, |row| kept[row]);
+        (kept, variant, None)
+    };
+    let (outlets, viscosity) = match &input.run {
+        Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
+        None if input.is_fragments => (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY),
+        None => (FoundOutlets::Ground, BLOOD_VISCOSITY),
+    };
+    let collaterals = found.collaterals(network, &kept, outlets, viscosity).unwrap_or_else(|why| {
+        notes.push(format!("nothing is told of the loss of a feeder: {why}"));
+        Vec::new()
+    });
+    let counted = kept.iter().filter(|kept| **kept).count();
+    let json = phenotype_json(network, &variant, posterior.as_ref());
+    let classified = Classified {
+        network,
+        counted,
+        phenotype: &json,
+        known_by: &found.known_by,
+        landmarks: found.record(),
+        collateral: collateral_json(&collaterals),
+        notes: &notes,
+    };
+    let record = classification_record(&classified, &input.provenance);
+    Ok(Phenotype { variant, posterior, collaterals, counted, known_by: found.known_by, notes, json, record })
+}
+
+/// Refuses landmarks of the run that have changed since.
+fn check_landmarks(input: &Input, found: &FoundArteries) -> Result<()> {
+    match (&input.run, &found.landmarks) {
+        (Some(run), Some(file)) if run.landmarks.as_ref() != Some(&file.sha256) => {
+            let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
+            Err(Fault::file(why, "expected them unedited, or --landmarks FILE").in_file(&file.path))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl Phenotype {
+    /// Writes every file of the classification of a `subject` into a folder that is there.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
+        write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.json)?;
+        write_collaterals(folder, &self.collaterals)?;
+        write_record(folder, &self.record)
+    }
+}

@@ -1,0 +1,160 @@
+//! The answer of a run: likelihoods, decisions, the plausible topology, and the folder that holds them.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::{Prepared, SaveOptions};
+use crate::circle_of_willis::Posterior;
+use crate::decision::{Decision, Topology, decide, expected_errors, has_evidence};
+use crate::error::Result;
+use crate::flow::Boundary;
+use crate::network::Network;
+use crate::output::atomic::StagedFolder;
+use crate::output::write_record;
+use crate::report::record::Built;
+use crate::report::{Outcome, Summary, phenotype_json, write_outcome, write_phenotype};
+use crate::sampling::{Likelihood, Method, SamplingOptions};
+
+/// What a run found.
+#[derive(Debug)]
+pub struct Inference {
+    prepared: Arc<Prepared>,
+    sampling: SamplingOptions,
+    likelihood: Likelihood,
+    method: Method,
+    decision: Decision,
+    posterior: Option<(Posterior, String)>,
+    /// How long sampling took, on what; for run.json.
+    time: Value,
+}
+
+impl Prepared {
+    /// Decides on every vessel, given what the samples say.
+    pub(crate) fn decide(
+        self: &Arc<Self>,
+        options: &SamplingOptions,
+        likelihood: Likelihood,
+        method: Method,
+        time: Value,
+    ) -> Result<Inference> {
+        let decision = decide(self.keep, &self.graph, &likelihood)?;
+        let mut posterior = None;
+        if let Some(found) = &self.arteries {
+            let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
+            let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
+            let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
+            posterior = Some(found.posterior(&self.graph, &self.boundary, options, &given, above)?);
+        }
+        Ok(Inference { prepared: self.clone(), sampling: options.clone(), likelihood, method, decision, posterior, time })
+    }
+}
+
+impl Inference {
+    /// The over-connected graph that was sampled; vessel i of the other answers is its edge i.
+    pub fn graph(&self) -> &Network {
+        &self.prepared.graph
+    }
+
+    /// Its boundary conditions.
+    pub fn boundary(&self) -> &Boundary {
+        &self.prepared.boundary
+    }
+
+    /// L of each vessel with its standard error, the frequency in the forests, and the matrix.
+    pub fn likelihood(&self) -> &Likelihood {
+        &self.likelihood
+    }
+
+    /// Per vessel whether it belongs to the plausible topology.
+    pub fn kept(&self) -> &[bool] {
+        &self.decision.kept
+    }
+
+    /// The decision on every vessel, with its threshold and what is undecided.
+    pub fn decision(&self) -> &Decision {
+        &self.decision
+    }
+
+    /// The plausible topology: the vessels that are kept, with all nodes.
+    pub fn topology(&self) -> Network {
+        self.prepared.graph.subgraph(|row| self.decision.kept[row]).0
+    }
+
+    /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
+    pub fn posterior(&self) -> Option<(&Posterior, &str)> {
+        self.posterior.as_ref().map(|(posterior, how)| (posterior, how.as_str()))
+    }
+
+    /// Everything that the files of the run are made of.
+    pub fn outcome(&self) -> Outcome<'_> {
+        let Prepared { graph, boundary, keep, .. } = &*self.prepared;
+        let topology = |kept: &[bool]| Topology::of(graph, &self.likelihood.uncertain, kept, boundary);
+        Outcome {
+            network: graph,
+            boundary,
+            result: &self.likelihood,
+            rule: *keep,
+            answer: &self.decision,
+            kept: topology(&self.decision.kept),
+            above_median: topology(&self.decision.above_median),
+            expected: expected_errors(graph, &self.decision.kept),
+            uniform_prior: self.sampling.uniform_prior,
+            method: self.method,
+            epsilon: self.sampling.epsilon,
+            seed: self.sampling.seed,
+            uncertain: self.sampling.uncertain,
+            weight: self.sampling.weight,
+            exact: self.sampling.exact,
+            viscosity: self.sampling.viscosity,
+        }
+    }
+
+    /// How long sampling took, s.
+    pub fn seconds(&self) -> f64 {
+        self.time["sampling_s"].as_f64().unwrap_or(f64::NAN)
+    }
+
+    /// Saves every file of the run in a new folder, which appears whole or not at all; returns what a person should know about files
+    /// left out.
+    ///
+    /// # Errors
+    ///
+    /// The folder exists, or cannot be written.
+    pub fn save(&self, folder: &Path, options: &SaveOptions) -> Result<Vec<String>> {
+        let staged = StagedFolder::new(folder, false)?;
+        let (_, notes) = self.write(&staged.path(), options)?;
+        staged.commit()?;
+        Ok(notes)
+    }
+
+    /// Writes every file into a folder that is there; the record of the run, and what a person should know about files left out.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(Summary, Vec<String>)> {
+        options.validate()?;
+        let prepared = &self.prepared;
+        let outcome = self.outcome();
+        let built = prepared.candidates.as_ref().map_or(Built::Given, Built::Candidates);
+        let mut run = prepared.options.clone();
+        run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
+        let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
+        summary.state_prior(prepared.prior.clone());
+        summary.time = self.time.clone();
+        let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
+        if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
+            let variant = posterior.best();
+            let phenotype = phenotype_json(&prepared.graph, &variant, Some(posterior));
+            let subject = Path::new(&prepared.provenance.input).file_stem().unwrap_or_default().to_string_lossy();
+            write_phenotype(folder, &subject, &variant, Some(posterior), &phenotype)?;
+            summary.state_phenotype(phenotype, &found.known_by, found.record());
+        }
+        // Known only once all else is written.
+        summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
+        write_record(folder, &summary)?;
+        Ok((summary, notes))
+    }
+}

@@ -1,0 +1,138 @@
+//! Reading: from a file of any format to a network of vessels.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::stored_run::StoredRun;
+use crate::circle_of_willis::divide;
+use crate::error::{Error, Result};
+use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
+use crate::network::centerlines::Centerlines;
+use crate::network::{Network, Origin};
+use crate::report::Provenance;
+
+/// A network and where it comes from: what every other function of this crate starts from.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// The vessels; lengths in m.
+    pub network: Network,
+    /// What the file held.
+    pub contents: Contents,
+    /// The file's format; `None` for a network that was handed over.
+    pub format: Option<Format>,
+    /// Whether candidates are to be built around its vessels.
+    pub is_fragments: bool,
+    /// The file, its checksum, and what a person should know about how it was read.
+    pub provenance: Provenance,
+    /// How it was read.
+    pub options: ReadOptions,
+    /// The run of infer whose folder it was read from.
+    pub(crate) run: Option<StoredRun>,
+    /// When reading began.
+    pub(crate) started: Instant,
+    lines: Option<Centerlines>,
+}
+
+/// What a file held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contents {
+    /// Centerlines of so many points.
+    Centerlines(usize),
+    /// Vessels that an image showed.
+    Vessels,
+    /// A ready graph, whose edges are vessels as they stand.
+    Graph,
+}
+
+/// Reads centerlines, a graph, or the graph in a folder that [`infer`](crate::infer) saved.
+///
+/// # Errors
+///
+/// A file that cannot be read, is in none of the formats or has a fault in its content: with file, place, value and accepted form. An
+/// option that does not go with what the file holds.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
+    let started = Instant::now();
+    options.validate()?;
+    let run = if path.is_dir() { Some(StoredRun::read(path)?) } else { None };
+    let file = run.as_ref().map_or(path, |run| &run.graph);
+    let Document { format, content, mut notes, sha256 } = read_file(file, options)?;
+    let contents = match &content {
+        Content::Centerlines(lines) => Contents::Centerlines(lines.points.len()),
+        Content::Vessels(_) => Contents::Vessels,
+        Content::Graph(_) => Contents::Graph,
+    };
+    check_for(contents, options)?;
+    if let Some(run) = &run {
+        run.check_graph(&sha256)?;
+    }
+    if let Some([x, y, z]) = options.scale.spacing.filter(|[x, y, z]| x != y || y != z) {
+        notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
+    }
+    let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
+    notes.append(&mut made.notes);
+    let is_graph = contents == Contents::Graph;
+    if is_graph && options.observed {
+        (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
+    }
+    let provenance = Provenance {
+        command: String::new(),
+        input: file.display().to_string(),
+        format: format.name().to_owned(),
+        sha256,
+        units: options.scale.unit.symbol().to_owned(),
+        notes,
+    };
+    let is_fragments = !is_graph || options.observed;
+    let (format, options) = (Some(format), options.clone());
+    Ok(Input { network: made.network, contents, format, is_fragments, provenance, options, run, started, lines: made.lines })
+}
+
+/// Refuses options that do not go with what the file holds.
+fn check_for(contents: Contents, options: &ReadOptions) -> Result<()> {
+    if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
+        let why = "goes with centerlines; the vessels of this input state their radii";
+        return Err(Error::parameter("radius_array", name, why));
+    }
+    if options.observed && contents != Contents::Graph {
+        return Err(Error::parameter("observed", "", "goes with a candidate graph; these vessels are observed anyway"));
+    }
+    Ok(())
+}
+
+impl Input {
+    /// A network that the caller made. Candidates are built around its vessels where all are observed.
+    pub fn from_network(network: Network) -> Self {
+        let is_fragments = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
+        Self {
+            contents: if is_fragments { Contents::Vessels } else { Contents::Graph },
+            network,
+            format: None,
+            is_fragments,
+            provenance: Provenance::default(),
+            options: ReadOptions::default(),
+            run: None,
+            started: Instant::now(),
+            lines: None,
+        }
+    }
+
+    /// The same, with the command line that repeats its run.
+    #[must_use]
+    pub fn with_command(mut self, command: String) -> Self {
+        self.provenance.command = command;
+        self
+    }
+
+    /// Whether it was read from the folder of a run of infer.
+    pub fn is_run(&self) -> bool {
+        self.run.is_some()
+    }
+
+    /// The vessels, divided where their labels change along the centerlines.
+    pub(crate) fn divided_by_labels(&self) -> Network {
+        match &self.lines {
+            Some(lines) => divide(&self.network, lines, self.options.radius_rule),
+            None => self.network.clone(),
+        }
+    }
+}

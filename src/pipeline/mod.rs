@@ -1,0 +1,246 @@
+//! The method, from top to bottom: read, boundary conditions, candidates, samples, decision.
+
+mod arteries;
+mod boundary;
+mod classify;
+mod inference;
+mod input;
+mod options;
+mod prior;
+mod progress;
+mod shard;
+mod simulate;
+mod stored_run;
+
+pub use arteries::ArterySource;
+pub use boundary::{BoundaryOptions, parse_found_outlets};
+pub use classify::{Phenotype, classify};
+pub use inference::Inference;
+pub use input::{Contents, Input, read};
+pub use options::{FlowOptions, InferOptions, Preset, RunOptions, SaveOptions, SourceFile};
+pub use prior::Prior;
+pub use progress::{Progress, Silent, Step};
+pub use shard::{Shard, ShardRecord, blocks_of, differing, merge, samples_of};
+pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
+
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::candidates::CandidateOptions;
+use crate::decision::{Keep, ROOT_FACTOR, knows_fragments};
+use crate::error::{Error, Result};
+use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{checksum, checksum_of};
+use crate::network::Network;
+use crate::report::Provenance;
+use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
+use arteries::FoundArteries;
+
+/// Finds the plausible topology of an input: exactly what `willis infer` does.
+///
+/// # Errors
+///
+/// An option out of its range, a file beside the input that cannot be read, no inlet or outlet, points that are crowded, a vessel whose
+/// conductance no double can hold, a breakdown of the solver.
+pub fn infer(input: &Input, options: &InferOptions) -> Result<Inference> {
+    infer_with(input, options, &mut Silent)
+}
+
+/// As [`infer`], followed by `progress`, which may stop it.
+///
+/// # Errors
+///
+/// As [`infer`], or [`Error::Stopped`].
+pub fn infer_with(input: &Input, options: &InferOptions, progress: &mut dyn Progress) -> Result<Inference> {
+    prepare(input.clone(), options, progress)?.sample(&options.sampling, progress)
+}
+
+/// The over-connected graph of an input: its vessels and the candidates around them, with their priors and boundary conditions.
+///
+/// # Errors
+///
+/// As [`infer`].
+pub fn candidates(input: &Input, options: &InferOptions) -> Result<Network> {
+    let prepared = prepare(input.clone(), options, &mut Silent)?;
+    Ok(prepared.boundary.stated_in(prepared.graph.clone()))
+}
+
+/// An input made ready to be sampled: the over-connected graph and its boundary conditions, with everything that its files say.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Prepared {
+    /// The over-connected graph.
+    pub graph: Network,
+    /// Its boundary conditions.
+    pub boundary: Boundary,
+    /// The file, and what a person should know.
+    pub provenance: Provenance,
+    /// The options that were given.
+    pub options: RunOptions,
+    /// What found outlets are.
+    pub(crate) outlets: FoundOutlets,
+    /// The record of the prior.
+    pub(crate) prior: Value,
+    pub(crate) uniform_prior: bool,
+    /// How candidates were built; `None` for a ready graph.
+    pub(crate) candidates: Option<CandidateOptions>,
+    pub(crate) keep: Keep,
+    pub(crate) arteries: Option<FoundArteries>,
+    #[serde(skip, default = "Instant::now")]
+    pub(crate) started: Instant,
+}
+
+/// Boundary conditions and candidates of an input.
+///
+/// # Errors
+///
+/// As [`infer`], before any sample.
+pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress) -> Result<Arc<Prepared>> {
+    options.validate()?;
+    let path = std::path::PathBuf::from(&input.provenance.input);
+    let (scale, is_fragments) = (input.options.scale, input.is_fragments);
+    let by_landmarks = options.arteries.as_ref().filter(|source| source.is_landmarks());
+    let by_labels = options.arteries.as_ref().filter(|source| !source.is_landmarks());
+
+    // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
+    let mut network = if by_labels.is_some() && is_fragments { input.divided_by_labels() } else { input.network };
+    let mut arteries = by_landmarks.map(|source| source.find(&path, &network, &scale)).transpose()?;
+    if let Some(found) = arteries.as_ref().filter(|_| !options.boundary.states_an_inlet()) {
+        found.state_inlets(&mut network);
+    }
+
+    // The prior, whose choice depends on what the file holds.
+    let usual = if is_fragments { Prior::Evidence } else { Prior::None };
+    let prior = options.prior.as_ref().unwrap_or(&usual).load()?;
+    if prior.is_evidence() && !is_fragments {
+        let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see --observed)";
+        return Err(Error::parameter("prior", options.prior.as_ref().unwrap_or(&usual).to_string(), accepted));
+    }
+    let building = CandidateOptions {
+        k: options.candidates.k.or(Some(prior.usual_k())),
+        radius_rule: input.options.radius_rule,
+        ..options.candidates.clone()
+    };
+
+    // Boundary conditions, then candidates, which add nodes without conditions.
+    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
+    let outlets = options.boundary.found_outlets.unwrap_or(usual);
+    let boundary = options.boundary.resolve(&network, outlets, progress)?;
+    let graph = prior.graph(network, is_fragments, &boundary, &building)?;
+    let boundary = boundary.extended_to(graph.node_count());
+    let mut provenance = input.provenance;
+    if is_fragments {
+        progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
+        provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
+    }
+    progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
+    if let Some(source) = by_labels {
+        arteries = Some(source.find(&path, &graph, &scale)?);
+    }
+    for note in arteries.iter().flat_map(|found| &found.notes) {
+        progress.step(Step::Note(note));
+        provenance.notes.push(note.clone());
+    }
+    Ok(Arc::new(Prepared {
+        keep: options.keep.unwrap_or(if knows_fragments(&graph) { Keep::Probable(ROOT_FACTOR) } else { Keep::Median }),
+        graph,
+        boundary,
+        provenance,
+        options: RunOptions { read: input.options, infer: options.clone() },
+        outlets,
+        prior: prior.record(),
+        uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
+        candidates: is_fragments.then_some(building),
+        arteries,
+        started: input.started,
+    }))
+}
+
+/// That there is no candidate, and what may help.
+pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
+    let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == crate::network::Origin::Candidate);
+    (!candidates).then_some(match options.max_gap {
+        Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
+        None => "no free end has another vessel within reach",
+    })
+}
+
+impl Prepared {
+    /// Samples the graph and decides. The options need not be those of [`Prepared::options`]: several may share one graph.
+    ///
+    /// # Errors
+    ///
+    /// As [`infer_with`].
+    pub fn sample(self: &Arc<Self>, options: &SamplingOptions, progress: &mut dyn Progress) -> Result<Inference> {
+        let options = &self.sampled_with(options);
+        let until_stable = self.options.infer.until_stable;
+        let begun = Instant::now();
+        progress.step(Step::Sampling { graph: &self.graph, options });
+        let first = SamplingOptions { samples: if until_stable { FIRST_STABLE } else { options.samples }, ..options.clone() };
+        let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
+        let samples = sampling.samples();
+        let fits = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
+        let resumed = progress.resume(&self.key(options, None), sampling.part().uncertain(), &fits);
+        let mut part = resumed.unwrap_or_else(|| sampling.part());
+        let before = part.done();
+        let mut heard = Heard(progress);
+        let sampled = if until_stable {
+            sampling.until_stable(&mut part, &self.graph, self.keep, &mut heard)
+        } else {
+            sampling.sample(&mut part, 0..sampling.blocks(), &mut heard).map(|()| sampling.likelihood(&part))
+        };
+        heard.0.sampled(&part, sampled.is_ok());
+        let seconds = begun.elapsed().as_secs_f64();
+        let method = sampling.method();
+        let rate = (part.done() - before) as f64 / seconds;
+        let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
+        let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
+        self.decide(options, sampled?, method, time)
+    }
+
+    /// Where the priors come from: a word, or a file with its SHA-256.
+    pub fn prior(&self) -> &Value {
+        &self.prior
+    }
+
+    /// The options with the prior of this input.
+    fn sampled_with(&self, options: &SamplingOptions) -> SamplingOptions {
+        SamplingOptions { uniform_prior: self.uniform_prior, ..options.clone() }
+    }
+
+    /// All that the samples depend on, as SHA-256: what is kept of a run, or of a `range` of its samples, is resumed under it.
+    pub fn key(&self, options: &SamplingOptions, range: Option<[u64; 2]>) -> String {
+        let options = self.sampled_with(options);
+        let samples = (!self.options.infer.until_stable).then_some(options.samples);
+        let (version, graph) = (env!("CARGO_PKG_VERSION"), self.graph_checksum());
+        let options = SamplingOptions { samples: 0, ..options };
+        let all = json!({ "willis": version, "graph": graph, "options": options, "samples": samples, "range": range });
+        checksum(all.to_string().as_bytes())
+    }
+
+    /// The SHA-256 of the graph with its conditions, exactly as they are sampled.
+    pub(crate) fn graph_checksum(&self) -> String {
+        let written = checksum_of(|out| {
+            serde_json::to_writer(&mut *out, &self.graph)?;
+            write!(out, "{:?}", self.boundary)
+        });
+        // Nothing fails here but the memory for a number.
+        written.unwrap_or_default()
+    }
+}
+
+/// The sampling loop reports to whoever follows the run.
+struct Heard<'a>(&'a mut dyn Progress);
+
+impl crate::sampling::Progress for Heard<'_> {
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.0.report(done, total)
+    }
+
+    fn finished(&mut self, part: &PartialRun) {
+        self.0.finished(part);
+    }
+}

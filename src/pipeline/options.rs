@@ -1,0 +1,173 @@
+//! The options of a run: plain data, with the defaults of the command line, stored in run.json as they stand here.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::arteries::ArterySource;
+use super::boundary::BoundaryOptions;
+use super::prior::Prior;
+use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
+use crate::decision::Keep;
+use crate::error::Result;
+use crate::flow::FoundOutlets;
+use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use crate::io::ReadOptions;
+use crate::report::figures::{DEFAULT_DPI, check_dpi};
+use crate::sampling::{SamplingOptions, Uncertain};
+
+/// How [`infer`](crate::infer) works. The default is what `willis infer` does.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct InferOptions {
+    /// On whose choices the other fields rest; it changes nothing but what run.json says.
+    pub preset: Preset,
+    /// How candidates are built around fragments.
+    pub candidates: CandidateOptions,
+    /// How probable a candidate is before any flow; by default evidence on centerlines, and what the file states on a ready graph.
+    pub prior: Option<Prior>,
+    /// Where blood enters and leaves.
+    pub boundary: BoundaryOptions,
+    /// Occlusion, samples, seed, viscosity.
+    pub sampling: SamplingOptions,
+    /// Whether samples are doubled until every decision is two standard errors from flipping, up to 2²⁰, whatever
+    /// [`SamplingOptions::samples`] says.
+    pub until_stable: bool,
+    /// Which uncertain vessels stay; by default the most probable forest where candidates come with evidence, else the median.
+    pub keep: Option<Keep>,
+    /// Where the arteries of a Circle of Willis are, where it is to be classified.
+    pub arteries: Option<ArterySource>,
+}
+
+/// A set of choices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Those of this program.
+    #[default]
+    Willis,
+    /// Those of Moriconi et al. 2019.
+    Paper,
+}
+
+impl InferOptions {
+    /// Every choice as in Moriconi et al. 2019; where the paper is silent, as [`Default`].
+    pub fn paper() -> Self {
+        Self {
+            preset: Preset::Paper,
+            candidates: CandidateOptions { attach: Attach::Ends, radius: CandidateRadius::Mean, ..CandidateOptions::default() },
+            prior: Some(Prior::Uniform),
+            boundary: BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() },
+            sampling: SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() },
+            keep: Some(Keep::Median),
+            ..Self::default()
+        }
+    }
+
+    /// Checks every field that can be checked without an input.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        self.candidates.validate()?;
+        self.sampling.validate()?;
+        self.keep.map_or(Ok(()), Keep::validate)
+    }
+}
+
+/// How [`simulate`](crate::simulate) works.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FlowOptions {
+    /// Where blood enters and leaves.
+    pub boundary: BoundaryOptions,
+    /// Blood viscosity µ, Pa s, positive.
+    #[serde(rename = "viscosity_Pa_s")]
+    pub viscosity: f64,
+}
+
+impl Default for FlowOptions {
+    fn default() -> Self {
+        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY }
+    }
+}
+
+impl FlowOptions {
+    /// Checks every field that can be checked without an input.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        check_viscosity(self.viscosity)
+    }
+}
+
+/// How an output folder is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SaveOptions {
+    /// Resolution of the pictures, dots an inch, 30 to 1200.
+    pub dpi: u32,
+}
+
+impl Default for SaveOptions {
+    fn default() -> Self {
+        Self { dpi: DEFAULT_DPI }
+    }
+}
+
+impl SaveOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        check_dpi(self.dpi)
+    }
+}
+
+/// All options of a run, as run.json stores them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunOptions {
+    /// How the input was read.
+    pub read: ReadOptions,
+    /// What was done with it.
+    pub infer: InferOptions,
+}
+
+impl RunOptions {
+    /// The options one by one under their own names, for two runs to be compared. Files that belong to one subject are left out, and a
+    /// file of priors is known by its content: `prior` is the record of it, with its SHA-256.
+    pub fn comparable(&self, prior: &Value) -> Value {
+        let mut flat = serde_json::Map::new();
+        flatten(serde_json::to_value(self).unwrap_or_default(), &mut flat);
+        for own in ["loops", "conditions", "landmarks", "max_input"] {
+            flat.remove(own);
+        }
+        if let Some(sha256) = prior.get("sha256") {
+            flat.insert("prior".to_owned(), sha256.clone());
+        }
+        Value::Object(flat)
+    }
+}
+
+fn flatten(value: Value, into: &mut serde_json::Map<String, Value>) {
+    let Value::Object(fields) = value else { return };
+    for (name, value) in fields {
+        if value.is_object() { flatten(value, into) } else { drop(into.insert(name, value)) }
+    }
+}
+
+/// A file that was read beside the input.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SourceFile {
+    /// Its path as given.
+    pub path: PathBuf,
+    /// The SHA-256 of its bytes.
+    pub sha256: String,
+}

@@ -1,0 +1,162 @@
+//! The prior: how probable each candidate is before any flow, and the over-connected graph that follows from it.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::options::SourceFile;
+use crate::candidates::model::Weights;
+use crate::candidates::{CandidateOptions, NEAREST, build, build_probable};
+use crate::error::{Error, Fault, Result};
+use crate::flow::Boundary;
+use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
+use crate::network::{Network, Role};
+use crate::support::suggestions::did_you_mean;
+
+/// Where the prior of candidates comes from; as text `evidence`, `none`, `uniform`, or the path of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Prior {
+    /// The model of real arteries that ships with willis.
+    Evidence,
+    /// What the file of the graph states.
+    None,
+    /// One everywhere, as in the paper.
+    Uniform,
+    /// A file: weights of the evidence (`.toml`, from `willis train`), or numbers from 0 to 1 for pairs of nodes or for vessels (`.npy`,
+    /// `.csv`).
+    File(PathBuf),
+}
+
+const WORDS: [(&str, Prior); 3] = [("evidence", Prior::Evidence), ("none", Prior::None), ("uniform", Prior::Uniform)];
+
+impl fmt::Display for Prior {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, WORDS.iter().find(|(_, prior)| prior == self)) {
+            (_, Some((word, _))) => f.write_str(word),
+            (Self::File(path), _) => write!(f, "{}", path.display()),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl From<Prior> for String {
+    fn from(prior: Prior) -> Self {
+        prior.to_string()
+    }
+}
+
+impl TryFrom<String> for Prior {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl FromStr for Prior {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if let Some((_, prior)) = WORDS.into_iter().find(|(word, _)| *word == text) {
+            return Ok(prior);
+        }
+        if matches!(ending(Path::new(text)).as_str(), "toml" | "npy" | "csv") {
+            return Ok(Self::File(text.into()));
+        }
+        let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
+        let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
+        Err(Error::parameter("prior", format!("\"{text}\""), accepted))
+    }
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+impl Prior {
+    /// Reads the files of the prior.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or weights with a fault.
+    pub(crate) fn load(&self) -> Result<LoadedPrior> {
+        let path = match self {
+            Self::Evidence => return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), source: None }),
+            Self::None => return Ok(LoadedPrior::None),
+            Self::Uniform => return Ok(LoadedPrior::Uniform),
+            Self::File(path) => path,
+        };
+        let bytes = bytes_of(path)?;
+        let source = SourceFile { path: path.clone(), sha256: checksum(&bytes) };
+        if ending(path) != "toml" {
+            return Ok(LoadedPrior::Table { bytes, source });
+        }
+        let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
+        let text = std::str::from_utf8(&bytes).map_err(fault)?;
+        let weights = Box::new(Weights::read(text).map_err(|fault| fault.in_file(path))?);
+        Ok(LoadedPrior::Evidence { weights, source: Some(source) })
+    }
+}
+
+/// A prior whose files have been read.
+pub(crate) enum LoadedPrior {
+    /// A model of the evidence, with its file where it is not the one that ships.
+    Evidence { weights: Box<Weights>, source: Option<SourceFile> },
+    /// What the file of the graph states.
+    None,
+    /// One everywhere.
+    Uniform,
+    /// A matrix or table.
+    Table { bytes: Vec<u8>, source: SourceFile },
+}
+
+impl LoadedPrior {
+    pub(crate) fn is_evidence(&self) -> bool {
+        matches!(self, Self::Evidence { .. })
+    }
+
+    /// The record in run.json: the word, or the file with its checksum.
+    pub(crate) fn record(&self) -> Value {
+        match self {
+            Self::Evidence { source: None, .. } => json!("evidence"),
+            Self::None => json!("none"),
+            Self::Uniform => json!("uniform"),
+            Self::Evidence { source: Some(source), .. } | Self::Table { source, .. } => json!(source),
+        }
+    }
+
+    /// [`CandidateOptions::k`] where none is given.
+    pub(crate) fn usual_k(&self) -> usize {
+        if self.is_evidence() { crate::candidates::search::by_evidence::Search::default().branches } else { NEAREST }
+    }
+
+    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior.
+    pub(crate) fn graph(
+        &self,
+        network: Network,
+        is_fragments: bool,
+        boundary: &Boundary,
+        options: &CandidateOptions,
+    ) -> Result<Network> {
+        let mut graph = match self {
+            _ if !is_fragments => network,
+            Self::Evidence { weights, .. } => {
+                let found: BTreeSet<usize> = boundary.found_inlets.iter().copied().collect();
+                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !found.contains(node);
+                let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
+                build_probable(&network, &inlets, options, weights)?
+            }
+            _ => build(&network, options)?,
+        };
+        if let Self::Table { bytes, source } = self {
+            let read = if ending(&source.path) == "csv" { read_prior_csv } else { read_prior_npy };
+            read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
+        }
+        Ok(graph)
+    }
+}

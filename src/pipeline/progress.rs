@@ -1,0 +1,79 @@
+//! What a caller may hear of a run while it is at work, and how it may stop it or resume an earlier one.
+
+use crate::candidates::CandidateOptions;
+use crate::flow::Boundary;
+use crate::network::Network;
+use crate::network::locate::Located;
+use crate::sampling::{PartialRun, SamplingOptions};
+
+/// Follows a run. Every method does nothing by default.
+pub trait Progress: Send {
+    /// A step of the method is done.
+    fn step(&mut self, _step: Step<'_>) {}
+
+    /// So many samples of the total are done; false stops the run.
+    fn report(&mut self, _done: u64, _total: u64) -> bool {
+        true
+    }
+
+    /// Sampling is about to begin: the part of the run that an earlier one finished, where it was kept. `key` stands for everything that
+    /// the samples depend on; `fits` says whether a part may be of this run.
+    fn resume(&mut self, _key: &str, _uncertain: &[bool], _fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+        None
+    }
+
+    /// More of the run is finished.
+    fn finished(&mut self, _part: &PartialRun) {}
+
+    /// The samples are complete, or the run has failed: the part that is finished.
+    fn sampled(&mut self, _part: &PartialRun, _is_complete: bool) {}
+}
+
+/// Nobody follows.
+pub struct Silent;
+
+impl Progress for Silent {}
+
+/// A step of the method.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Step<'a> {
+    /// A boundary condition's node was found by the `name` given for it.
+    Located {
+        /// As given.
+        name: &'a str,
+        /// The id of the node.
+        node: &'a str,
+        /// How it was found.
+        found: Located,
+        /// Whether a file of conditions names it.
+        is_in_file: bool,
+    },
+    /// What found outlets should be was said, and all outlets are stated.
+    OutletsAllStated,
+    /// Candidates were built around the fragments.
+    Built {
+        /// The over-connected graph.
+        graph: &'a Network,
+        /// How.
+        options: &'a CandidateOptions,
+        /// Whether evidence says how probable they are.
+        by_evidence: bool,
+    },
+    /// The boundary conditions are known.
+    Boundary {
+        /// The over-connected graph.
+        graph: &'a Network,
+        /// Its conditions.
+        boundary: &'a Boundary,
+    },
+    /// Something that a person should know.
+    Note(&'a str),
+    /// Sampling begins.
+    Sampling {
+        /// The over-connected graph.
+        graph: &'a Network,
+        /// How.
+        options: &'a SamplingOptions,
+    },
+}

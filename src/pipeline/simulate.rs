@@ -1,0 +1,188 @@
+//! Forward simulation and resistance modulation of an input, and the folders that hold them.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::{BoundaryOptions, FlowOptions, Input, Progress, SaveOptions, Silent, Step};
+use crate::error::{Error, Result};
+use crate::flow::{Boundary, FoundOutlets};
+use crate::modulation::{HypertensionByClass, Modulation, ModulationOptions};
+use crate::network::vessels_called;
+use crate::output::atomic::StagedFolder;
+use crate::report::{FlowRecord, ModulationOutcome, Simulated, write_modulation, write_simulated};
+use crate::sampling;
+use crate::simulation::{Change, Perturbation, Simulation};
+
+/// The flow in a network as it is, and beside it with vessels changed.
+#[derive(Debug)]
+pub struct SimulationRun<'a> {
+    input: &'a Input,
+    boundary: Boundary,
+    outlets: FoundOutlets,
+    perturbations: Vec<Perturbation>,
+    simulation: Simulation,
+    viscosity: f64,
+}
+
+/// Solves the flow of an input as it is, and beside it with all `changes` at once; each names its vessels, by label or `edge:ROW`.
+///
+/// # Errors
+///
+/// An option or change out of its range, a vessel that is not there, no way for blood to flow, a breakdown of the solver.
+pub fn simulate<'a>(input: &'a Input, changes: &[(&str, Change)], options: &FlowOptions) -> Result<SimulationRun<'a>> {
+    simulate_with(input, changes, options, &mut Silent)
+}
+
+/// As [`simulate`], followed by `progress`.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_with<'a>(
+    input: &'a Input,
+    changes: &[(&str, Change)],
+    options: &FlowOptions,
+    progress: &mut dyn Progress,
+) -> Result<SimulationRun<'a>> {
+    options.validate()?;
+    let network = &input.network;
+    let mut perturbations = Vec::new();
+    for (name, change) in changes {
+        let refused = |why: String| Error::parameter(change.field(), format!("\"{name}\""), why);
+        let vessels = vessels_called(network, name).map_err(refused)?;
+        perturbations.extend(vessels.into_iter().map(|vessel| Perturbation { vessel, change: *change }));
+    }
+    let (boundary, outlets) = conditions(input, &options.boundary, progress)?;
+    let viscosity = options.viscosity;
+    let simulation = crate::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
+    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity })
+}
+
+/// The boundary conditions of a network whose vessels are taken as they are; outlets that are found are ground, unless said otherwise.
+fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Progress) -> Result<(Boundary, FoundOutlets)> {
+    let outlets = options.found_outlets.unwrap_or(FoundOutlets::Ground);
+    let boundary = options.resolve(&input.network, outlets, progress)?;
+    progress.step(Step::Boundary { graph: &input.network, boundary: &boundary });
+    Ok((boundary, outlets))
+}
+
+impl SimulationRun<'_> {
+    /// Pressures, flows and resilience, before and after.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Everything that the files of the run are made of.
+    pub fn simulated(&self) -> Simulated<'_> {
+        let Self { input, boundary, perturbations, simulation, viscosity, .. } = self;
+        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity: *viscosity }
+    }
+
+    /// The record of the run.
+    pub fn record(&self) -> FlowRecord {
+        FlowRecord::new(&self.simulated(), &self.input.provenance, self.input.options.radius_rule, self.outlets)
+    }
+
+    /// Saves every file in a new folder, which appears whole or not at all; an earlier run's is replaced with `force`. Returns what a
+    /// person should know about files left out.
+    ///
+    /// # Errors
+    ///
+    /// The folder exists, or cannot be written.
+    pub fn save(&self, folder: &Path, force: bool, options: &SaveOptions) -> Result<Vec<String>> {
+        options.validate()?;
+        let staged = StagedFolder::new(folder, force)?;
+        let notes = write_simulated(&staged.path(), &self.simulated(), &self.record(), options.dpi)?;
+        staged.commit()?;
+        Ok(notes)
+    }
+}
+
+/// How a network responds to resistances that vary at random.
+#[derive(Debug)]
+pub struct ModulationRun<'a> {
+    input: &'a Input,
+    boundary: Boundary,
+    outlets: FoundOutlets,
+    options: ModulationOptions,
+    modulation: Modulation,
+    hypertension: HypertensionByClass,
+    seconds: f64,
+}
+
+/// Modulates the resistances of an input's vessels at random. `threshold` (Pa/m²) is where hypertension becomes a risk; by default the
+/// 95th percentile over the unperturbed vessels.
+///
+/// # Errors
+///
+/// An option out of its range, no way for blood to flow, a breakdown of the solver.
+pub fn modulate<'a>(
+    input: &'a Input,
+    boundary: &BoundaryOptions,
+    options: &ModulationOptions,
+    threshold: Option<f64>,
+) -> Result<ModulationRun<'a>> {
+    modulate_with(input, boundary, options, threshold, &mut Silent)
+}
+
+/// As [`modulate`], followed by `progress`, which may stop it.
+///
+/// # Errors
+///
+/// As [`modulate`], or [`Error::Stopped`].
+pub fn modulate_with<'a>(
+    input: &'a Input,
+    boundary: &BoundaryOptions,
+    options: &ModulationOptions,
+    threshold: Option<f64>,
+    progress: &mut dyn Progress,
+) -> Result<ModulationRun<'a>> {
+    options.validate()?;
+    let (boundary, outlets) = conditions(input, boundary, progress)?;
+    let begun = Instant::now();
+    let modulation = crate::modulation::modulate(&input.network, &boundary, options, &mut Heard(progress))?;
+    let hypertension = HypertensionByClass::of(&modulation, threshold);
+    let (options, seconds) = (options.clone(), begun.elapsed().as_secs_f64());
+    Ok(ModulationRun { input, boundary, outlets, options, modulation, hypertension, seconds })
+}
+
+impl ModulationRun<'_> {
+    /// Everything that the files of the run are made of.
+    pub fn outcome(&self) -> ModulationOutcome<'_> {
+        ModulationOutcome {
+            network: &self.input.network,
+            boundary: &self.boundary,
+            outlets: self.outlets,
+            provenance: &self.input.provenance,
+            params: &self.options,
+            result: &self.modulation,
+            hypertension: &self.hypertension,
+            seconds: self.seconds,
+        }
+    }
+
+    /// The record of the run.
+    pub fn record(&self) -> Value {
+        json!(self.outcome().record())
+    }
+
+    /// Writes every file into a folder that is there, `samples.npz` with every instance where `instances` is set.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn write(&self, folder: &Path, instances: bool, options: &SaveOptions) -> Result<()> {
+        options.validate()?;
+        write_modulation(folder, &self.outcome(), instances, options.dpi)
+    }
+}
+
+struct Heard<'a>(&'a mut dyn Progress);
+
+impl sampling::Progress for Heard<'_> {
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.0.report(done, total)
+    }
+}

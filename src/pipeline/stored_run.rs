@@ -1,0 +1,87 @@
+//! A folder that [`infer`](crate::infer) saved, taken up again: its graph and its options, from run.json.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::options::RunOptions;
+use crate::error::{Fault, Result};
+use crate::output::names::{GRAPH, RECORD};
+use crate::output::read_json;
+
+/// A run of infer in a folder.
+#[derive(Debug, Clone)]
+pub(crate) struct StoredRun {
+    /// Its over-connected graph.
+    pub(crate) graph: PathBuf,
+    pub(crate) options: RunOptions,
+    /// Samples that were taken, or that an enumeration was scaled to.
+    pub(crate) samples: u64,
+    /// Nodes whose conditions were stated, not found.
+    pub(crate) given: Vec<usize>,
+    /// The SHA-256 of its landmarks.
+    pub(crate) landmarks: Option<String>,
+    sha256: String,
+}
+
+/// What is read of run.json.
+#[derive(Deserialize)]
+struct Record {
+    options: RunOptions,
+    parameters: Value,
+    boundary_conditions: Vec<StoredCondition>,
+    graph: Option<Graph>,
+}
+
+#[derive(Deserialize)]
+struct StoredCondition {
+    node: usize,
+    found: bool,
+}
+
+#[derive(Deserialize)]
+struct Graph {
+    sha256: String,
+}
+
+impl StoredRun {
+    /// The run in a folder.
+    ///
+    /// # Errors
+    ///
+    /// A folder that infer did not write.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
+        const EXPECTED: &str = "expected a folder that willis infer wrote for one occlusion probability";
+        let wrong = |found: &str| Fault::file(found, EXPECTED).in_file(folder);
+        let path = folder.join(RECORD);
+        if !path.is_file() {
+            return Err(wrong("a folder without run.json"));
+        }
+        let record: Value = read_json(&path, "expected the record of willis infer")?;
+        if record["graph"]["sha256"].is_null() {
+            return Err(wrong("a run without a graph of candidates"));
+        }
+        let record: Record =
+            serde_json::from_value(record).map_err(|_| wrong("parameters that are not those of willis infer"))?;
+        let samples =
+            record.parameters["samples"].as_u64().ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
+        Ok(Self {
+            graph: folder.join(GRAPH),
+            options: record.options,
+            samples,
+            given: record.boundary_conditions.iter().filter(|c| !c.found).map(|c| c.node).collect(),
+            landmarks: record.parameters["landmarks"]["sha256"].as_str().map(str::to_owned),
+            sha256: record.graph.map(|graph| graph.sha256).unwrap_or_default(),
+        })
+    }
+
+    /// Refuses a graph that is not the one that was sampled.
+    pub(crate) fn check_graph(&self, sha256: &str) -> Result<()> {
+        if sha256 == self.sha256 {
+            return Ok(());
+        }
+        let found = "not the graph that was sampled: its SHA-256 is not that of run.json";
+        Err(Fault::file(found, "expected it unedited").in_file(&self.graph))
+    }
+}
