@@ -100,8 +100,8 @@ class Results:
     def least(self, figure, graph):
         return min(self.rounds[figure, graph]) if (figure, graph) in self.rounds else None
 
-    def ratios(self, figure, ours, graph):
-        both = zip(self.rounds.get((figure, graph), []), self.rounds.get((ours, graph), []))
+    def ratios(self, figure, base, graph):
+        both = zip(self.rounds.get((figure, graph), []), self.rounds.get((base, graph), []))
         return " / ".join(digits(a / b) for a, b in both) or "-"
 
     def table(self, rows):
