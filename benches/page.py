@@ -43,7 +43,7 @@ the elimination programs that all workers share. They do not include the graph. 
 
 {large}
 
-{where}`benches/run.sh --large` repeats these measurements. Both commands make this page anew at the end.
+{where}`benches/run.sh --large` repeats these measurements. Both commands also update this page.
 """
 
 ROWS = [
