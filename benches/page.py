@@ -1,6 +1,6 @@
-"""The performance page and the tables of both READMEs, from results.csv and large.csv alone: page.py, or page.py --check.
+"""Makes the performance page of the book and the table in this folder's README from results.csv and large.csv: page.py, or page.py --check.
 
---check writes nothing and fails when a page is not what the figures say. Any Python from 3.8 on, without packages.
+--check writes nothing. It fails if a page does not match the figures. Any Python from 3.8 on, without packages.
 """
 import csv
 import sys
@@ -8,7 +8,6 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs/src/performance.md"
-README = HERE.parent / "README.md"
 BENCHES = HERE / "README.md"
 MACHINE = "machine"
 
@@ -16,33 +15,35 @@ TEXT = """# Performance
 
 <!-- Made by benches/page.py from benches/results.csv and benches/large.csv; do not edit. -->
 
-Every figure here was measured by `benches/run.sh` and put in place by `benches/page.py`. `benches/README.md` says how, and what bounds it.
+`benches/run.sh` measured every number on this page, and `benches/page.py` made the page from them. `benches/README.md` describes the
+measurements and their limits.
 
 ## Small graphs
 
-Microseconds a sample (mask, flow, resilience, forest, sums), by graph; names end in nodes and vessels, but for the first, which ships with the
-project. Occlusion probability 0.3, every vessel uncertain.
+The table has microseconds per sample, for all steps of a sample: mask, flow, resilience, forest and sums. Each column is a graph. The first one
+ships with the project; the names of the others end in their numbers of nodes and vessels. The occlusion probability is 0.3, and every vessel is
+uncertain.
 
 {small}
 
 {machine}
 {million}{skipped}
-- **faer** is `--solver cholesky`: the same loop with one sparse factorisation and one Kruskal forest a sample.
-- **NumPy, SciPy** is the better of SuperLU and dense LAPACK, with `csgraph` for components and forest. Most of its time is interpreter and
-  array set-up: the ratio says what a user gains, not how good SuperLU is.
-- Ratios are taken within a round, in which the two sides follow each other.
+- **faer** is `--solver cholesky`: the same loop with one sparse factorisation and one Kruskal forest per sample.
+- **NumPy, SciPy** is the faster of SuperLU and dense LAPACK, with `csgraph` for components and forest. Most of its time goes to the interpreter and
+  to setting up arrays. The ratio shows what a user gains, not the quality of SuperLU.
+- A ratio compares two measurements of the same round, taken one after the other.
 
-To measure anew: `benches/run.sh`.
+`benches/run.sh` repeats these measurements.
 
 ## Large graphs
 
-Graphs of `willis phantom arterial|capillary --edges N --break` beside the best Python pipeline, one thread each. Candidates are open with
-probability 0.25, observed vessels are certain. Bytes are of one worker with its sums, and of the programs that workers share; the graph itself is not in
-them, but in the peak, which is that of the whole process.
+The table compares willis with the best Python pipeline on graphs of `willis phantom arterial|capillary --edges N --break`, with one thread each.
+Candidates are open with probability 0.25; observed vessels are always open. The bytes per vessel are those of one worker with its sums, and those of
+the elimination programs that all workers share. They do not include the graph. The peak is that of the whole process, with the graph.
 
 {large}
 
-{where}To measure anew: `benches/run.sh --large`. Both commands end by making this page.
+{where}`benches/run.sh --large` repeats these measurements. Both commands also update this page.
 """
 
 ROWS = [
@@ -56,20 +57,14 @@ ROWS = [
     ("ratios", "times as long, by round", "faer", "one"),
     ("figures", "NumPy, SciPy, one thread", "python", 1),
     ("ratios", "times as long, by round", "python", "one"),
-    ("figures", "forest alone: Kruskal here", "kruskal", 1),
-    ("figures", "forest alone: petgraph, graph ready", "petgraph_ready", 1),
-    ("figures", "forest alone: petgraph, graph built", "petgraph", 1),
-    ("ratios", "times as long as ours, by round", "petgraph", "lanes"),
+    ("figures", "forest only: Kruskal in willis", "kruskal", 1),
+    ("figures", "forest only: petgraph, graph ready", "petgraph_ready", 1),
+    ("figures", "forest only: petgraph, with building the graph", "petgraph", 1),
+    ("ratios", "times as long as willis, by round", "petgraph", "lanes"),
     ("figures", "joins of the solve", "joins_solve", 1),
     ("figures", "joins of the forest", "joins_forest", 1),
-    ("figures", "thousand instructions a sample, baseline", "instructions", None),
+    ("figures", "thousand instructions per sample, baseline", "instructions", None),
     ("figures", "peak memory of `willis infer`, MB", "memory", 1e-3),
-]
-SHORT = [
-    ("figures", "**willis, one thread**", "one", 1),
-    ("figures", "{threads} threads", "all", 1),
-    ("figures", "one faer Cholesky and one Kruskal forest a sample", "faer", 1),
-    ("figures", "NumPy, SciPy", "python", 1),
 ]
 
 
@@ -105,12 +100,12 @@ class Results:
     def least(self, figure, graph):
         return min(self.rounds[figure, graph]) if (figure, graph) in self.rounds else None
 
-    def ratios(self, figure, ours, graph):
-        both = zip(self.rounds.get((figure, graph), []), self.rounds.get((ours, graph), []))
+    def ratios(self, figure, base, graph):
+        both = zip(self.rounds.get((figure, graph), []), self.rounds.get((base, graph), []))
         return " / ".join(digits(a / b) for a, b in both) or "-"
 
     def table(self, rows):
-        lines = ["| microseconds a sample | " + " | ".join(self.graphs) + " |", "|---|" + "---:|" * len(self.graphs)]
+        lines = ["| microseconds per sample | " + " | ".join(self.graphs) + " |", "|---|" + "---:|" * len(self.graphs)]
         for kind, title, key, other in rows:
             cells = []
             for graph in self.graphs:
@@ -124,7 +119,7 @@ class Results:
 
     def machine(self):
         rounds = max(len(values) for values in self.rounds.values())
-        return f"{self.words['cpu']}, {self.words['threads']} threads, load {self.words['load']} at the end; least of {rounds} rounds.\n"
+        return f"{self.words['cpu']}, {self.words['threads']} threads, load {self.words['load']} at the end; the least of {rounds} rounds.\n"
 
     def million(self):
         found = [graph for graph in self.graphs if ("million_1", graph) in self.rounds]
@@ -141,7 +136,7 @@ def large(path):
     for row in csv.DictReader(open(path, encoding="utf-8")):
         rows.setdefault((row["family"], int(row["edges"])), []).append(row)
     lines = [
-        "| family | edges | uncertain | solver | ms a sample | Python, ms | its solver | times as long | bytes a vessel: worker | shared | peak, MB | residual |",
+        "| family | edges | uncertain | solver | ms per sample | Python, ms | its solver | times as long | bytes per vessel: worker | shared | peak, MB | residual |",
         "|---|---:|---:|---|---:|---:|---|---:|---:|---:|---:|---:|",
     ]
     machines = set()
@@ -172,15 +167,13 @@ def main():
     page = TEXT.format(
         small=results.table(ROWS), machine=results.machine(), million=results.million(), skipped=skipped, large=table, where=where
     )
-    short = results.table(SHORT) + "\n\n" + results.machine().rstrip("\n")
     made = {
         PAGE: page,
-        README: spliced(README.read_text(encoding="utf-8"), "bench", short),
         BENCHES: spliced(BENCHES.read_text(encoding="utf-8"), "large", table),
     }
     if "--check" in sys.argv:
         stale = [str(path) for path, text in made.items() if path.read_text(encoding="utf-8") != text]
-        sys.exit(f"not what the figures say, run benches/page.py: {', '.join(stale)}" if stale else 0)
+        sys.exit(f"does not match the figures, run benches/page.py: {', '.join(stale)}" if stale else 0)
     for path, text in made.items():
         path.write_text(text, encoding="utf-8")
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Measures the sampling loop and tabulates it.
 #
-#   benches/run.sh               every figure: results.csv, and the pages made of it
+#   benches/run.sh               every figure: results.csv, and the pages made from it
 #   benches/run.sh --check       instruction counts only; fails when one grew by more than 3 % over instructions.csv
 #   benches/run.sh --accept      writes the instruction counts of this build to instructions.csv
-#   benches/run.sh --large       large graphs beside the best Python pipeline: large.csv, and the pages made of it
+#   benches/run.sh --large       large graphs beside the best Python pipeline: large.csv, and the pages made from it
 #
-# The pages are docs/src/performance.md and the table in README.md; benches/page.py alone makes them of figures that are there.
+# The pages are docs/src/performance.md and the table in benches/README.md. benches/page.py makes them from existing figures.
 # WILLIS_BENCH_GRAPHS names the folder of graphs and of scipy_baseline.py (../shared/bench), WILLIS_PYTHON a Python with
 # NumPy and SciPy. What is missing is skipped, and the script says so.
 set -euo pipefail

@@ -19,8 +19,8 @@ const IMMATERIAL: [(&str, bool); 12] = [
     ("--record-failure", false),
 ];
 
-/// This process's command line without the options that change no result, quoted for a shell, with an output that is called `again`: it
-/// repeats the run as it stands.
+/// This process's command line without the options that change no result, quoted for a shell, with `-o` and an output that is called
+/// `again`, where that is not empty: it repeats the run as it stands.
 pub fn command_line(again: &str) -> String {
     written(|word| Some(word.to_owned()), again)
 }
@@ -42,7 +42,9 @@ fn written(mut wording: impl FnMut(&str) -> Option<String>, again: &str) -> Stri
             None => words.extend(wording(&word).map(|word| quoted(&word))),
         }
     }
-    words.extend(["-o".to_owned(), again.to_owned()]);
+    if !again.is_empty() {
+        words.extend(["-o".to_owned(), again.to_owned()]);
+    }
     words.join(" ")
 }
 

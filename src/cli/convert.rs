@@ -43,7 +43,7 @@ impl ConvertArgs {
         let target = Target::new(&self.output, self.to.as_deref())?;
         check(&target, force)?;
         let path = &self.input.input;
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         say_read(terminal, &input, self.input.reading.units.is_none());
         let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());
         let (names, mut lost) = put(&input.network, &target, terminal, force)?;

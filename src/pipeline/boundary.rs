@@ -42,11 +42,7 @@ impl BoundaryOptions {
         given.extend(self.from_file(network, progress)?);
         given.extend(self.from_options(network, progress)?);
         let given: Vec<Given> = given.into_values().collect();
-        let boundary = Boundary::resolve(network, &given, outlets)?;
-        if self.found_outlets.is_some() && boundary.found_outlets.is_empty() {
-            progress.step(Step::OutletsAllStated);
-        }
-        Ok(boundary)
+        Boundary::resolve(network, &given, outlets)
     }
 
     /// Whether a person said where blood comes in, or left it to a file to say.

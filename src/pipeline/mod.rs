@@ -129,6 +129,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
     let boundary = options.boundary.resolve(&network, outlets, progress)?;
+    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && boundary.found_outlets.is_empty() {
+        progress.step(Step::OutletsAllStated);
+    }
     let graph = prior.graph(network, is_fragments, &boundary, &building)?;
     let boundary = boundary.extended_to(graph.node_count());
     let mut provenance = input.provenance;

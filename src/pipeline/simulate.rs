@@ -64,6 +64,9 @@ pub fn simulate_with<'a>(
 fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Progress) -> Result<(Boundary, FoundOutlets)> {
     let outlets = options.found_outlets.unwrap_or(FoundOutlets::Ground);
     let boundary = options.resolve(&input.network, outlets, progress)?;
+    if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
+        progress.step(Step::OutletsAllStated);
+    }
     progress.step(Step::Boundary { graph: &input.network, boundary: &boundary });
     Ok((boundary, outlets))
 }
