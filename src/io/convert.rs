@@ -161,6 +161,8 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
 /// Lengths and radii that differ by less than this fraction are equal.
 const SAME: f64 = 1e-9;
 
+use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
+
 /// A property of a network that a format may be unable to store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Property {
@@ -182,7 +184,6 @@ enum Property {
 
 /// The properties of a network that a format cannot store.
 fn lacks(format: Format, network: &Network) -> Vec<Property> {
-    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     match format {
         Format::GraphMl | Format::Csv => vec![],
         Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
@@ -198,7 +199,6 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
 
 /// What is lost when a network is written in a format, one text for each thing.
 pub fn losses(network: &Network, format: Format) -> Vec<String> {
-    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     let lacks = lacks(format, network);
     let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
