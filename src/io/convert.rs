@@ -33,7 +33,8 @@ impl Target {
     ///
     /// # Errors
     ///
-    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of nodes.
+    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of
+    /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
         let words = || Self::words().collect::<Vec<_>>().join(", ");
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
@@ -229,7 +230,7 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     ];
     let mut lost: Vec<String> = counts
         .into_iter()
-        .filter(|(thing, count, _)| *count > 0 && lacks.contains(thing))
+        .filter(|(property, count, _)| *count > 0 && lacks.contains(property))
         .map(|(_, count, what)| what.replace("{}", &count.to_string()))
         .collect();
     let joints = degree.iter().filter(|d| **d == 2).count();

@@ -50,7 +50,7 @@ pub struct ReadOptions {
     /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array
     /// with "area" in its name holds areas.
     pub radius_array: Option<String>,
-    /// Which radius stands for a vessel.
+    /// How a vessel gets its single radius from the radii along it.
     #[serde(rename = "radius")]
     pub radius_rule: RadiusRule,
     /// The radius of vessels that have none, m, positive; without it such a vessel is an error.
@@ -121,8 +121,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(Document { format, content, notes, sha256 })
 }
 
-/// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
-/// stream.
+/// Reads a file and computes its SHA-256. GraphML is read as a stream.
 fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
     let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };

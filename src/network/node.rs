@@ -71,8 +71,8 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
-    /// The weight for leaving the fragment of this node unconnected, where the evidence states it: the posterior probability that it
-    /// is fed by no other, times the weight of an unconnected fragment.
+    /// The weight for leaving the fragment of this node unconnected, where the evidence states it: the posterior probability that
+    /// it is fed by no other, times the weight of an unconnected fragment.
     pub alone: Option<f64>,
 }
 

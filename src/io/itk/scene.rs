@@ -196,9 +196,9 @@ impl Nearest {
         for end in ends {
             let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
             let mut consider = |row: &usize| {
-                let apart = distance(points[*row], points[end]);
-                if apart < best.0 || (apart == best.0 && end == best.1[1] && *row < best.1[0]) {
-                    best = (apart, [*row, end]);
+                let gap = distance(points[*row], points[end]);
+                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
+                    best = (gap, [*row, end]);
                 }
                 (x(*row) - x(end)).abs() <= best.0
             };

@@ -43,7 +43,7 @@ pub(crate) struct Array {
 }
 
 impl Array {
-    /// Reads a member of the archive, which takes `stored` bytes there. Nothing is allocated on the word of the file alone.
+    /// Reads a member of the archive, which takes `stored` bytes there. The size that the file states alone allocates nothing.
     pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &UnpackLimit) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
@@ -116,7 +116,7 @@ impl Array {
         matches!(self.kind, Kind::Number(NumberType::Signed | NumberType::Unsigned))
     }
 
-    /// All values as numbers, as they lie.
+    /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
         let Kind::Number(kind) = self.kind else { return Err(self.fault("text", "expected numbers")) };
         Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())

@@ -208,7 +208,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether the base64 text is padded within the characters of the first `count` bytes: they were encoded alone.
+    /// Whether the base64 text is padded within the characters of the first `count` bytes, so that these were encoded separately.
     fn is_padded(&self, count: usize) -> bool {
         match self {
             Self::Raw(_) => true,
@@ -227,11 +227,11 @@ impl Arrays<'_> {
     }
 
     fn plain<'a>(&self, source: &mut Source<'a>, limit: usize) -> Result<Cow<'a, [u8]>, String> {
-        let alone = source.is_padded(self.word);
+        let separate = source.is_padded(self.word);
         let mut ahead = *source;
         let count = self.words(&ahead.take(self.word)?)[0];
         let count = usize::try_from(count).map_or(limit, |count| count.min(limit));
-        if alone {
+        if separate {
             return ahead.take(count);
         }
         // Header and data were encoded together.

@@ -1,4 +1,5 @@
-//! Reads a legacy VTK file from left to right: words and lines in both encodings, numbers and texts in ASCII or big-endian binary.
+//! Reads a legacy VTK file from left to right: words and lines in both encodings, numbers and texts in ASCII or big-endian
+//! binary.
 
 use crate::error::Fault;
 use crate::io::binary::{NumberType, word};
@@ -146,7 +147,7 @@ impl<'a> Cursor<'a> {
                 out.push(unescape(&line));
                 continue;
             }
-            // The two upper bits of the first byte tell how many bytes the length has: 8, 4, 2 or 1.
+            // The two upper bits of the first byte state how many bytes the length has: 8, 4, 2 or 1.
             let first = self.bytes.get(self.at).copied().unwrap_or_default();
             let size = [8, 4, 2, 1][usize::from(first >> 6)];
             let head = self.bytes(size, false)?;
