@@ -1,5 +1,4 @@
-//! Reads a legacy VTK file from left to right: words and lines in both encodings, numbers and texts in ASCII or big-endian
-//! binary.
+//! Reads a legacy VTK file from left to right: words, lines, numbers and texts, in ASCII or big-endian binary.
 
 use crate::error::Fault;
 use crate::io::binary::{NumberType, word};
