@@ -8,7 +8,7 @@ use willis::internals::candidates::model::Weights;
 use willis::internals::network::centerlines::Centerlines;
 use willis::error::Fault;
 use willis::internals::io;
-use willis::internals::io::{Content, RadiusArray};
+use willis::internals::io::{Content, ReadOptions};
 use willis::internals::io::tables::conditions;
 use willis::internals::network::{Network, RadiusRule, contract};
 use willis::internals::phantom::{cerebral, circle_of_willis};
@@ -45,30 +45,31 @@ fn graph(read: Result<(Network, Vec<String>), Fault>) {
 
 fuzz_target!(|bytes: &[u8]| {
     let mm = Scale::default();
+    let optional = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {
-        "graphml" => graph(willis::internals::io::read_graphml(bytes, &mm, true)),
+        "graphml" => graph(willis::internals::io::read_graphml(bytes, &optional)),
         "csv" => {
             let nodes = willis::internals::io::read_csv_nodes(first, &mm).ok();
-            graph(willis::internals::io::read_csv_edges(second, nodes, &mm, true));
+            graph(willis::internals::io::read_csv_edges(second, nodes, &optional));
         }
         "swc" => lines(willis::internals::io::read_swc(bytes, &mm)),
-        "vtp" => lines(willis::internals::io::read_vtp(bytes, &mm, RadiusArray::Optional)),
-        "vtk" => lines(willis::internals::io::read_vtk(bytes, &mm, RadiusArray::Optional)),
-        "tre" => lines(willis::internals::io::read_tre(bytes, &mm, true)),
-        "markups" => lines(willis::internals::io::read_markups(bytes, &mm, RadiusArray::Optional)),
-        "points" => lines(willis::internals::io::read_points(bytes, &mm, true)),
-        "mat" => lines(willis::internals::io::read_vtrails(bytes, &mm, true)),
-        "npz" => drop(willis::internals::io::read_skeleton_npz(bytes, &mm, true)),
+        "vtp" => lines(willis::internals::io::read_vtp(bytes, &optional)),
+        "vtk" => lines(willis::internals::io::read_vtk(bytes, &optional)),
+        "tre" => lines(willis::internals::io::read_tre(bytes, &optional)),
+        "markups" => lines(willis::internals::io::read_markups(bytes, &optional)),
+        "points" => lines(willis::internals::io::read_points(bytes, &optional)),
+        "mat" => lines(willis::internals::io::read_vtrails(bytes, &optional)),
+        "npz" => drop(willis::internals::io::read_skeleton_npz(bytes, &optional)),
         "voreen" => {
             if let Ok(nodes) = willis::internals::io::read_voreen_nodes(first, &mm) {
-                let _ = willis::internals::io::read_voreen_edges(second, nodes, &mm, true);
+                let _ = willis::internals::io::read_voreen_edges(second, nodes, &optional);
             }
         }
         "vesselvio" => {
             if let Ok(vertices) = willis::internals::io::read_vesselvio_vertices(first, &mm) {
-                let _ = willis::internals::io::read_vesselvio_edges(second, vertices, &mm, true);
+                let _ = willis::internals::io::read_vesselvio_edges(second, vertices, &optional);
             }
         }
         "icafe" => drop(willis::internals::io::read_traced_vessels(bytes, &mm)),

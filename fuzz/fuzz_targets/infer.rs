@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 use willis::internals::candidates::model::Weights;
 use willis::internals::candidates;
 use willis::internals::candidates::{build, build_probable};
-use willis::internals::io::{read_graphml, read_swc};
+use willis::internals::io::{ReadOptions, read_graphml, read_swc};
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::decision::{Keep, decide};
 use willis::internals::sampling::{SamplingOptions, infer};
@@ -21,7 +21,7 @@ static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| Weights::shipped().expect("
 
 fn graph(bytes: &[u8]) -> Option<Network> {
     if bytes.starts_with(b"<") {
-        return read_graphml(bytes, &Scale::default(), false).ok().map(|(network, _)| network).filter(|n| n.vessel_count() <= MOST);
+        return read_graphml(bytes, &ReadOptions::default()).ok().map(|(network, _)| network).filter(|n| n.vessel_count() <= MOST);
     }
     let (mut lines, _) = read_swc(bytes, &Scale::default()).ok()?;
     lines.weld(1e-6);

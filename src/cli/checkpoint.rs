@@ -187,11 +187,11 @@ impl Keeper<'_> {
     }
 
     fn note_others(&self) {
-        let entries = fs::read_dir(self.folder.kept_in()).into_iter().flatten().flatten().map(|entry| entry.path());
+        let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
             let about: Option<About> = bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
-                let place = self.folder.kept_in().display();
+                let place = self.folder.checkpoint_folder().display();
                 let whose = if about.command == self.command { " on another graph or by another version" } else { "" };
                 self.terminal.say("note", format!("{place} also keeps samples of another run: {}{whose}", about.command));
             }
@@ -253,7 +253,7 @@ impl Keeper<'_> {
                 let _ = fs::remove_dir_all(self.folder.path());
                 self.keep(part);
                 if self.kept > 0 {
-                    let (place, samples) = (self.folder.kept_in().display(), count(self.kept));
+                    let (place, samples) = (self.folder.checkpoint_folder().display(), count(self.kept));
                     let fact = format!("{samples} samples in {place}; the same command goes on from there");
                     self.terminal.say("kept", fact);
                 }
@@ -264,6 +264,6 @@ impl Keeper<'_> {
         if self.kept == 0 {
             return Error::Stopped { done, total };
         }
-        Error::StoppedAndKept { done, total, path: self.folder.kept_in().to_owned() }
+        Error::StoppedAndKept { done, total, path: self.folder.checkpoint_folder().to_owned() }
     }
 }

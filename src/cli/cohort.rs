@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
 use willis::internals::circle_of_willis::MM_AWAY;
-use willis::internals::io::{checksum_of_file, files_beside};
-use willis::internals::output::atomic::{StagedFile, StagedFolder, sweep_own};
-use willis::internals::output::in_progress::Making;
-use willis::internals::output::json::{read_json, write_json};
+use willis::internals::io::{checksum_of_file, companion_files};
+use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
+use willis::internals::output::InProgress;
+use willis::internals::output::{read_json, write_json};
 use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
 use willis::internals::pipeline::RunOptions;
 use willis::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
@@ -84,7 +84,7 @@ impl Entry {
     fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() };
         let mut files = BTreeMap::new();
-        for path in std::iter::once(input.clone()).chain(files_beside(&input)).chain(others) {
+        for path in std::iter::once(input.clone()).chain(companion_files(&input)).chain(others) {
             files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
         }
         Self { subject: subject.name.clone(), input: input.display().to_string(), files }
@@ -153,8 +153,8 @@ impl Cohort<'_> {
         let ledger = Ledger::new(self.command, &self.parameters, entries);
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
-        let _lock = Making::new(self.output)?;
-        sweep_own(self.output)?;
+        let _lock = InProgress::new(self.output)?;
+        clear_leftovers(self.output)?;
         let is_done = |at: usize| {
             let record = self.record(&subjects[at].name);
             ledger.stands(at, &earlier) && record.is_some_and(|r| r["input"]["sha256"].as_str() == ledger.subjects[at].sha256())

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, glob_with};
 use willis::error::{Error, Fault, Result};
-use willis::internals::output::is_of_cohort;
+use willis::internals::output::is_cohort_file;
 use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 
 use super::Cli;
@@ -53,9 +53,9 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     }
     let mut known = HashSet::new();
     // `cohort/*` means the subjects of a cohort.
-    let is_input = |path: &Path| path.is_file() && !is_of_cohort(path);
+    let is_input = |path: &Path| path.is_file() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
-    let given: Vec<PathBuf> = given.iter().filter(|path| !is_of_cohort(path)).cloned().collect();
+    let given: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
     let found = paths(&given, "file", |path| is_input(path) || is_run(path))?;
     Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
 }

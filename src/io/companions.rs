@@ -1,34 +1,39 @@
-//! Which files readers take beside the one that is named: the other of two tables, what iCafe leaves beside a tracing.
+//! Finds the other files of an input in its folder: the second of two tables, the files of an iCafe tracing.
 
 use std::fs::{File, read_dir};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::format::{Format, HEAD, format_of};
-use super::read::without_mark;
-use super::tables::rows::Rows;
-use crate::error::Fault;
+use crate::error::{Fault, Result};
+use crate::io::format::{Format, HEAD, format_of};
+use crate::io::input::bytes_within;
+use crate::io::read::{ReadOptions, without_mark};
+use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
+use crate::io::tables::reader::TableReader;
+use crate::network::units::Scale;
+use crate::network::{Network, Origin, Vessel};
+use crate::support::geometry::distance;
 
-/// What a table of nodes is called where the table of edges is called `edges`.
+/// The words for a table of nodes, where the table of edges is called `edges`.
 const NODES: [&str; 2] = ["nodes", "vertices"];
 /// The column of the first node of an edge, in any table of edges.
 const FIRST_NODE: [&str; 4] = ["node1id", "source id", "source", "node_a"];
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
-/// What iCafe says of the image.
+/// iCafe's description of the image.
 const IMAGE: &str = "Image_info.txt";
 
-/// The files that [`read`](super::read::read) takes beside `path` as the folder is now, in the order of their names.
-pub fn files_beside(path: &Path) -> Vec<PathBuf> {
+/// The other files that [`read`](super::read::read) reads for `path`, as the folder is now, sorted by name.
+pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);
     let mut found: Vec<PathBuf> = match format_of(path, bytes) {
-        Ok(Format::Csv) => nodes_beside(path).into_iter().collect(),
+        Ok(Format::Csv) => find_nodes_table(path).into_iter().collect(),
         Ok(Format::Voreen | Format::VesselVio) => {
             other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
         }
-        Ok(Format::Swc) => [table_of_vessels_beside(path), image_beside(path)].into_iter().flatten().collect(),
-        Ok(Format::ICafe) => [tracing_beside(path).ok(), image_beside(path)].into_iter().flatten().collect(),
+        Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
         _ => Vec::new(),
     };
     found.sort();
@@ -38,19 +43,19 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
 /// The first bytes of a file; none where it cannot be read.
 fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
-    // What cannot be read here is refused where it is read.
+    // A file that cannot be read gives an error later, when it is read.
     let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
     bytes
 }
 
 /// The table of nodes beside a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
 /// `vertices.csv`.
-pub(crate) fn nodes_beside(edges: &Path) -> Option<PathBuf> {
+pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
     first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
 }
 
 /// The table of edges beside a table of nodes, by the same names.
-pub(crate) fn edges_beside(nodes: &Path) -> Option<PathBuf> {
+pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
     first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))
 }
 
@@ -65,37 +70,38 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
     names.into_iter().chain(plain).filter(|n| n != name).map(|n| path.with_file_name(n)).find(|p| p.is_file())
 }
 
-/// Whether a table of two is that of edges, and the other one, if it is beside it.
+/// Whether a table is that of the edges, and the other table, if it is in the same folder.
 pub(crate) fn other_table(path: &Path, bytes: &[u8]) -> Result<(bool, Option<PathBuf>), Fault> {
-    let is_edges = Rows::open(bytes)?.find(&FIRST_NODE).is_some();
-    Ok((is_edges, if is_edges { nodes_beside(path) } else { edges_beside(path) }))
+    let is_edges = TableReader::open(bytes)?.find(&FIRST_NODE).is_some();
+    Ok((is_edges, if is_edges { find_nodes_table(path) } else { find_edges_table(path) }))
 }
 
 /// Whether the edges of a table refer to the rows of the table of nodes, as VesselVio's do: that table has no names.
-pub(crate) fn refers_to_rows(edges: &Path) -> bool {
-    let Some(nodes) = nodes_beside(edges) else { return false };
-    Rows::open(&head(&nodes)).is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
+pub(crate) fn edges_refer_to_rows(edges: &Path) -> bool {
+    let Some(nodes) = find_nodes_table(edges) else { return false };
+    TableReader::open(&head(&nodes))
+        .is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
 }
 
 /// Where the table of nodes goes beside a table of edges that is written; `None` when that is its own name.
-pub(crate) fn nodes_path(edges: &Path) -> Option<PathBuf> {
+pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
     let name = edges.file_name()?.to_string_lossy();
     let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
     (nodes != name).then(|| edges.with_file_name(nodes))
 }
 
 /// The table of vessels beside a tracing of iCafe.
-pub(crate) fn table_of_vessels_beside(tracing: &Path) -> Option<PathBuf> {
+pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
 }
 
-/// What iCafe says of the image beside a tracing or its table of vessels.
-pub(crate) fn image_beside(tracing: &Path) -> Option<PathBuf> {
+/// iCafe's description of the image, in the folder of a tracing or its table of vessels.
+pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
 }
 
 /// The one tracing beside a table of vessels.
-pub(crate) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
+pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> =
@@ -112,7 +118,72 @@ pub(crate) fn tracing_beside(table: &Path) -> Result<PathBuf, Fault> {
                 names.join(", "),
                 if many > 3 { ", ..." } else { "" }
             );
-            Err(Fault::file(found, "give the one that it belongs to as INPUT"))
+            Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
         }
     }
+}
+
+/// Reads a graph in two tables, whichever of them is given.
+pub(crate) fn read_table_pair<N, C>(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+    read_nodes: impl Fn(&[u8], &Scale) -> Result<N, Fault>,
+    read_edges: impl Fn(&[u8], N, &ReadOptions) -> Result<(C, Vec<String>), Fault>,
+) -> Result<(C, Vec<String>)> {
+    let (nodes, edges, note) = both(path, bytes, options.max_input)?;
+    let table = read_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
+    let (content, mut notes) = read_edges(&edges.1, table, options).map_err(|fault| fault.in_file(&edges.0))?;
+    notes.push(note);
+    Ok((content, notes))
+}
+
+type Table = (PathBuf, Vec<u8>);
+
+/// The table of nodes, the table of edges, and a note about the one that was found.
+fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> {
+    let given = || (path.to_owned(), bytes.to_vec());
+    let missing = |what: &str| {
+        let renamed = "with \"nodes\" for \"edges\" in its name, or nodes.csv and edges.csv";
+        Fault::file(format!("no table of {what} beside it"), format!("expected two tables, {renamed}")).in_file(path)
+    };
+    let (is_edges, other) = other_table(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
+    let found = (other.clone(), bytes_within(&other, most)?);
+    if is_edges {
+        Ok((found, given(), format!("nodes are those of {}", other.display())))
+    } else {
+        Ok((given(), found, format!("edges are those of {}", other.display())))
+    }
+}
+
+/// Adds an observed vessel between two nodes, without points in between.
+///
+/// Where `length` is NaN, the length is the distance between the nodes.
+pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64, radius: f64, label: &str) -> Option<()> {
+    let length = if length.is_nan() {
+        let [a, b] = ends.map(|end| network.node(end).position);
+        distance(a?, b?)
+    } else {
+        length
+    };
+    if !(length > 0.0 && length.is_finite() || length == 0.0 && ends[0] == ends[1]) {
+        return None;
+    }
+    let vessel = Vessel { label: label.to_owned(), ..Vessel::new(length, radius, Origin::Observed) };
+    network.add_vessel(ends, vessel);
+    Some(())
+}
+
+/// Reads a table of edges, with the table of nodes beside it if there is one.
+pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
+    let found = find_nodes_table(path);
+    let read = |nodes: &PathBuf| {
+        let bytes = bytes_within(nodes, options.max_input)?;
+        read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
+    };
+    let nodes = found.as_ref().map(read).transpose()?;
+    let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
+    notes.extend(found.map(|nodes| format!("nodes are those of {}", nodes.display())));
+    Ok((network, notes))
 }

@@ -1,15 +1,31 @@
-//! Which format a file has: by its content first, by its ending then.
+//! The formats: which one a file has, and which reader and writer belong to it.
 
+use std::io;
 use std::path::Path;
 
-use super::companions::{edges_beside, refers_to_rows};
-use super::tables::csv_graph;
-use super::tables::rows::delimiter;
-use super::vendors::icafe;
+use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
+use super::graphml::{read_graphml, write_graphml};
+use super::itk::tubes::{read_tre, write_tre};
+use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
+use super::read::{Content, ReadOptions};
+use super::swc::write_swc;
+use super::tables::graph::{self, graph_columns, write_csv_graph};
+use super::tables::points::{read_points, write_points};
+use super::tables::reader::delimiter;
+use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
+use super::vendors::slicer_markups::{read_markups, write_markups};
+use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
+use super::vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
+use super::vendors::vtrails::read_vtrails;
+use super::vtk::legacy::read_vtk;
+use super::vtk::write::{write_vtk, write_vtp};
+use super::vtk::xml::read_vtp;
 use super::xml;
-use crate::error::Fault;
+use crate::error::{Fault, Result};
+use crate::network::Network;
+use crate::network::centerlines::Centerlines;
 
-/// Bytes that show what a file is.
+/// How many first bytes of a file are looked at to find its format.
 pub(crate) const HEAD: u64 = 1 << 16;
 
 /// The formats that are known.
@@ -43,30 +59,103 @@ pub enum Format {
     VTrails,
 }
 
+/// The usual name of each format; the word for it and the file ending that means it, where it can be written.
+const NAMES: [(Format, &str, &str, &str); 13] = [
+    (Format::Swc, "SWC", "swc", "swc"),
+    (Format::Vtp, "VTP", "vtp", "vtp"),
+    (Format::Vtk, "VTK legacy", "vtk", "vtk"),
+    (Format::GraphMl, "GraphML", "graphml", "graphml"),
+    (Format::Csv, "CSV", "csv", "csv"),
+    (Format::Points, "CSV of points", "points", ""),
+    (Format::Voreen, "Voreen CSV", "voreen", ""),
+    (Format::VesselVio, "VesselVio CSV", "vesselvio", ""),
+    (Format::Markups, "Slicer markups", "markups", "json"),
+    (Format::Tre, "TRE", "tre", "tre"),
+    (Format::Npz, "NPZ", "npz", "npz"),
+    (Format::ICafe, "iCafe", "", ""),
+    (Format::VTrails, "VTrails MAT", "", ""),
+];
+
 impl Format {
     /// The usual name.
     pub fn name(self) -> &'static str {
+        NAMES.iter().find(|(format, ..)| *format == self).map_or("", |(_, name, ..)| name)
+    }
+
+    /// The words for the formats that can be written.
+    pub(crate) fn words() -> impl Iterator<Item = &'static str> {
+        NAMES.into_iter().map(|(_, _, word, _)| word).filter(|word| !word.is_empty())
+    }
+
+    /// The format that can be written and has this word.
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
+        let known = NAMES.iter().find(|(_, _, known, _)| *known == word.to_ascii_lowercase() && !word.is_empty());
+        known.map(|(format, ..)| *format)
+    }
+
+    /// The format that can be written and that the ending of a file name means.
+    pub(crate) fn of_ending(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
+    }
+
+    /// Reads a file of this format, and those beside it that belong to it. An SWC file with a table of vessels is one of iCafe.
+    pub(crate) fn read(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Self, Content, Vec<String>)> {
+        let lines = |(lines, notes): (Centerlines, Vec<String>)| (Content::Centerlines(lines), notes);
+        let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
+        let vessels = |(vessels, notes): (Network, Vec<String>)| (Content::Vessels(vessels), notes);
+        let here = |fault: Fault| fault.in_file(path);
+        let (content, notes) = match self {
+            Self::Swc => return read_tracing(path, bytes, options),
+            Self::ICafe => read_table_of_vessels(path, bytes, options)?,
+            Self::Csv => graph(read_csv_tables(path, bytes, options)?),
+            Self::Voreen => vessels(read_table_pair(path, bytes, options, read_voreen_nodes, read_voreen_edges)?),
+            Self::VesselVio => read_table_pair(path, bytes, options, read_vesselvio_vertices, read_vesselvio_edges)?,
+            Self::GraphMl => graph(read_graphml(bytes, options).map_err(here)?),
+            Self::Npz => read_skeleton_npz(bytes, options).map_err(here)?,
+            Self::Vtp => lines(read_vtp(bytes, options).map_err(here)?),
+            Self::Vtk => lines(read_vtk(bytes, options).map_err(here)?),
+            Self::Tre => lines(read_tre(bytes, options).map_err(here)?),
+            Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
+            Self::Points => lines(read_points(bytes, options).map_err(here)?),
+            Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
+        };
+        Ok((self, content, notes))
+    }
+
+    /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the format
+    /// cannot hold them.
+    pub(crate) fn write(
+        self,
+        network: &Network,
+        mut vessels: impl io::Write + io::Seek,
+        nodes: impl io::Write,
+    ) -> io::Result<Vec<[u64; 2]>> {
+        let out = &mut vessels;
         match self {
-            Self::Swc => "SWC",
-            Self::Vtp => "VTP",
-            Self::Vtk => "VTK legacy",
-            Self::GraphMl => "GraphML",
-            Self::Csv => "CSV",
-            Self::Points => "CSV of points",
-            Self::ICafe => "iCafe",
-            Self::Voreen => "Voreen CSV",
-            Self::VesselVio => "VesselVio CSV",
-            Self::Markups => "Slicer markups",
-            Self::Tre => "TRE",
-            Self::Npz => "NPZ",
-            Self::VTrails => "VTrails MAT",
+            Self::Swc => return write_swc(out, network),
+            Self::Vtp => write_vtp(out, network, &graph_columns(network).1)?,
+            Self::Vtk => write_vtk(out, network, &graph_columns(network).1)?,
+            Self::GraphMl => {
+                let (of_nodes, of_vessels) = graph_columns(network);
+                write_graphml(out, network, &of_nodes, &of_vessels)?;
+            }
+            Self::Csv => write_csv_graph(nodes, out, network)?,
+            Self::Points => write_points(out, network)?,
+            Self::Voreen => write_voreen(nodes, out, network)?,
+            Self::VesselVio => write_vesselvio(nodes, out, network)?,
+            Self::Markups => write_markups(out, network)?,
+            Self::Tre => write_tre(out, network)?,
+            Self::Npz => write_skeleton_npz(out, network)?,
+            Self::ICafe | Self::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
         }
+        Ok(Vec::new())
     }
 }
 
 const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ or VTrails MAT";
 
-/// Decides by the first bytes, then by the ending, then by the first line that says something.
+/// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if bytes.trim_ascii().is_empty() {
         return Err(Fault::file("the file is empty", ACCEPTED));
@@ -100,21 +189,21 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     Err(Fault::file("the format is not known", ACCEPTED))
 }
 
-/// The formats that begin in a way of their own.
+/// The format of a file that begins with a signature.
 fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
     let starts = |signature: &[u8]| bytes.starts_with(signature);
     if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
-        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
     }
     if starts(b"\x1f\x8b") {
-        return Err(Fault::file("the file is compressed by gzip", "expected it unpacked (gunzip)"));
+        return Err(Fault::file("the file is compressed by gzip", "expected an unpacked file (gunzip)"));
     }
     if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
         return Ok(Some(Format::VTrails));
     }
     if starts(b"MATLAB 5.0 MAT-file") {
-        return Err(Fault::file("a MATLAB file before version 7.3", "expected it saved with -v7.3"));
+        return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
     if starts(b"\x93NUMPY") {
         return Err(Fault::file("a single NumPy array", "expected a skeleton graph as .npz: coords, edges, radii"));
@@ -145,15 +234,15 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let named = has(&["node"]) || has(&["id"]);
     if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
         Some(Format::Voreen)
-    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && refers_to_rows(path)) {
+    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)) {
         Some(Format::VesselVio)
-    } else if csv_graph::is_header(header) {
+    } else if graph::is_header(header) {
         Some(Format::Csv)
     } else if has(&["fragment"]) {
         Some(Format::Points)
     } else if icafe::is_header(&columns) {
         Some(Format::ICafe)
-    } else if has(&["x", "y", "z"]) && !named && edges_beside(path).is_some() {
+    } else if has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some() {
         Some(Format::VesselVio)
     } else {
         None

@@ -1,42 +1,30 @@
-//! Reads a file of any format: the one place that knows every reader.
+//! Reads an input file of any format and makes a network of it.
 
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::companions::nodes_beside;
 use super::format::{Format, HEAD, format_of};
-use super::graphml::read::read_graphml;
-use super::itk::read::read_tre;
-use super::limit::{Counted, MAX_INPUT, Room, bytes_up_to, bytes_within};
-use super::numpy::skeleton::unpack_skeleton_npz;
-use super::swc::loops::add_loops;
-use super::tables::csv_graph::{read_csv_edges, read_csv_nodes};
-use super::tables::number::counted;
-use super::tables::points::read_points;
-use super::tables::table_pair;
 use super::unit_check::{check_extent, unit_check};
-use super::vendors::icafe::{read_table_of_vessels, read_tracing};
-use super::vendors::slicer_markups::read_markups;
-use super::vendors::vtrails::unpack_vtrails;
-use super::vtk::legacy::read::read_vtk;
-use super::vtk::polydata::radius::RadiusArray;
-use super::vtk::xml::read::unpack_vtp;
 use super::xml;
 use crate::error::{Error, Fault, Result};
+use crate::io::graphml::read_graphml;
+use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
+use crate::io::tables::lists::add_loops;
+use crate::io::tables::reader::plural;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),
-    /// Vessels that an image showed, as they stand; a radius that the file lacks, where it may, is NaN.
+    /// Observed vessels, ready as they are; a missing radius, where radii are optional, is NaN.
     Vessels(Network),
-    /// A ready graph, whose edges are vessels as they stand; a missing radius, where it may be, is NaN.
+    /// A graph whose edges are vessels, ready as they are; a missing radius, where radii are optional, is NaN.
     Graph(Network),
 }
 
@@ -47,19 +35,20 @@ pub struct Document {
     pub format: Format,
     /// Its content.
     pub content: Content,
-    /// What a person should know about how it was read, one line each.
+    /// Notes for the user about how it was read, one line each.
     pub notes: Vec<String>,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
 }
 
-/// How a file is to be read.
+/// How to read a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The array of a VTK file, or the measurement of markups, that holds the radius, where it has none of the usual names.
+    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array with
+    /// "area" in its name holds areas.
     pub radius_array: Option<String>,
     /// Which radius stands for a vessel.
     #[serde(rename = "radius")]
@@ -71,7 +60,7 @@ pub struct ReadOptions {
     pub loops: Option<PathBuf>,
     /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
     pub observed: bool,
-    /// Bytes at the most, of each file and of all that is compressed in it.
+    /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
 
@@ -104,13 +93,18 @@ impl ReadOptions {
             _ => Ok(()),
         }
     }
+
+    /// Whether vessels may lack any radius.
+    pub fn is_radius_optional(&self) -> bool {
+        self.default_radius.is_some()
+    }
 }
 
 /// Reads centerlines or a graph.
 ///
 /// # Errors
 ///
-/// A file that cannot be read, is in none of the formats, or has a fault in its content; a loops file with a graph.
+/// A file that cannot be read, has no known format or wrong content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let (format, mut content, mut notes, sha256) = read_any(path, options)?;
     check_extent(&content).map_err(|fault| fault.in_file(path))?;
@@ -121,7 +115,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         };
         let bytes = bytes_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
-        notes.push(format!("{} added from {}", counted(added, "link"), loops.display()));
+        notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
     notes.extend(unit_check(&content, &options.scale));
     Ok(Document { format, content, notes, sha256 })
@@ -130,76 +124,28 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
 /// stream.
 fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
-    let mut file = Counted::open(path, options.max_input)?;
+    let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };
     let mut all = Vec::new();
     file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
-        let (graph, notes) =
-            read_graphml(stream, &options.scale, options.default_radius.is_some()).map_err(|fault| fault.in_file(path))?;
+        let (graph, notes) = read_graphml(stream, options).map_err(|fault| fault.in_file(path))?;
         return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
     }
     file.read_to_end(&mut all).map_err(unread)?;
     let sha256 = file.checksum();
     let bytes = without_mark(&all);
     let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
-    let (format, content, notes) = read_as(format, path, bytes, options)?;
+    let (format, content, notes) = format.read(path, bytes, options)?;
     Ok((format, content, notes, sha256))
-}
-
-/// The format of a file with what lies beside it, what it holds, and what a person should know about it.
-fn read_as(format: Format, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
-    let (scale, optional) = (&options.scale, options.default_radius.is_some());
-    let radius = match options.radius_array.as_deref() {
-        Some(name) => RadiusArray::Named(name),
-        None if optional => RadiusArray::Optional,
-        None => RadiusArray::Usual,
-    };
-    let room = Room::of(bytes.len(), options.max_input);
-    let here = |fault: Fault| fault.in_file(path);
-    let lines = |read: Result<(Centerlines, Vec<String>), Fault>| {
-        read.map_err(here).map(|(lines, notes)| (Content::Centerlines(lines), notes))
-    };
-    let read = match format {
-        Format::Swc => return read_tracing(path, bytes, options),
-        Format::ICafe => read_table_of_vessels(path, bytes, options),
-        Format::Csv => read_tables(path, bytes, options),
-        Format::Voreen => table_pair::read_voreen(path, bytes, options),
-        Format::VesselVio => table_pair::read_vesselvio(path, bytes, options),
-        Format::GraphMl => {
-            read_graphml(bytes, scale, optional).map_err(here).map(|(graph, notes)| (Content::Graph(graph), notes))
-        }
-        Format::Npz => unpack_skeleton_npz(bytes, scale, optional, &room).map_err(here),
-        Format::Vtp => lines(unpack_vtp(bytes, scale, radius, &room)),
-        Format::Vtk => lines(read_vtk(bytes, scale, radius)),
-        Format::Tre => lines(read_tre(bytes, scale, optional)),
-        Format::Markups => lines(read_markups(bytes, scale, radius)),
-        Format::Points => lines(read_points(bytes, scale, optional)),
-        Format::VTrails => lines(unpack_vtrails(bytes, scale, optional, &room)),
-    };
-    read.map(|(content, notes)| (format, content, notes))
-}
-
-/// A table of edges, with the table of nodes beside it.
-fn read_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
-    let (beside, scale) = (nodes_beside(path), &options.scale);
-    let read = |nodes: &PathBuf| {
-        let bytes = bytes_within(nodes, options.max_input)?;
-        read_csv_nodes(without_mark(&bytes), scale).map_err(|fault| fault.in_file(nodes))
-    };
-    let nodes = beside.as_ref().map(read).transpose()?;
-    let (network, mut notes) =
-        read_csv_edges(bytes, nodes, scale, options.default_radius.is_some()).map_err(|fault| fault.in_file(path))?;
-    notes.extend(beside.map(|nodes| format!("nodes are those of {}", nodes.display())));
-    Ok((Content::Graph(network), notes))
 }
 
 /// All bytes of a file.
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more than [`MAX_INPUT`]: names it.
+/// The file cannot be read, or has more than [`MAX_INPUT`] bytes; the error names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     bytes_up_to(path, MAX_INPUT, "")
 }
@@ -211,26 +157,26 @@ pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
 
 /// A network made of a file's content.
 #[derive(Debug, Clone)]
-pub struct Made {
+pub struct BuiltNetwork {
     /// The network.
     pub network: Network,
-    /// The centerlines that it was made of, welded.
+    /// The centerlines that it was made of, with coincident points merged.
     pub lines: Option<Centerlines>,
-    /// What a person should know about how it was made, one line each.
+    /// Notes for the user about how it was made, one line each.
     pub notes: Vec<String>,
 }
 
 impl Content {
-    /// Makes a network of centerlines, or of vessels as they stand; `default_radius` (m) is that of vessels without any.
+    /// Makes a network of centerlines, or of ready vessels; `default_radius` (m) is for vessels without any radius.
     ///
     /// # Errors
     ///
     /// No vessel, one without length, or one without a radius where no default is given.
-    pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<Made, Fault> {
+    pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<BuiltNetwork, Fault> {
         let mut notes = Vec::new();
         let mut note = |count: usize, noun: &str, what: &str| {
             if count > 0 {
-                notes.push(format!("{} {what}", counted(count, noun)));
+                notes.push(format!("{} {what}", plural(count, noun)));
             }
         };
         let defaulted = format!(
@@ -239,7 +185,7 @@ impl Content {
         );
         let (network, lines) = match self {
             Self::Centerlines(mut lines) => {
-                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: made one with it");
+                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
                 let made = contract(&lines, rule, default_radius)?;
                 note(made.repaired_radii, "point", "without a positive finite radius: interpolated along the vessel");
                 note(made.mixed_labels, "vessel", "with more than one label along them: took that of the longest part");
@@ -267,6 +213,6 @@ impl Content {
         if network.vessel_count() == 0 {
             return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
         }
-        Ok(Made { network, lines, notes })
+        Ok(BuiltNetwork { network, lines, notes })
     }
 }

@@ -1,4 +1,4 @@
-//! Whether the lengths of a file look like the unit in which they were taken.
+//! Checks whether the lengths of a file look like brain vessels in the unit that was given.
 
 use super::read::Content;
 use crate::error::Fault;
@@ -7,21 +7,21 @@ use crate::network::units::{LengthUnit, Scale, millimetres};
 use crate::support::geometry::{Point, box_diagonal};
 use crate::support::statistics::median;
 
-/// Median radii of brain vessels, mm: from capillaries to the internal carotid artery.
+/// The range of median radii of brain vessels, mm: from capillaries to the internal carotid artery.
 const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
 /// Median radii, and extents, that arteries of a brain have where their centimetres are taken as millimetres.
 const RADIUS_OF_CM: std::ops::Range<f64> = 0.02..0.15;
 const EXTENT_OF_CM: std::ops::Range<f64> = 3.0..30.0;
-/// No coordinate lies so far off, m.
+/// The largest coordinate that is accepted, m.
 const MOST_METRES: f64 = 1e9;
-/// A share of coordinates or radii above which they are called whole numbers.
+/// The fraction of coordinates or radii that must be whole numbers for a warning.
 const MOST: f64 = 0.95;
-/// Fewer points than this prove nothing.
+/// The fewest points for a warning.
 const FEWEST: usize = 10;
 /// How far from a whole number a voxel index or a squared distance of voxels may lie.
 const ROUNDING: f64 = 1e-4;
 
-/// Refuses positions whose distances no number holds.
+/// Checks that positions are close enough for their distances to be finite.
 pub(crate) fn check_extent(content: &Content) -> Result<(), Fault> {
     let check = |item: &dyn Fn() -> String, p: Point| match p.into_iter().find(|x| x.abs() > MOST_METRES) {
         None => Ok(()),
@@ -41,7 +41,7 @@ pub(crate) fn check_extent(content: &Content) -> Result<(), Fault> {
     }
 }
 
-/// What a person should know about the unit, one line each; nothing where all looks like vessels.
+/// Warns the user, one line each, if the lengths look like another unit than the one given.
 pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
     let (points, radii) = measures(content);
     let mut notes = Vec::new();
@@ -54,9 +54,9 @@ pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
         let squares = radii.iter().filter(|r| is_square(file(**r, 0))).count();
         let distinct = radii.iter().any(|r| *r != radii[0]);
         if share(lattice, points.len()) {
-            notes.push(format!("the coordinates are whole or half numbers, {VOXELS}"));
+            notes.push(format!("the coordinates are whole or half numbers: {VOXELS}"));
         } else if radii.len() >= FEWEST && distinct && share(squares, radii.len()) {
-            notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives, {VOXELS}"));
+            notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives: {VOXELS}"));
         }
     }
     notes.extend(centimetres(&points, &radii, scale));
@@ -80,7 +80,7 @@ pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
     notes
 }
 
-/// That lengths taken as mm may be cm: radii and an extent some ten times too small for the arteries of a brain.
+/// Warns if lengths read as mm may be cm: radii and extent are some ten times too small for the arteries of a brain.
 fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String> {
     let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
     let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
@@ -89,7 +89,7 @@ fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String>
     })
 }
 
-const VOXELS: &str = "as of voxels; if they are, give --units voxel --spacing S";
+const VOXELS: &str = "if lengths are in voxels, give --units voxel --spacing S";
 
 /// Positions and radii, m: of the points, or of the nodes and vessels.
 fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {

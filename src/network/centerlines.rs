@@ -13,13 +13,13 @@ pub struct Centerlines {
     pub radii: Vec<f64>,
     /// The point's number in the file (SWC index, VTP row).
     pub ids: Vec<u64>,
-    /// The polyline (VTP cell, SWC tree) that a point belongs to first.
+    /// The polyline (VTP cell, SWC tree) to which a point belongs first.
     pub strand: Vec<u32>,
     /// Pairs of linked points.
     pub links: Vec<[u32; 2]>,
-    /// The anatomical names of the links.
+    /// The anatomical labels of the links.
     pub labels: Labels,
-    /// Points that were made one with another: their numbers in the file, and the row of the other.
+    /// Points that were merged with another: their numbers in the file, and the row of the other.
     pub merged: Vec<(u64, u32)>,
 }
 
@@ -33,7 +33,7 @@ impl Centerlines {
         self.points.len() as u32 - 1
     }
 
-    /// Links two points, under an anatomical name unless it is empty.
+    /// Links two points, with an anatomical label unless it is empty.
     pub fn add_link(&mut self, ends: [u32; 2], label: &str) {
         self.links.push(ends);
         if !label.is_empty() {
@@ -42,22 +42,22 @@ impl Centerlines {
     }
 }
 
-/// Whether a file's radius can be used: finite and positive.
+/// Whether a radius is usable: finite and positive.
 pub fn is_radius(r: f64) -> bool {
     r.is_finite() && r > 0.0
 }
 
-/// The anatomical names of links; most have none.
+/// The anatomical labels of links; most have none.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Labels {
     names: Vec<String>,
     row_of: BTreeMap<String, u32>,
-    /// Per link the row of its name plus one; 0, or beyond the end, for none.
+    /// Per link the row of its label plus one; 0, or beyond the end, for none.
     of_link: Vec<u32>,
 }
 
 impl Labels {
-    /// Names a link; an empty name is none.
+    /// Labels a link; an empty label removes it.
     pub fn set(&mut self, link: usize, name: &str) {
         if name.is_empty() {
             if let Some(slot) = self.of_link.get_mut(link) {
@@ -75,7 +75,7 @@ impl Labels {
         self.of_link[link] = row + 1;
     }
 
-    /// The name of a link; empty where it has none.
+    /// The label of a link; empty if it has none.
     pub fn of(&self, link: usize) -> &str {
         match self.of_link.get(link) {
             None | Some(0) => "",

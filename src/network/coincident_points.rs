@@ -1,4 +1,4 @@
-//! Coincident points of different polylines made one.
+//! Merges coincident points of different polylines.
 
 use std::collections::HashMap;
 
@@ -7,12 +7,12 @@ use petgraph::unionfind::UnionFind;
 use super::centerlines::{Centerlines, is_radius};
 use crate::support::geometry::{Point, box_diagonal, distance};
 
-/// Coincident points of different polylines are one within this share of the diagonal of the bounding box.
+/// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
 pub const WELD_TOLERANCE: f64 = 1e-6;
 
 impl Centerlines {
-    /// Makes one point of coincident points: those of different polylines, the two ends of a closed polyline's only
-    /// link run, and linked points without a distance between them. Returns how many points went.
+    /// Merges coincident points: those of different polylines, the two ends of a closed polyline's only
+    /// link run, and linked points without a distance between them. Returns how many points were removed.
     ///
     /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
     pub fn weld(&mut self, tolerance: f64) -> usize {
@@ -24,8 +24,8 @@ impl Centerlines {
         }
         let mut places = Places::of(&self.points, &self.strand);
         places.unite_crowds(reach);
-        // Beside the points, two elements for each place: one for the free ends there, which are always one point, and one for
-        // its other points, once they are.
+        // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for
+        // its other points, once they are merged.
         let [ends, others] = [0, 1].map(|which| move |place: usize| n + 2 * place + which);
         let mut same = UnionFind::<usize>::new(n + 2 * places.at.len());
         let mut is_one = vec![false; places.at.len()];
@@ -60,7 +60,7 @@ impl Centerlines {
         self.merge(&class)
     }
 
-    /// Replaces every point by the first one of its class, with the largest radius in it; drops links that became void or double.
+    /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or double.
     fn merge(&mut self, class: &[usize]) -> usize {
         let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
         let mut new_index = vec![0_u32; class.len()];
@@ -97,10 +97,10 @@ impl Centerlines {
     }
 }
 
-/// The different positions of points: any number of points may share one.
+/// The distinct positions of points; any number of points may share one.
 struct Places {
     at: Vec<Point>,
-    /// The strand of all points there; none where there are several.
+    /// The strand of the points there; none if they belong to several.
     strand: Vec<Option<u32>>,
     /// The place of each point.
     of: Vec<usize>,
@@ -125,8 +125,8 @@ impl Places {
         places
     }
 
-    /// Makes one place of places that crowd in a cube of half the reach, of which each is within reach of all others: without
-    /// that, a coordinate far off, and with it a wide reach, would make a pair of every two points.
+    /// Merges places that crowd in a cube of half the reach, where each is within reach of all others. Without
+    /// that, one distant coordinate makes the reach so wide that every two points are a pair.
     fn unite_crowds(&mut self, reach: f64) {
         const CROWD: usize = 16;
         if self.at.len() <= CROWD || reach <= 0.0 {
@@ -158,9 +158,9 @@ impl Places {
     }
 }
 
-/// Gives all pairs (a < b) of points no further apart than `reach` to `meet`.
+/// Calls `meet` for all pairs (a < b) of points at most `reach` apart.
 ///
-/// A grid of cells several times as wide: few points lie so near to a side that the next cell counts too.
+/// A grid of cells several times as wide is searched: few points lie so close to a side that the next cell matters too.
 fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
     const WIDTH: f64 = 8.0;
     const NONE: u32 = u32::MAX;

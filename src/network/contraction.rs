@@ -1,4 +1,4 @@
-//! From centerlines to vessels: maximal runs of points between points whose degree is not two.
+//! Contracts centerlines to vessels: maximal runs of points between points whose degree is not two.
 
 use super::Network;
 use super::centerlines::{Centerlines, is_radius};
@@ -7,7 +7,7 @@ use super::vessel::{Origin, PathPoint, Vessel};
 use crate::error::Fault;
 use crate::support::geometry::distance;
 
-/// Which radius stands for a whole vessel.
+/// Which single radius a vessel gets from the radii along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RadiusRule {
@@ -18,7 +18,7 @@ pub enum RadiusRule {
     Effective,
 }
 
-/// A network made of centerlines, and what had to be mended on the way.
+/// A network made of centerlines, and what had to be repaired.
 #[derive(Debug, Clone, Default)]
 pub struct Contraction {
     /// The network; every vessel is observed.
@@ -27,7 +27,7 @@ pub struct Contraction {
     pub repaired_radii: usize,
     /// Vessels that had no radius at all and took the default.
     pub default_radii: usize,
-    /// Vessels whose links have different names.
+    /// Vessels whose links have different labels.
     pub mixed_labels: usize,
 }
 
@@ -72,7 +72,7 @@ impl Vessel {
 /// Contracts centerlines to a network of observed vessels.
 ///
 /// Nodes are the points of degree other than two, in point order, and the first point of every pure ring. Missing
-/// radii are interpolated linearly over arc length along their vessel. A vessel has the name that the longest part of it has.
+/// radii are interpolated linearly over arc length along their vessel. A vessel has the label of its longest part.
 ///
 /// # Errors
 ///
@@ -148,7 +148,7 @@ fn walk(start: usize, next: usize, link: usize, neighbours: &[Vec<(usize, usize)
     walk
 }
 
-/// The name that the longest part of a run has, and whether there are others.
+/// The label of the longest part of a run, and whether there are others.
 fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
     let mut lengths: Vec<(&str, f64)> = Vec::new();
     for (ends, link) in walk.points.windows(2).zip(&walk.links) {
@@ -162,7 +162,7 @@ fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
-/// Adds the vessel of a run; whether any of its points has a radius.
+/// Adds the vessel of a run; returns whether any of its points has a radius.
 fn add(
     out: &mut Contraction,
     lines: &Centerlines,

@@ -1,4 +1,4 @@
-//! Finding a node by what a person calls it: its id, its label, or a position.
+//! Finds a node by its id, its label or a position, and vessels by their label or row.
 
 use super::Network;
 use super::node::Node;
@@ -6,7 +6,7 @@ use super::units::{metres, millimetres};
 use crate::support::geometry::{Point, distance};
 use crate::support::suggestions::{did_you_mean, nearest};
 
-/// A position names nothing that lies further off, m.
+/// A position finds no node that is further away, m.
 pub const REACH: f64 = 0.02;
 
 /// A node found.
@@ -14,8 +14,8 @@ pub const REACH: f64 = 0.02;
 pub struct Located {
     /// Its row.
     pub node: usize,
-    /// How it was called.
-    pub by: Called,
+    /// How it was found.
+    pub by: FoundBy,
 }
 
 /// The node nearest to a position.
@@ -27,31 +27,31 @@ pub struct Nearest {
     pub distance: f64,
 }
 
-/// How a node was called.
+/// How a node was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Called {
+pub enum FoundBy {
     /// By its id or its label.
     Name,
-    /// By the id of a point that was made one with it.
+    /// By the id of a point that was merged with it.
     Merged,
-    /// By a position so far away, m.
+    /// By a position at this distance, m.
     Position(f64),
 }
 
-/// Finds the node whose `id` is exactly `spec`, else of which a point with this id has become part, else whose label is exactly `spec`,
+/// Finds the node whose `id` is `spec`, else with which a point of this id was merged, else whose label is `spec`,
 /// else nearest to `x,y,z` in mm, within 20 mm.
 ///
 /// # Errors
 ///
-/// No node or more than one answers to it: says so in words.
+/// No node fits, or more than one: the text says so.
 pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
     let rows = |is_called: &dyn Fn(&Node) -> bool| -> Vec<usize> {
         network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect()
     };
     let ways = [
-        (rows(&|n| n.id == spec), Called::Name),
-        (rows(&|n| n.also.iter().any(|id| id == spec)), Called::Merged),
-        (rows(&|n| !n.label.is_empty() && n.label == spec), Called::Name),
+        (rows(&|n| n.id == spec), FoundBy::Name),
+        (rows(&|n| n.also.iter().any(|id| id == spec)), FoundBy::Merged),
+        (rows(&|n| !n.label.is_empty() && n.label == spec), FoundBy::Name),
     ];
     for (rows, by) in ways {
         match rows[..] {
@@ -59,7 +59,7 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
             [] => {}
             _ => {
                 let ids: Vec<&str> = rows.iter().map(|row| network.node(*row).id.as_str()).take(5).collect();
-                return Err(format!("more than one node is called so ({}); give the id of one", ids.join(", ")));
+                return Err(format!("more than one node has this name ({}); give the id of one", ids.join(", ")));
             }
         }
     }
@@ -70,7 +70,7 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
         let id = &network.node(found.node).id;
         return Err(format!("the nearest node, {id}, is {away:.1} mm away; expected a position within {reach} mm of one"));
     }
-    Ok(Located { node: found.node, by: Called::Position(found.distance) })
+    Ok(Located { node: found.node, by: FoundBy::Position(found.distance) })
 }
 
 /// The node nearest to a position (m) among those in the rows that `admit` takes, however far away, ties to the lower row.
@@ -80,7 +80,7 @@ pub fn nearest_node(network: &Network, position: Point, admit: impl Fn(usize) ->
     away.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
 }
 
-/// That no node is called so: of a point between two nodes, which these are; otherwise what may have been meant.
+/// The message that no node was found: for a point inside a vessel its two ends, otherwise names that may have been meant.
 fn unknown(network: &Network, spec: &str) -> String {
     let number = spec.parse::<u64>().ok();
     let vessel = number.and_then(|id| network.vessels().find(|(_, v)| v.path.iter().any(|point| point.id == Some(id))));
@@ -89,7 +89,7 @@ fn unknown(network: &Network, spec: &str) -> String {
         return format!("no node, but a point inside the vessel from {a} to {b}; expected one of its ends, {a} or {b}");
     }
     let names = network.nodes().flat_map(|n| [n.id.as_str(), n.label.as_str()]);
-    // A number near to another is not what was meant.
+    // A similar number is not a misspelling.
     let meant = if spec.parse::<f64>().is_ok() { String::new() } else { did_you_mean(spec, names) };
     format!("no node has this id or label; {meant}expected an id, a label or x,y,z in mm (inner points of a vessel are no nodes)")
 }
@@ -102,25 +102,25 @@ pub fn parse_position(text: &str) -> Option<Point> {
 }
 
 impl Located {
-    /// How it was found, in words; empty when it was called by its own name.
+    /// How it was found, in words; empty if by its own id or label.
     pub fn note(&self) -> String {
         match self.by {
-            Called::Name => String::new(),
-            Called::Merged => " (made one with it)".into(),
-            Called::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
+            FoundBy::Name => String::new(),
+            FoundBy::Merged => " (merged with it)".into(),
+            FoundBy::Position(m) => format!(" ({:.3} mm from the position given)", millimetres(m)),
         }
     }
 }
 
-/// Names offered for one that no vessel has.
+/// How many names are offered for an unknown one.
 const OFFERED: usize = 3;
 
-/// The rows of the vessels called `name`: all that carry it as their label, exactly; without such a label the vessel of
+/// The rows of the vessels called `name`: all with exactly this label; without such a label the vessel of
 /// the row in `edge:12` or `12`, counted from 0.
 ///
 /// # Errors
 ///
-/// No vessel is called so; the text says what is accepted and offers the labels nearest by edit distance (insertions,
+/// No vessel has this name; the text says what is accepted and offers the labels nearest by edit distance (insertions,
 /// deletions, substitutions and swaps of neighbours, without regard to case).
 pub fn vessels_called(network: &Network, name: &str) -> Result<Vec<usize>, String> {
     let name = name.trim();
@@ -138,11 +138,11 @@ pub fn vessels_called(network: &Network, name: &str) -> Result<Vec<usize>, Strin
     }
 }
 
-/// The labels nearest to `name`, or the rows where the network has no labels.
+/// The labels nearest to `name`, or the rows if the network has no labels.
 fn offer(network: &Network, name: &str, last: usize) -> String {
     let labels = nearest(name, network.vessels().map(|(_, v)| v.label.as_str()));
     if labels.is_empty() {
-        return format!("edge:0 to edge:{last}, for the vessels have no labels");
+        return format!("edge:0 to edge:{last}, since the vessels have no labels");
     }
     let nearest: Vec<String> = labels.iter().take(OFFERED).map(|label| format!("\"{label}\"")).collect();
     format!("a label such as {}, or edge:0 to edge:{last}", nearest.join(", "))

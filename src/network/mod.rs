@@ -3,23 +3,23 @@
 pub mod centerlines;
 mod coincident_points;
 mod contraction;
-pub(crate) mod fragments;
 pub(crate) mod locate;
 mod node;
 pub mod quantity;
-mod serialize;
 pub mod units;
 mod vessel;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use contraction::{RadiusRule, contract};
-pub use fragments::{Fragments, cycles, fragments};
-pub use locate::{Called, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use locate::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use node::{Condition, INLET_PRESSURE, Node, Role};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
+use petgraph::unionfind::UnionFind;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]
@@ -47,7 +47,7 @@ impl Network {
         self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
     }
 
-    /// The nodes and the vessels with their ends, by row, for a network that is made of this one.
+    /// The nodes and the vessels with their ends, by row, to build another network from.
     pub fn into_parts(self) -> (impl ExactSizeIterator<Item = Node>, impl ExactSizeIterator<Item = ([usize; 2], Vessel)>) {
         let (nodes, edges) = self.graph.into_nodes_edges();
         let vessel = |e: petgraph::graph::Edge<Vessel>| ([e.source().index(), e.target().index()], e.weight);
@@ -117,7 +117,7 @@ impl Network {
         degree
     }
 
-    /// What to call a vessel in a message: its label, or its row and nodes.
+    /// The name of a vessel in messages: its row and nodes, and its label.
     pub fn vessel_name(&self, row: usize) -> String {
         let [a, b] = self.ends(row);
         let between = format!("vessel {row} ({} - {})", self.node(a).id, self.node(b).id);
@@ -143,5 +143,76 @@ impl Network {
     /// Whether every node has a position.
     pub fn has_positions(&self) -> bool {
         self.nodes().all(|n| n.position.is_some())
+    }
+}
+
+/// The connected parts of a network, numbered in the order of their first node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fragments {
+    /// Per node the number of its part.
+    pub of_node: Vec<usize>,
+    /// How many parts there are.
+    pub count: usize,
+}
+
+/// The connected parts over the vessels that `counts` admits; a node without vessel is a part of its own.
+pub fn fragments(network: &Network, counts: impl Fn(usize, &Vessel) -> bool) -> Fragments {
+    let mut parts = UnionFind::<usize>::new(network.node_count());
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        if counts(row, vessel) {
+            parts.union(ends[0], ends[1]);
+        }
+    }
+    let mut number = vec![usize::MAX; network.node_count()];
+    let mut count = 0;
+    let of_node = (0..network.node_count())
+        .map(|node| {
+            let slot = &mut number[parts.find(node)];
+            if *slot == usize::MAX {
+                *slot = count;
+                count += 1;
+            }
+            *slot
+        })
+        .collect();
+    Fragments { of_node, count }
+}
+
+/// The number of independent cycles, E - N + parts, self-loops and parallel vessels included.
+pub fn cycles(network: &Network) -> usize {
+    network.vessel_count() + fragments(network, |_, _| true).count - network.node_count()
+}
+
+/// A network as serde writes it: rows of nodes, and of vessels with their two nodes, in SI units.
+#[derive(Serialize, Deserialize)]
+struct NetworkRows<N, V> {
+    nodes: Vec<N>,
+    vessels: Vec<([usize; 2], V)>,
+}
+
+impl Serialize for Network {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows: NetworkRows<&Node, &Vessel> = NetworkRows { nodes: self.nodes().collect(), vessels: self.vessels().collect() };
+        rows.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Network {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
+        let mut network = Self::new();
+        for node in rows.nodes {
+            network.add_node(node);
+        }
+        for (ends, vessel) in rows.vessels {
+            if ends.iter().any(|node| *node >= network.node_count()) {
+                return Err(D::Error::custom(format!(
+                    "a vessel between nodes {} and {}, which do not both exist",
+                    ends[0], ends[1]
+                )));
+            }
+            network.add_vessel(ends, vessel);
+        }
+        Ok(network)
     }
 }

@@ -1,4 +1,4 @@
-//! What holds at a node where blood enters or leaves.
+//! Nodes, and the boundary conditions where blood enters or leaves.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,7 @@ impl Condition {
     /// An outlet when nothing is stated.
     pub const GROUND: Self = Self::Pressure(0.0);
 
-    /// The pressure (Pa) that it ties the node to; none of a flow.
+    /// The pressure (Pa) to which it ties the node; none for a flow.
     pub fn ground(&self) -> Option<f64> {
         match self {
             Self::Pressure(p) => Some(*p),
@@ -39,7 +39,7 @@ impl Condition {
         }
     }
 
-    /// The condition that a file in mmHg and mL hands back.
+    /// The condition after it was written to a file in mmHg and mL and read again.
     #[must_use]
     pub fn as_stored(self) -> Self {
         match self {
@@ -58,7 +58,7 @@ impl Condition {
 pub struct Node {
     /// The id in the input (GraphML id, SWC index, CSV `node`), unique in the network.
     pub id: String,
-    /// Ids of points of the input that were made one with this node.
+    /// Ids of points of the input that were merged with this node.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<String>,
     /// Position, m; absent in a graph without coordinates.
@@ -71,8 +71,8 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
-    /// What speaks for leaving the fragment of this node alone, where the evidence says so: the posterior probability that it
-    /// hangs on no other, times the price of that (`candidates::prior::alone`).
+    /// The weight for leaving the fragment of this node unconnected, where the evidence states it: the posterior probability that it
+    /// is fed by no other, times the weight of an unconnected fragment.
     pub alone: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Figures with a unit, as a person types them: `12mm`, `100 mmHg`, `3.5cP`; a bare number takes the customary unit.
+//! Reads quantities with a unit, such as `12mm`, `100 mmHg` or `3.5cP`; a bare number has the customary unit.
 
 use super::units::{cubic_metres_per_second, metres, pascal_seconds, pascal_seconds_per_cubic_metre, pascals};
 use crate::support::suggestions::did_you_mean;
@@ -18,7 +18,7 @@ const RESISTANCES: &[Unit] = &[
 ];
 const VISCOSITIES: &[Unit] = &[("cP", pascal_seconds), ("mPa.s", pascal_seconds), ("Pa.s", |x| x)];
 
-/// What a figure measures.
+/// What a quantity measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// m; bare numbers are mm.
@@ -50,11 +50,11 @@ impl Dimension {
         format!("expected a number with a unit, one of {} (none means {})", names.join(", "), names[0])
     }
 
-    /// The SI value of a figure such as `12`, `1.2e1mm` or `12 mm`; the error says what is accepted.
+    /// The SI value of a quantity such as `12`, `1.2e1mm` or `12 mm`; the error says what is accepted.
     ///
     /// # Errors
     ///
-    /// No finite number, or a unit of another dimension.
+    /// Not a finite number, or a unit of another dimension.
     pub fn parse(self, text: &str) -> Result<f64, String> {
         let (number, unit) = parts(text).ok_or_else(|| self.accepted())?;
         self.convert(number, unit)
@@ -73,7 +73,7 @@ impl Dimension {
         Some(to_si(number)).filter(|si| si.is_finite()).ok_or_else(|| self.accepted())
     }
 
-    /// `did you mean "mmHg"? ` for a number with almost a unit of this dimension; otherwise empty.
+    /// `did you mean "mmHg"? ` for a number with a misspelt unit of this dimension; otherwise empty.
     pub fn near(self, text: &str) -> String {
         parts(text).map_or(String::new(), |(_, unit)| did_you_mean(unit, self.units().iter().map(|(name, _)| *name)))
     }

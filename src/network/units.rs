@@ -1,6 +1,6 @@
-//! Units at the border: SI inside, millimetres, mmHg, mL/min and cP outside.
+//! Converts between SI units, used inside, and millimetres, mmHg, mL/min and cP, used in files.
 //!
-//! Each pair multiplies one way and divides the other, so that a figure written and read again gives the same SI
+//! Each pair multiplies in one direction and divides in the other, so that a number written and read again gives the same SI
 //! value to the last bit.
 
 /// Pascal in one millimetre of mercury, exactly as conventionally defined.
@@ -18,7 +18,7 @@ pub fn millimetres(m: f64) -> f64 {
     m * 1e3
 }
 
-/// The length (m) that a file in millimetres hands back for `m`.
+/// The length (m) after it was written to a file in millimetres and read again.
 pub fn as_stored(m: f64) -> f64 {
     metres(millimetres(m))
 }

@@ -1,4 +1,4 @@
-//! What the evidence says of a candidate: how probable it is before any flow.
+//! A vessel between two nodes: geometry, origin, and the evidence for a candidate.
 
 use std::f64::consts::PI;
 
@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::support::geometry::Point;
 
-/// The odds by which a free end that nobody knows for an inlet or outlet ends where it is, where a bridge of weight w has the odds
-/// w: e⁻², between a price that leaves gaps open and one that bridges every end.
+/// The odds that a free end of which nothing is known ends where it is, on the scale on which a candidate of weight w has the odds
+/// w: e⁻², between a value that leaves gaps open and one that connects every end.
 pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 
 /// The evidence for a candidate vessel between two nodes.
@@ -15,8 +15,8 @@ pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,
-    /// Per end, the posterior probability that the fragment at that end hangs on the fragment at the other by this bridge, or
-    /// by one of nearly the same place there, in [0, 1]; zero for both where it closes a loop within one fragment.
+    /// Per end, the posterior probability that the fragment at that end is fed by the fragment at the other end through this candidate, or
+    /// through one at nearly the same place there, in [0, 1]; zero for both ends if it closes a loop within one fragment.
     pub hangs: [f64; 2],
     /// Per end, the odds w/e⁻² by which a vessel that breaks off there continues along this candidate, against ending there; zero
     /// where no free end is.
@@ -24,7 +24,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// That of a probability without a direction: each fragment as readily hangs on the other, each end as readily continues.
+    /// The evidence of a probability without a direction: either fragment may feed the other, either end may continue.
     pub fn undirected(probability: f64) -> Self {
         Self { probability, hangs: [0.5 * probability; 2], continues: [Self::odds(probability); 2] }
     }
@@ -34,13 +34,13 @@ impl Evidence {
         (weight / END_ODDS).clamp(0.0, MOST_ODDS)
     }
 
-    /// The odds of continuing by a candidate of such a probability among all that may be: w = p/(1 - p).
+    /// The odds of continuing by a candidate of this probability: w = p/(1 - p).
     pub fn odds(probability: f64) -> f64 {
         Self::odds_of_weight(probability / (1.0 - probability))
     }
 }
 
-/// Beyond these odds nothing is left to chance.
+/// The largest odds.
 const MOST_ODDS: f64 = 1e12;
 
 /// Whether the image showed the vessel.
@@ -91,7 +91,7 @@ pub struct Vessel {
     pub prior: f64,
     /// Never occluded, whatever is uncertain.
     pub certain: bool,
-    /// What the evidence says of a candidate.
+    /// The evidence for a candidate.
     pub evidence: Option<Evidence>,
     /// Whether an earlier run kept the vessel, where the input says so.
     pub kept: Option<bool>,
@@ -99,11 +99,11 @@ pub struct Vessel {
     pub path: Vec<PathPoint>,
 }
 
-/// Points at an end over which its radius is averaged.
+/// How many points at an end its radius is averaged over.
 const END_POINTS: usize = 10;
 
 impl Vessel {
-    /// A vessel of a length and radius (m) about which nothing else is known.
+    /// A vessel with a length and radius (m), and nothing else.
     pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
         Self {
             length,

@@ -1,28 +1,29 @@
-//! Output that appears whole or not at all: written beside its place, brought onto the disk, then renamed.
+//! Output that appears complete or not at all: written next to its place, flushed to the disk, then renamed.
 
 use std::fs;
 use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::disk::DiskFile;
 use super::in_progress::{
-    IN_THE_MAKING, Making, UNFINISHED, is_in_the_making, keeps, sweep, sweep_beside, sync_folder, write_error,
+    HIDDEN_PREFIX, InProgress, UNFINISHED, clear_dead_runs, clear_leftovers_beside, has_checkpoint, is_in_progress, sync_folder,
+    write_error,
 };
-use super::ownership::{entries, stranger};
+use super::ownership::{entries, foreign_file};
 use crate::error::{Error, Result};
+use crate::output::files::DiskFile;
 
-/// Refuses an output that exists, unless it may be replaced, and a place where nothing can be written.
-fn vacant(target: &Path, force: bool) -> Result<()> {
+/// Checks that an output does not exist, or may be replaced, and that its folder can be written to.
+fn check_vacant(target: &Path, force: bool) -> Result<()> {
     if target.exists() && !force {
         return Err(Error::Exists { path: target.to_owned() });
     }
     let standing = target.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
     let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match tempfile::Builder::new().prefix(IN_THE_MAKING).tempdir_in(folder) {
+    match tempfile::Builder::new().prefix(HIDDEN_PREFIX).tempdir_in(folder) {
         Ok(_) => Ok(()),
         Err(e) => {
-            // The rest of the system's words puzzle: a folder that stands but takes no entry is "not found".
+            // Other system messages mislead: a folder that exists but takes no entry is "not found".
             let why = match e.kind() {
                 kind @ (ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::StorageFull) => {
                     format!(": {kind}")
@@ -35,117 +36,117 @@ fn vacant(target: &Path, force: bool) -> Result<()> {
     }
 }
 
-/// Clears what killed runs left in the making in a folder that is this program's own; what is kept to go on from stays.
+/// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
 ///
 /// # Errors
 ///
 /// The system refuses.
-pub fn sweep_own(folder: &Path) -> Result<()> {
-    sweep(folder);
-    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_the_making(path) && path.is_dir());
-    for path in left.filter(|path| !keeps(path)) {
+pub fn clear_leftovers(folder: &Path) -> Result<()> {
+    clear_dead_runs(folder);
+    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir());
+    for path in left.filter(|path| !has_checkpoint(path)) {
         fs::remove_dir_all(&path).map_err(write_error(&path))?;
     }
     Ok(())
 }
 
-/// A folder in the making; no other process makes it meanwhile.
+/// An output folder being written; no other process can write it at the same time.
 #[derive(Debug)]
 pub struct StagedFolder {
-    making: Making,
-    /// What stays beside it when it is not put in its place.
+    in_progress: InProgress,
+    /// Files that stay if the run ends before the folder is complete.
     kept: Mutex<Vec<PathBuf>>,
 }
 
 impl StagedFolder {
-    /// Whether a run may write to `target` at all; to be asked before the work begins. What killed runs left beside it is cleared.
+    /// Checks, before the work begins, that a run may write to `target`. Removes what killed runs left next to it.
     ///
     /// # Errors
     ///
-    /// It exists and `force` is off, it is something that this program did not make, or another process is making it.
+    /// It exists and `force` is off, it holds files that willis did not write, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        sweep_beside(target);
-        Self::may_stand(target, force)?;
-        Making::check(target)
+        clear_leftovers_beside(target);
+        Self::check_target(target, force)?;
+        InProgress::check(target)
     }
 
-    fn may_stand(target: &Path, force: bool) -> Result<()> {
-        vacant(target, force)?;
-        match stranger(target).filter(|_| target.exists()) {
+    fn check_target(target: &Path, force: bool) -> Result<()> {
+        check_vacant(target, force)?;
+        match foreign_file(target).filter(|_| target.exists()) {
             None => Ok(()),
             Some(path) => {
                 let accepted =
-                    format!("--force replaces only a folder of an earlier run, and {} is none of its files", path.display());
+                    format!("--force replaces only a folder of an earlier run, and {} is not one of its files", path.display());
                 Err(Error::parameter("output", target.display(), accepted))
             }
         }
     }
 
-    /// Takes the folder of an earlier run away, whole at once.
+    /// Removes the folder of an earlier run in one step.
     ///
     /// # Errors
     ///
     /// As [`StagedFolder::check`] with `force`, or the system refuses.
     pub fn remove(target: &Path) -> Result<()> {
-        Self::may_stand(target, true)?;
-        let making = Making::new(target)?;
-        // Under this name it is not put back.
-        fs::rename(target, making.folder().join("new")).map_err(write_error(target))
+        Self::check_target(target, true)?;
+        let in_progress = InProgress::new(target)?;
+        // Under this name it is not moved back.
+        fs::rename(target, in_progress.folder().join("new")).map_err(write_error(target))
     }
 
-    /// Starts a folder that will stand at `target`.
+    /// Starts a folder that will replace `target`.
     ///
     /// # Errors
     ///
     /// As [`StagedFolder::check`], or the folder cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::may_stand(target, force)?;
-        let making = Making::new(target)?;
-        // Another process may have put it there before its lock was free.
-        Self::may_stand(target, force)?;
-        fs::create_dir(making.new_one()).map_err(write_error(target))?;
-        Ok(Self { making, kept: Mutex::default() })
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
+        // Another process may have written it before it released the lock.
+        Self::check_target(target, force)?;
+        fs::create_dir(in_progress.new_path()).map_err(write_error(target))?;
+        Ok(Self { in_progress, kept: Mutex::default() })
     }
 
-    /// Where to write meanwhile.
+    /// Where to write until then.
     pub fn path(&self) -> PathBuf {
-        self.making.new_one()
+        self.in_progress.new_path()
     }
 
-    /// Where to put a file that stays when the run ends before its folder stands, for a later run to find.
+    /// The path of a file that stays if the run ends early, so that a later run can continue from it.
     pub fn keep(&self, name: &str) -> PathBuf {
-        let path = self.making.kept(name);
+        let path = self.in_progress.kept(name);
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).push(path.clone());
         path
     }
 
-    /// Whether a file is one of those that this run keeps.
+    /// Whether a file is a checkpoint of this run.
     pub fn is_kept(&self, path: &Path) -> bool {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|kept| kept == path)
     }
 
-    /// The folder where what is kept is.
-    pub fn kept_in(&self) -> &Path {
-        self.making.folder()
+    /// The folder with the checkpoints.
+    pub fn checkpoint_folder(&self) -> &Path {
+        self.in_progress.folder()
     }
 
-    /// Puts the folder in its place, the earlier one aside until then, and takes away what was kept.
+    /// Moves the folder to its place, with the earlier one set aside until then, and removes the checkpoints.
     ///
     /// # Errors
     ///
-    /// The system refuses; the earlier folder then stands as it was.
+    /// The system refuses; the earlier folder then stays as it was.
     pub fn commit(self) -> Result<()> {
         sync_all(&self.path())?;
-        self.making.put()?;
+        self.in_progress.put()?;
         for path in self.kept.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            // What stays is only found by the same run again.
+            // One that stays is used only by the same run again.
             let _ = fs::remove_file(path);
         }
         Ok(())
     }
 }
 
-/// Brings the names in a folder and those below it onto the disk; their contents are there already.
+/// Flushes the names in a folder and below it to the disk; the contents are there already.
 fn sync_all(folder: &Path) -> Result<()> {
     for path in entries(folder).unwrap_or_default().into_iter().filter(|path| path.is_dir()) {
         sync_all(&path)?;
@@ -153,79 +154,79 @@ fn sync_all(folder: &Path) -> Result<()> {
     sync_folder(folder)
 }
 
-/// A file in the making; no other process makes it meanwhile.
+/// An output file being written; no other process can write it at the same time.
 #[derive(Debug)]
 pub struct StagedFile {
-    making: Making,
+    in_progress: InProgress,
 }
 
 impl StagedFile {
-    /// Whether a run may write to `target` at all; to be asked before the work begins. What killed runs left beside it is cleared.
+    /// Checks, before the work begins, that a run may write to `target`. Removes what killed runs left next to it.
     ///
     /// # Errors
     ///
-    /// It exists and `force` is off, it is a folder, or another process is making it.
+    /// It exists and `force` is off, it is a folder, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        sweep_beside(target);
-        Self::may_stand(target, force)?;
-        Making::check(target)
+        clear_leftovers_beside(target);
+        Self::check_target(target, force)?;
+        InProgress::check(target)
     }
 
-    fn may_stand(target: &Path, force: bool) -> Result<()> {
+    fn check_target(target: &Path, force: bool) -> Result<()> {
         if target.is_dir() {
             return Err(Error::parameter("output", target.display(), "is a folder; expected a file name"));
         }
-        vacant(target, force)
+        check_vacant(target, force)
     }
 
-    /// Starts a file that will stand at `target`.
+    /// Starts a file that will replace `target`.
     ///
     /// # Errors
     ///
     /// As [`StagedFile::check`], or the file cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::may_stand(target, force)?;
-        let making = Making::new(target)?;
-        Self::may_stand(target, force)?;
-        Ok(Self { making })
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
+        Self::check_target(target, force)?;
+        Ok(Self { in_progress })
     }
 
-    /// Where to write meanwhile.
+    /// Where to write until then.
     pub fn path(&self) -> PathBuf {
-        self.making.new_one()
+        self.in_progress.new_path()
     }
 
-    /// Puts the file in its place.
+    /// Moves the file to its place.
     ///
     /// # Errors
     ///
-    /// The system refuses; an earlier file then stands as it was.
+    /// The system refuses; an earlier file then stays as it was.
     pub fn commit(self) -> Result<()> {
-        self.making.put()
+        self.in_progress.put()
     }
 }
 
-/// Writes a file that takes the place of an earlier one whole or not at all.
+/// Writes a file that replaces an earlier one completely or not at all.
 ///
 /// # Errors
 ///
-/// As [`write_file`]; the earlier one then stands.
+/// As [`write_file`]; the earlier one then stays.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
     let unfinished = path.with_extension(UNFINISHED);
     let written = write_file(&unfinished, fill).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
     if written.is_err() {
-        // It may be what fills the disk.
+        // It may be the file that filled the disk.
         let _ = fs::remove_file(&unfinished);
     }
     written?;
     sync_folder(path.parent().unwrap_or(Path::new(".")))
 }
 
-/// Writes a file through a buffer and onto the disk, or says which file it was.
+/// Writes a file through a buffer and flushes it to the disk; an error names the file.
 ///
 /// # Errors
 ///
-/// Whatever the system or `fill` says, with the path.
+/// The error of the system or of `fill`, with the path.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
     let write = || -> std::io::Result<()> {
         let mut out = BufWriter::new(DiskFile::create(path)?);

@@ -1,4 +1,4 @@
-//! What the files of an output folder are called.
+//! The names of the files in an output folder.
 
 /// The record of a run, by which a folder of this program is known.
 pub const RECORD: &str = "run.json";

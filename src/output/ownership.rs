@@ -1,4 +1,4 @@
-//! Which folders this program made, and may replace.
+//! Which folders willis wrote, and may replace.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::in_progress::is_in_the_making;
-use super::json::read_json;
+use super::in_progress::is_in_progress;
 use super::names::{
     AGREEMENT, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, FAILURE,
     FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
     MODULATION_PICTURE, NODES, PAGE, PHENOTYPE, PHENOTYPE_TABLE, RECORD, SHARD, SHARD_SUMS, TOPOLOGY,
 };
+use crate::output::files::read_json;
 
-/// What the folder of a run may hold beside pictures and topologies; --force replaces no folder with anything else in it.
+/// The files that the folder of a run may hold besides pictures and topologies; --force replaces no folder with others.
 const FILES: [&str; 13] = [
     RECORD,
     EDGES,
@@ -31,9 +31,9 @@ const FILES: [&str; 13] = [
     COLLATERAL,
 ];
 const PICTURES: [&str; 5] = [LIKELIHOOD_PICTURE, CONVERGENCE_PICTURE, FLOW_PICTURE, MODULATION_PICTURE, HYPERTENSION_PICTURE];
-/// What the folder of a shard holds.
+/// The files in the folder of a shard.
 const SHARD_FILES: &[&str] = &[SHARD, SHARD_SUMS];
-/// What the folder of a cohort holds beside the folders of its subjects.
+/// The files in the folder of a cohort besides the folders of its subjects.
 const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE];
 
 /// The paths in a folder; `None` when it cannot be read.
@@ -41,8 +41,8 @@ pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
     fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
 }
 
-/// Whether a path is called as what stands in the folder of a cohort beside its subjects.
-pub fn is_of_cohort(path: &Path) -> bool {
+/// Whether a path has the name of a file that stands in the folder of a cohort.
+pub fn is_cohort_file(path: &Path) -> bool {
     is_named(path, COHORT_FILES)
 }
 
@@ -50,35 +50,40 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(|name| names.contains(&name))
 }
 
-/// Whether a path is called as a file of a run.
-fn is_of_run(path: &Path) -> bool {
+/// Whether a path has the name of a file of a run.
+fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     is_named(path, &FILES) || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 
-/// The first path in a folder that no run of this program made; `None` when all are ours, or there are none.
-pub fn stranger(folder: &Path) -> Option<PathBuf> {
+/// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
+pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let is_ours = |mark| read_json::<Value>(&folder.join(mark), "").is_ok_and(|record| record.get("willis").is_some());
+    let is_written_by_willis =
+        |mark| read_json::<Value>(&folder.join(mark), "").is_ok_and(|record| record.get("willis").is_some());
     if folder.join(RECORD).exists() {
-        return if is_ours(RECORD) { paths.into_iter().find(|p| !is_of_run(p)) } else { Some(folder.join(RECORD)) };
+        return if is_written_by_willis(RECORD) {
+            paths.into_iter().find(|p| !is_run_file(p))
+        } else {
+            Some(folder.join(RECORD))
+        };
     }
     for (mark, files) in [(SHARD, SHARD_FILES), (FAILURE, &[FAILURE])] {
         if folder.join(mark).exists() {
             let rest = paths.into_iter().find(|p| !is_named(p, files));
-            return if is_ours(mark) { rest } else { Some(folder.join(mark)) };
+            return if is_written_by_willis(mark) { rest } else { Some(folder.join(mark)) };
         }
     }
     if folder.join(COHORT).exists() {
         let of_cohort =
-            |path: PathBuf| if path.is_dir() { stranger(&path) } else { (!is_named(&path, COHORT_FILES)).then_some(path) };
-        let mut rest = paths.into_iter().filter(|path| !is_in_the_making(path));
-        return if is_ours(COHORT) { rest.find_map(of_cohort) } else { Some(folder.join(COHORT)) };
+            |path: PathBuf| if path.is_dir() { foreign_file(&path) } else { (!is_named(&path, COHORT_FILES)).then_some(path) };
+        let mut rest = paths.into_iter().filter(|path| !is_in_progress(path));
+        return if is_written_by_willis(COHORT) { rest.find_map(of_cohort) } else { Some(folder.join(COHORT)) };
     }
     paths.into_iter().find_map(|path| {
         if path.is_dir() && path.join(RECORD).exists() {
-            return stranger(&path);
+            return foreign_file(&path);
         }
         (!is_named(&path, &[AGREEMENT])).then_some(path)
     })

@@ -1,4 +1,4 @@
-//! A part of a run as arrays that `numpy.load` reads: `shard.npz`, and what a run keeps to go on from.
+//! A part of a run as arrays that `numpy.load` reads: `shard.npz`, and the checkpoint of an interrupted run.
 
 use std::io::{self, Seek, Write};
 
@@ -8,7 +8,7 @@ use crate::sampling::{PartialRun, Sums};
 
 /// The vectors of a node, in the order in which they are written.
 const VECTORS: [&str; 3] = ["likelihood", "square", "count"];
-const WRITTEN_BY: &str = "expected it as willis wrote it";
+const WRITTEN_BY: &str = "expected the file as willis wrote it";
 /// No run has more samples.
 const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
 
@@ -72,7 +72,7 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
     };
     let vessels = uncertain.len();
     let uncertain_count = uncertain.iter().filter(|u| **u).count();
-    let wrong = |item: &str| Fault::item(format!("array {item}"), "no values of a part of a run", WRITTEN_BY);
+    let wrong = |item: &str| Fault::item(format!("array {item}"), "not the values of a part of a run", WRITTEN_BY);
     let whole = |x: f64| ((0.0..=MOST_SAMPLES).contains(&x) && x.fract() == 0.0).then_some(x as u64);
     let run = take("run", 1)?;
     let [samples, step] = run[..] else { return Err(wrong("run")) };

@@ -12,7 +12,7 @@ use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::bytes_of;
 use crate::io::tables::conditions::{read_csv, read_toml};
 use crate::network::quantity::Dimension;
-use crate::network::{Called, Condition, Network, Role, locate};
+use crate::network::{FoundBy, Condition, Network, Role, locate};
 use crate::support::suggestions::did_you_mean;
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
@@ -78,7 +78,7 @@ impl BoundaryOptions {
             let is_name = option != "flow" && network.nodes().any(|n| n.id == *text || (!n.label.is_empty() && n.label == *text));
             let (name, role, condition) = parse(option, text, is_name).map_err(refused)?;
             let found = locate(network, name).map_err(|why| refused(several(network, option, name).unwrap_or(why)))?;
-            if found.by != Called::Name {
+            if found.by != FoundBy::Name {
                 progress.step(Step::Located { name, node: &network.node(found.node).id, found, is_in_file: false });
             }
             if given.insert(found.node, Given { node: found.node, role, condition }).is_some() {

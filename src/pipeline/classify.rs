@@ -12,7 +12,7 @@ use crate::error::{Fault, Result};
 use crate::flow::boundary::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
-use crate::output::json::write_record;
+use crate::output::write_record;
 use crate::report::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
 use crate::sampling::{SamplingOptions, infer};
 

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::flow::Boundary;
 use crate::network::Network;
 use crate::output::atomic::StagedFolder;
-use crate::output::json::write_record;
+use crate::output::write_record;
 use crate::report::record::Built;
 use crate::report::{Outcome, Summary, phenotype_json, write_outcome, write_phenotype};
 use crate::sampling::{Likelihood, Method, SamplingOptions};

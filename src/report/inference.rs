@@ -15,7 +15,7 @@ use crate::io::{
 };
 use crate::network::{Condition, Network, Role, fragments};
 use crate::output::atomic::write_file;
-use crate::output::json::write_record;
+use crate::output::write_record;
 use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
 use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
 

@@ -11,8 +11,8 @@ use crate::io::{Column, write_csv};
 use crate::network::Network;
 use crate::network::units::ml_per_min;
 use crate::output::atomic::write_file;
-use crate::output::json::write_json;
 use crate::output::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
+use crate::output::write_json;
 
 /// A classification and everything its files are made of.
 #[derive(Debug)]

@@ -18,8 +18,8 @@ use crate::io::{Column, axis, write_csv, write_vtp};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Network, RadiusRule, Role};
 use crate::output::atomic::write_file;
-use crate::output::json::write_record;
 use crate::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use crate::output::write_record;
 use crate::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
 
 /// Collaterals that are named: those of the largest gain of flow.

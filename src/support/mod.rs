@@ -1,4 +1,4 @@
-//! What every other module may use: random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
+//! Tools for every other module: random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
 
 pub mod elimination;
 pub mod gamma;

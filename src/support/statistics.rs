@@ -1,6 +1,6 @@
 //! Statistics of plain samples: order statistics, distributions, the gamma distribution.
 
-/// The q-quantile by linear interpolation between order statistics, as `numpy.quantile`; `None` of nothing.
+/// The q-quantile by linear interpolation between order statistics, as `numpy.quantile`; `None` without values.
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -27,7 +27,7 @@ pub fn median(values: &[f64]) -> Option<f64> {
 }
 
 /// Otsu's threshold: the cut between two groups that makes the variance between them largest, midway between the
-/// groups' nearest values (Otsu 1979, doi:10.1109/TSMC.1979.4310076). `None` of fewer than two different values.
+/// groups' nearest values (Otsu 1979, doi:10.1109/TSMC.1979.4310076). `None` for fewer than two different values.
 pub fn otsu(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -68,7 +68,7 @@ mod tests {
     }
 }
 
-/// A sample in a few figures, all in its unit; NaN of a sample without values or with values that are no number.
+/// A summary of a sample, all in its unit; NaN for a sample without values or with NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distribution {
     /// The mean.

@@ -1,4 +1,4 @@
-//! What a person may have meant: names near to one that is not known.
+//! Suggests names near to one that is unknown.
 
 /// The names from the nearest to the furthest, each once.
 ///

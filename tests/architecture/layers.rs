@@ -36,7 +36,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("pulp", &["support/simd.rs"]),
     ("rand_chacha", &["support/random.rs"]),
     ("hdf5_reader", &["io/vendors/vtrails.rs"]),
-    ("quick_xml", &["io/xml/events.rs"]),
+    ("quick_xml", &["io/xml.rs"]),
     ("argmin", &["training/minimise.rs"]),
     ("statrs", &["support/gamma.rs"]),
 ];

@@ -461,7 +461,7 @@ fn the_published_variants_are_named_right() {
     ];
     let mut seen = BTreeSet::new();
     for file in shipped() {
-        let (network, _) = read_graphml(&std::fs::read(&file).unwrap()[..], &Scale::default(), false).unwrap();
+        let (network, _) = read_graphml(&std::fs::read(&file).unwrap()[..], &ReadOptions::default()).unwrap();
         let mut text = "label,x_mm,y_mm,z_mm\n".to_owned();
         for (label, id) in ends {
             let node = network.nodes().find(|node| node.id == id).unwrap();

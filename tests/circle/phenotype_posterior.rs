@@ -10,13 +10,12 @@ use willis::internals::circle_of_willis::{Artery, Circle, Posterior, RING, Schem
 use willis::internals::decision::{Draw, KnownEnds, Topologies};
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
-use willis::internals::io::read_graphml;
-use willis::internals::network::units::Scale;
+use willis::internals::io::{ReadOptions, read_graphml};
 use willis::internals::network::{Evidence, Network, Origin, Vessel};
 use willis::internals::sampling::SamplingOptions;
 
 fn circle_of(file: &str) -> Network {
-    read_graphml(&fs::read(data(&format!("circle-of-willis/{file}.graphml"))).unwrap()[..], &Scale::default(), false).unwrap().0
+    read_graphml(&fs::read(data(&format!("circle-of-willis/{file}.graphml"))).unwrap()[..], &ReadOptions::default()).unwrap().0
 }
 
 fn vessel(network: &Network, label: &str) -> usize {

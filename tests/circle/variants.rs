@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::internals::io::read_graphml;
-use willis::internals::network::units::{Scale, metres};
+use willis::internals::io::{ReadOptions, read_graphml};
+use willis::internals::network::units::metres;
 use willis::internals::network::{Condition, Network, Role, cycles, fragments};
 use willis::internals::phantom::{Kind, Recipe, without};
 
@@ -37,7 +37,7 @@ fn shipped(missing: &[&str]) -> PathBuf {
 }
 
 fn read(missing: &[&str]) -> Network {
-    read_graphml(&std::fs::read(shipped(missing)).unwrap()[..], &Scale::default(), false).unwrap().0
+    read_graphml(&std::fs::read(shipped(missing)).unwrap()[..], &ReadOptions::default()).unwrap().0
 }
 
 fn labels(network: &Network) -> Vec<&str> {

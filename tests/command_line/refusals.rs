@@ -166,14 +166,14 @@ fn every_point_that_was_made_one_with_a_node_names_it() {
         let output = willis(here.path(), &["infer", "a.vtk", "-o", "out", "--force", "--inlet", row]);
         assert!(output.status.success(), "{row}: {}", stderr(&output));
         assert_eq!(ids(&record(&here.path().join("out")), "inlet"), [node], "{row}: {}", stderr(&output));
-        let said = stderr(&output).contains(&format!("{row} is node {node} (made one with it)"));
+        let said = stderr(&output).contains(&format!("{row} is node {node} (merged with it)"));
         assert_eq!(said, row != node, "{}", stderr(&output));
     }
     // Welded: two lines that end in one place, and a third from there.
     let swc = "1 0 0 0 0 1 -1\n2 0 9 0 0 1 1\n3 0 9 0 0 1 -1\n4 0 9 9 0 1 3\n5 0 9 0 0 1 -1\n6 0 9 0 9 1 5\n";
     fs::write(here.path().join("b.swc"), swc).expect("written");
     let output = willis(here.path(), &["simulate", "b.swc", "-o", "flow", "--inlet", "5"]);
-    assert!(output.status.success() && stderr(&output).contains("5 is node 2 (made one with it)"), "{}", stderr(&output));
+    assert!(output.status.success() && stderr(&output).contains("5 is node 2 (merged with it)"), "{}", stderr(&output));
 }
 
 #[test]
@@ -204,10 +204,7 @@ fn a_cohort_tells_each_note_once() {
     }
     let output = willis(here.path(), &["infer", "a.swc", "b.swc", "-o", "out", "-n", "64"]);
     let said = stderr(&output);
-    assert!(
-        output.status.success() && said.contains("… points coinciding with another: made one with it (2 subjects)"),
-        "{said}"
-    );
+    assert!(output.status.success() && said.contains("… points coinciding with another: merged with it (2 subjects)"), "{said}");
 }
 
 #[test]

@@ -149,7 +149,7 @@ fn what_is_wrong_is_said_in_one_line() {
         fs::write(case.join("links.csv"), format!("ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm,kept\n{text}")).expect("a file");
     };
     links("0,0,0,1,1,1,0\n");
-    one(&["links.csv: no right link", "kept 1"]);
+    one(&["links.csv: no correct candidate", "kept 1"]);
     links("0,0,0,9000,0,0,1\n");
     one(&["links.csv:2:", "9000,0,0", "from the nearest point"]);
     links("0,0,0,1,1,1,2\n");

@@ -7,15 +7,15 @@ use crate::networks::{MMHG, VISCOSITY};
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
-use willis::internals::io::read_graphml;
-use willis::internals::network::units::{Scale, ml_per_min};
+use willis::internals::io::{ReadOptions, read_graphml};
+use willis::internals::network::units::ml_per_min;
 use willis::internals::network::{Condition, Network, Role};
 use willis::internals::phantom::without;
 
 /// A shipped network.
 fn shipped(name: &str) -> Network {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/circle-of-willis").join(name).with_extension("graphml");
-    read_graphml(&std::fs::read(path).unwrap()[..], &Scale::default(), false).unwrap().0
+    read_graphml(&std::fs::read(path).unwrap()[..], &ReadOptions::default()).unwrap().0
 }
 
 /// The same with zero pressure at every outlet.

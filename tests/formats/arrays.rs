@@ -8,7 +8,7 @@ use std::io::{Cursor, Write};
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
 use willis::internals::io::{Content, Format, ReadOptions, read_skeleton_npz, read_vtrails, write_skeleton_npz};
 use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::units::{Scale, metres};
+use willis::internals::network::units::metres;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 
 fn mm() -> ReadOptions {
@@ -246,7 +246,7 @@ fn an_archive_cut_or_spoiled_anywhere_never_panics() {
         for to in [0, 0xff, bytes[at] ^ 1] {
             let mut spoiled = bytes.clone();
             spoiled[at] = to;
-            read += usize::from(read_skeleton_npz(&spoiled, &Scale::default(), false).is_ok());
+            read += usize::from(read_skeleton_npz(&spoiled, &ReadOptions::default()).is_ok());
         }
     }
     assert!(read > 0 && read < 3 * bytes.len());
@@ -326,6 +326,6 @@ fn the_trees_of_vtrails_are_read_from_matlab_s_hdf5() {
     for at in (0..whole.len()).step_by(5) {
         let mut spoiled = whole.clone();
         spoiled[at] ^= 0xa5;
-        let _ = read_vtrails(&spoiled, &Scale::default(), true);
+        let _ = read_vtrails(&spoiled, &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() });
     }
 }

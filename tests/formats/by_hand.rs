@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use willis::internals::io::{
-    Content, Document, Format, RadiusArray, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
+    Content, Document, Format, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
 };
 use willis::internals::network::units::{LengthUnit, Scale, metres, pascals};
 use willis::internals::network::{Condition, Network, Origin};
@@ -23,7 +23,7 @@ fn document(name: &str, content: &[u8]) -> Result<Document, String> {
 }
 
 fn graph(content: &str) -> Result<(Network, Vec<String>), String> {
-    read_graphml(content.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("g")).to_string())
+    read_graphml(content.as_bytes(), &ReadOptions::default()).map_err(|f| f.in_file(Path::new("g")).to_string())
 }
 
 fn swc(content: &str) -> Result<(willis::internals::network::centerlines::Centerlines, Vec<String>), String> {
@@ -150,7 +150,7 @@ fn graphml_keys_defaults_and_booleans() {
 <edge source="a" target="a"><data key="l">1</data><data key="d">x &amp; y</data></edge><edge source="a" target="b"><data key="l">3</data></edge>
 <node id="a"><data key="y"><b/></data></node><node id="b"><data key="d">B</data></node><data key="d">late</data></graph></graphml>"#;
     let scale = Scale { unit: LengthUnit::Centimetre, spacing: None };
-    let (g, notes) = read_graphml(text.as_bytes(), &scale, false).unwrap();
+    let (g, notes) = read_graphml(text.as_bytes(), &ReadOptions { scale, ..ReadOptions::default() }).unwrap();
     assert_eq!(g.nodes().map(|n| n.label.as_str()).collect::<Vec<_>>(), ["none", "B"]);
     let vessels: Vec<_> = g.vessels().map(|(e, v)| (e, v.length, v.radius, v.certain, v.label.as_str())).collect();
     let r = metres(0.5);
@@ -275,7 +275,7 @@ fn graphml_structure_faults_are_one_line_with_a_place() {
 #[test]
 fn csv_edges_alone_make_their_nodes() {
     let text = "node_a,node_b,ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm,radius_mm\nq,p,0,0,0,3,4,0,1\np,r,3,4,0,3,4,1,2\n";
-    let (g, _) = read_csv_edges(text.as_bytes(), None, &mm(), false).unwrap();
+    let (g, _) = read_csv_edges(text.as_bytes(), None, &ReadOptions::default()).unwrap();
     assert_eq!(g.nodes().map(|n| n.id.as_str()).collect::<Vec<_>>(), ["q", "p", "r"]);
     assert_eq!(g.node(1).position, Some([0.003, 0.004, 0.0]));
     assert_eq!(g.vessel(1).length, metres(1.0));
@@ -300,7 +300,7 @@ fn csv_faults_name_the_line() {
             "c:2: edge 0 (a - b): no length_mm; expected length_mm, or the positions of both nodes",
         ),
     ] {
-        let fault = read_csv_edges(text.as_bytes(), Some(nodes()), &mm(), false).unwrap_err();
+        let fault = read_csv_edges(text.as_bytes(), Some(nodes()), &ReadOptions::default()).unwrap_err();
         assert_eq!(fault.in_file(Path::new("c")).to_string(), message);
     }
     for (text, message) in [
@@ -326,7 +326,7 @@ fn ascii_vtp(from: &str, to: &str) -> String {
 
 #[test]
 fn vtp_follows_connectivity_and_drops_unused_points() {
-    let (lines, _) = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), RadiusArray::Usual).unwrap();
+    let (lines, _) = read_vtp(ascii_vtp("", "").as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(lines.ids, [3, 1, 0, 2]);
     assert_eq!(lines.links, [[0, 1], [1, 2], [1, 3]]);
     assert_eq!(lines.strand, [0, 0, 0, 1]);
@@ -392,12 +392,23 @@ fn vtp_faults_name_the_array_and_the_value() {
         ),
     ] {
         let found =
-            read_vtp(ascii_vtp(from, to).as_bytes(), &mm(), RadiusArray::Usual).unwrap_err().in_file(Path::new("v")).to_string();
+            read_vtp(ascii_vtp(from, to).as_bytes(), &ReadOptions::default()).unwrap_err().in_file(Path::new("v")).to_string();
         assert!(found.starts_with(message) && !found.contains('\n'), "{found}\n{message}");
     }
-    let named = read_vtp(ascii_vtp("", "").as_bytes(), &mm(), RadiusArray::Named("Area")).unwrap_err().in_file(Path::new("v"));
+    let named =
+        read_vtp(ascii_vtp("", "").as_bytes(), &ReadOptions { radius_array: Some("Area".into()), ..ReadOptions::default() })
+            .unwrap_err()
+            .in_file(Path::new("v"));
     assert_eq!(named.to_string(), "v: no point array \"Area\"; there are \"Radius\"");
-    assert!(read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &mm(), RadiusArray::Named("Width ")).is_ok());
-    let (bare, _) = read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &mm(), RadiusArray::Optional).unwrap();
+    assert!(
+        read_vtp(
+            ascii_vtp("Radius ", " Width").as_bytes(),
+            &ReadOptions { radius_array: Some("Width ".into()), ..ReadOptions::default() }
+        )
+        .is_ok()
+    );
+    let (bare, _) =
+        read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() })
+            .unwrap();
     assert!(bare.radii.iter().all(|r| r.is_nan()));
 }

@@ -135,7 +135,7 @@ fn tables_carry_no_formulas_and_bring_every_label_back() {
     for (n, label) in labels.iter().enumerate() {
         writeln!(edges, "{n},{},1,1,\"'{}\"", n + 1, label.replace('"', "\"\"")).unwrap();
     }
-    let (mut network, _) = read_csv_edges(edges.as_bytes(), None, &Scale::default(), false).unwrap();
+    let (mut network, _) = read_csv_edges(edges.as_bytes(), None, &ReadOptions::default()).unwrap();
     labels.iter().enumerate().for_each(|(row, label)| network.vessel_mut(row).label = (*label).to_owned());
     let (mut nodes, mut edges) = (Vec::new(), Vec::new());
     write_csv_graph(&mut nodes, &mut edges, &network).unwrap();
@@ -147,7 +147,7 @@ fn tables_carry_no_formulas_and_bring_every_label_back() {
         );
     }
     let table = read_csv_nodes(&nodes[..], &Scale::default()).unwrap();
-    let (again, _) = read_csv_edges(&edges[..], Some(table), &Scale::default(), false).unwrap();
+    let (again, _) = read_csv_edges(&edges[..], Some(table), &ReadOptions::default()).unwrap();
     let found: Vec<&str> = again.vessels().map(|(_, vessel)| vessel.label.as_str()).collect();
     assert_eq!(found, labels);
     assert!(matches!(document("edges.csv", &edges).map(|d| d.content), Ok(Content::Graph(_))));

@@ -127,13 +127,13 @@ fn faults_of_the_pair_are_one_line() {
     let many = folder(&[("Feature_Vessel.csv", &table), ("b.swc", TRACING), ("a.SWC", TRACING), ("other.txt", "")]);
     assert_eq!(
         open(&many, "Feature_Vessel.csv", Scale::default()).unwrap_err(),
-        "Feature_Vessel.csv: 2 SWC files beside the table of vessels (a.SWC, b.swc); give the one that it belongs to as INPUT"
+        "Feature_Vessel.csv: 2 SWC files beside the table of vessels (a.SWC, b.swc); give the SWC file that it belongs to as INPUT"
     );
     assert_eq!(open(&many, "b.swc", Scale::default()).unwrap().format, Format::ICafe);
     let other = folder(&[("Feature_Vessel.csv", &table), ("a.swc", "1 0 7 7 7 1 -1\n2 0 8 7 7 1 1\n")]);
     assert_eq!(
         open(&other, "Feature_Vessel.csv", Scale::default()).unwrap_err(),
-        "Feature_Vessel.csv: none of its vessels begins and ends at points of the tracing; expected those of one image"
+        "Feature_Vessel.csv: none of its vessels begins and ends at points of the tracing; expected a table and a tracing of the same image"
     );
     let beside = open(&other, "a.swc", Scale::default()).unwrap();
     assert_eq!((beside.format, beside.notes.len()), (Format::Swc, 0));

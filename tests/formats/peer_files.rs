@@ -4,18 +4,14 @@
 #![allow(clippy::float_cmp)]
 
 use crate::peers::{python, shared};
-use willis::internals::io::{Content, RadiusArray, ReadOptions, read, read_graphml, read_vtp};
-use willis::internals::network::units::{Scale, metres, pascals};
+use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_vtp};
+use willis::internals::network::units::{metres, pascals};
 use willis::internals::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
-
-fn mm() -> Scale {
-    Scale::default()
-}
 
 #[test]
 fn five_encodings_of_one_geometry_agree() {
     let Some(folder) = shared("formats") else { return };
-    let read = |name: &str| read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), RadiusArray::Usual).unwrap().0;
+    let read = |name: &str| read_vtp(&std::fs::read(folder.join(name)).unwrap(), &ReadOptions::default()).unwrap().0;
     let reference = read("y-vmtkcenterlinemerge.vtp");
     assert_eq!((reference.points.len(), reference.links.len()), (144, 143));
     for name in ["y-xml-ascii.vtp", "y-xml-binary.vtp", "y-xml-appended.vtp"] {
@@ -27,7 +23,7 @@ fn five_encodings_of_one_geometry_agree() {
     assert_eq!(written, "26");
     for file in std::fs::read_dir(out.path()).unwrap() {
         let file = file.unwrap().path();
-        let found = read_vtp(&std::fs::read(&file).unwrap(), &mm(), RadiusArray::Usual).unwrap().0;
+        let found = read_vtp(&std::fs::read(&file).unwrap(), &ReadOptions::default()).unwrap().0;
         assert!(found == reference, "{}", file.display());
     }
 }
@@ -54,7 +50,7 @@ print(n)
 fn the_y_of_vmtk_is_three_vessels() {
     let Some(folder) = shared("formats") else { return };
     for name in ["y-vmtknetworkextraction.vtp", "y-vmtkcenterlinemerge.vtp"] {
-        let (mut lines, _) = read_vtp(&std::fs::read(folder.join(name)).unwrap(), &mm(), RadiusArray::Usual).unwrap();
+        let (mut lines, _) = read_vtp(&std::fs::read(folder.join(name)).unwrap(), &ReadOptions::default()).unwrap();
         lines.weld(1e-6);
         let found = contract(&lines, RadiusRule::Mean, None).unwrap().network;
         assert_eq!((found.node_count(), found.vessel_count()), (4, 3), "{name}");
@@ -73,7 +69,7 @@ fn files_of_networkx_and_igraph_are_read() {
         assert_eq!(g.node(4).condition, Some(Condition::Pressure(0.0)));
         assert_eq!(g.vessel(0).radius, metres(1.5));
     }
-    let (g, _) = read_graphml(&std::fs::read(folder.join("networkx.graphml")).unwrap()[..], &mm(), false).unwrap();
+    let (g, _) = read_graphml(&std::fs::read(folder.join("networkx.graphml")).unwrap()[..], &ReadOptions::default()).unwrap();
     assert_eq!(g.node(2).label, "L <M1> & é");
     assert_eq!((g.node(0).role, g.node(4).role), (Some(Role::Inlet), Some(Role::Outlet)));
     assert_eq!(g.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count(), 1);

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::peers::document;
-use willis::internals::io::{Format, RadiusArray, read_markups, read_points, read_swc};
+use willis::internals::io::{Format, ReadOptions, read_markups, read_points, read_swc};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, cycles, fragments};
@@ -16,11 +16,11 @@ fn mm() -> Scale {
 }
 
 fn markups(text: &str) -> Result<(Centerlines, Vec<String>), String> {
-    read_markups(text.as_bytes(), &mm(), RadiusArray::Usual).map_err(|f| f.in_file(Path::new("m")).to_string())
+    read_markups(text.as_bytes(), &ReadOptions::default()).map_err(|f| f.in_file(Path::new("m")).to_string())
 }
 
 fn points(text: &str) -> Result<(Centerlines, Vec<String>), String> {
-    read_points(text.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("p")).to_string())
+    read_points(text.as_bytes(), &ReadOptions::default()).map_err(|f| f.in_file(Path::new("p")).to_string())
 }
 
 fn network_of(mut lines: Centerlines) -> Network {
@@ -116,14 +116,18 @@ fn markups_faults_name_the_markup_and_the_value() {
         assert_eq!(markups(&text).unwrap_err(), message);
     }
     let bare = curve(one);
-    let read = |radius| read_markups(bare.as_bytes(), &mm(), radius);
-    assert!(read(RadiusArray::Optional).unwrap().0.radii[0].is_nan());
+    let optional = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
+    assert!(read_markups(bare.as_bytes(), &optional).unwrap().0.radii[0].is_nan());
+    let named = ReadOptions { radius_array: Some("thickness".into()), ..ReadOptions::default() };
     assert_eq!(
-        read(RadiusArray::Named("thickness")).unwrap_err().in_file(Path::new("m")).to_string(),
-        "m: markup 0 \"c\": no measurement thickness at its control points; expected it, as --radius-array says"
+        read_markups(bare.as_bytes(), &named).unwrap_err().in_file(Path::new("m")).to_string(),
+        "m: markup 0 \"c\": no measurement thickness at its control points; expected the one that --radius-array names"
     );
     let wide: Vec<u8> = [0xfeff].into_iter().chain(CURVES.encode_utf16()).flat_map(u16::to_be_bytes).collect();
-    assert_eq!(document("a.mrk.json", &wide).unwrap_err(), "a.mrk.json: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(
+        document("a.mrk.json", &wide).unwrap_err(),
+        "a.mrk.json: the text is UTF-16; expected UTF-8; save the file as UTF-8"
+    );
     let marked = [b"\xef\xbb\xbf", CURVES.replacen('\n', "\r\n", 5).as_bytes()].concat();
     assert_eq!(document("a.mrk.json", &marked).unwrap().format, Format::Markups);
 }
@@ -168,9 +172,15 @@ fn points_faults_name_line_and_value() {
         assert_eq!(points(&text).unwrap_err(), message);
     }
     let wide: Vec<u8> = [0xfeff].into_iter().chain(head.encode_utf16()).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save the file as UTF-8");
     assert_eq!(document("a.csv", b"fragment,x,y\n").unwrap_err(), format!("a.csv:1: columns fragment,x,y; {columns}"));
-    assert!(read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &mm(), true).unwrap().0.radii[0].is_nan());
+    assert!(
+        read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() })
+            .unwrap()
+            .0
+            .radii[0]
+            .is_nan()
+    );
 }
 
 /// A column called `_mm` is in mm whatever the unit of the others, axis by axis.
@@ -178,7 +188,7 @@ fn points_faults_name_line_and_value() {
 fn columns_in_mm_are_not_scaled_by_the_unit() {
     let voxels = Scale { unit: LengthUnit::Voxel, spacing: Some([0.5, 0.25, 2.0]) };
     let read = |text: &str| {
-        let lines = read_points(text.as_bytes(), &voxels, false).unwrap().0;
+        let lines = read_points(text.as_bytes(), &ReadOptions { scale: voxels, ..ReadOptions::default() }).unwrap().0;
         (lines.points[1].map(millimetres), millimetres(lines.radii[1]))
     };
     assert_eq!(read("fragment,x_mm,y_mm,z_mm,radius_mm\n1,0,0,0,1\n1,2,4,8,1\n"), ([2.0, 4.0, 8.0], 1.0));

@@ -8,7 +8,7 @@ use std::process::Command;
 
 use crate::peers::{document, python};
 use willis::internals::io::{
-    Format, RadiusArray, read_markups, read_points, read_swc, read_tre, write_centerlines_swc, write_markups, write_points,
+    Format, ReadOptions, read_markups, read_points, read_swc, read_tre, write_centerlines_swc, write_markups, write_points,
     write_swc, write_tre,
 };
 use willis::internals::network::centerlines::Centerlines;
@@ -98,9 +98,9 @@ fn what_is_written_is_read_again_to_the_last_bit() {
     write_markups(&mut curves, &network).unwrap();
     write_points(&mut table, &network).unwrap();
     for lines in [
-        read_tre(&tubes, &mm(), false).unwrap().0,
-        read_markups(&curves, &mm(), RadiusArray::Usual).unwrap().0,
-        read_points(&table[..], &mm(), false).unwrap().0,
+        read_tre(&tubes, &ReadOptions::default()).unwrap().0,
+        read_markups(&curves, &ReadOptions::default()).unwrap().0,
+        read_points(&table[..], &ReadOptions::default()).unwrap().0,
     ] {
         let again = network_of(lines);
         assert_eq!((again.node_count(), cycles(&again), fragments(&again, |_, _| true).count), (7, 3, 2));
@@ -210,9 +210,9 @@ fn broken_files_never_panic() {
         [b"ObjectType = Tube\nBinaryData = True\nPointDim = x y z r\nNPoints = 3\nPoints = \n" as &[u8], &[64; 48]].concat();
     let check = |bytes: &[u8]| {
         let faults = [
-            read_tre(bytes, &mm(), false).err(),
-            read_markups(bytes, &mm(), RadiusArray::Usual).err(),
-            read_points(bytes, &mm(), false).err(),
+            read_tre(bytes, &ReadOptions::default()).err(),
+            read_markups(bytes, &ReadOptions::default()).err(),
+            read_points(bytes, &ReadOptions::default()).err(),
             read_swc(bytes, &mm()).err(),
         ];
         for fault in faults.into_iter().flatten() {
@@ -234,7 +234,7 @@ fn broken_files_never_panic() {
     for cut in 0..tubes.len() - 1 {
         // Cut in the last line the number may be another one, shorter; everywhere else the counts do not fit.
         let inside = tubes[cut..tubes.len() - 1].contains(&b'\n');
-        assert!(!inside || read_tre(&tubes[..cut], &mm(), false).is_err(), "cut at {cut}");
+        assert!(!inside || read_tre(&tubes[..cut], &ReadOptions::default()).is_err(), "cut at {cut}");
     }
 }
 

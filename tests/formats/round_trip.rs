@@ -8,8 +8,8 @@ use std::path::Path;
 
 use crate::peers::python;
 use willis::internals::io::{
-    Column, Content, RadiusArray, ReadOptions, Values, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
-    write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Column, Content, ReadOptions, Values, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, write_csv,
+    write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
@@ -114,7 +114,7 @@ fn graphml_written_and_read_again_is_the_same_to_the_last_bit() {
     let network = network();
     let mut bytes = Vec::new();
     write_graphml(&mut bytes, &network, &node_columns(&network), &vessel_columns(&network)).unwrap();
-    let (again, notes) = read_graphml(&bytes[..], &mm(), false).unwrap();
+    let (again, notes) = read_graphml(&bytes[..], &ReadOptions::default()).unwrap();
     assert_same(&network, &again, true);
     assert!(notes.is_empty());
     let short = [Column { name: "prior".into(), values: Values::Real(vec![1.0]) }];
@@ -159,7 +159,7 @@ fn vtp_written_and_read_again_is_the_same_to_the_last_bit() {
     let (simple, _) = network.subgraph(|row| matches!(row, 0 | 1 | 3 | 4));
     let mut bytes = Vec::new();
     write_vtp(&mut bytes, &simple, &vessel_columns(&simple)).unwrap();
-    let (mut lines, notes) = read_vtp(&bytes, &mm(), RadiusArray::Usual).unwrap();
+    let (mut lines, notes) = read_vtp(&bytes, &ReadOptions::default()).unwrap();
     assert_eq!((lines.points.len(), lines.links.len(), notes.len()), (5, 5, 0));
     assert_eq!(lines.weld(1e-9), 0);
     for (row, id) in lines.ids.iter().enumerate().filter(|(_, id)| **id < 4) {
@@ -267,7 +267,7 @@ fn broken_files_never_panic() {
 <DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0</DataArray></Points><Lines>
 <DataArray type="Int64" Name="connectivity" format="ascii">1 0</DataArray><DataArray type="Int8" Name="offsets" format="ascii">2
 </DataArray></Lines></Piece></PolyData></VTKFile>"#;
-    assert!(read_vtp(ascii, &mm(), RadiusArray::Usual).is_ok());
+    assert!(read_vtp(ascii, &ReadOptions::default()).is_ok());
     files.push(("vtp", ascii.to_vec()));
     let (forest, _) = network.subgraph(|row| row == 0 || row == 3);
     let mut swc = Vec::new();
@@ -283,12 +283,12 @@ fn broken_files_never_panic() {
         }
     }
     let feed = |kind: &str, bytes: &[u8]| match kind {
-        "graphml" => drop(read_graphml(bytes, &mm(), false)),
-        "vtp" => drop(read_vtp(bytes, &mm(), RadiusArray::Usual)),
+        "graphml" => drop(read_graphml(bytes, &ReadOptions::default())),
+        "vtp" => drop(read_vtp(bytes, &ReadOptions::default())),
         "swc" => drop(read_swc(bytes, &mm())),
         _ => {
             drop(read_csv_nodes(bytes, &mm()));
-            drop(read_csv_edges(bytes, None, &mm(), false));
+            drop(read_csv_edges(bytes, None, &ReadOptions::default()));
         }
     };
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;

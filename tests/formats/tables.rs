@@ -52,7 +52,7 @@ fn voreen_is_read_from_either_table_under_the_names_it_has() {
                 if given == nodes { format!("edges are those of {edges}") } else { format!("nodes are those of {nodes}") };
             let notes = [
                 "the radius of 2 edges is sqrt(avgCrossSection/π)",
-                "the radius of 1 edge is avgRadiusAvg, for want of a cross-section",
+                "the radius of 1 edge is avgRadiusAvg, since the cross-section is missing",
                 "1 edge without a valid length: took the distance between the nodes",
                 &other,
             ];
@@ -98,7 +98,7 @@ fn voreen_edges_without_a_radius_need_the_default() {
     let output = run(&["--default-radius", "0.25mm"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let graph =
-        read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap()[..], &Scale::default(), false).unwrap().0;
+        read_graphml(&std::fs::read(folder.path().join("graph.graphml")).unwrap()[..], &ReadOptions::default()).unwrap().0;
     let radius = |row| millimetres(graph.vessel(row).radius);
     assert!(radius(2) == 0.25 && radius(1) == 1.5, "{} {}", radius(1), radius(2));
 }
@@ -289,8 +289,8 @@ fn the_tables_of_a_graph_keep_all_that_graphml_keeps() {
     let (node_columns, vessel_columns) = graph_columns(&network);
     write_graphml(&mut graphml, &network, &node_columns, &vessel_columns).unwrap();
     let table = read_csv_nodes(&nodes[..], &Scale::default()).unwrap();
-    let by_tables = read_csv_edges(&edges[..], Some(table), &Scale::default(), false).unwrap().0;
-    let by_graphml = read_graphml(&graphml[..], &Scale::default(), false).unwrap().0;
+    let by_tables = read_csv_edges(&edges[..], Some(table), &ReadOptions::default()).unwrap().0;
+    let by_graphml = read_graphml(&graphml[..], &ReadOptions::default()).unwrap().0;
     for found in [by_tables, by_graphml] {
         for (found, expected) in found.nodes().zip(network.nodes()) {
             let inner = Node { role: found.role.filter(|r| *r != Role::Inner), ..found.clone() };
@@ -328,7 +328,7 @@ fn graphml_takes_the_names_of_other_programs() {
             "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">{keys}<graph edgedefault=\"undirected\"><node id=\"n0\">{a}</node>\
              <node id=\"n1\">{b}</node><edge source=\"n0\" target=\"n1\">{edge}</edge></graph></graphml>"
         );
-        read_graphml(text.as_bytes(), &Scale::default(), false).map_err(|e| format!("{}; {}", e.found, e.accepted))
+        read_graphml(text.as_bytes(), &ReadOptions::default()).map_err(|e| format!("{}; {}", e.found, e.accepted))
     };
     let key = |id: &str, on: &str| format!("<key id=\"{id}\" for=\"{on}\" attr.name=\"{id}\" attr.type=\"string\"/>");
     let pos = |text: &str| format!("<data key=\"pos\">{text}</data>");
@@ -409,7 +409,7 @@ fn every_malformed_table_is_one_clear_line() {
         ),
         (
             read_first(&[("edges.csv", edges.as_bytes()), ("nodes.csv", &utf16)], &mm()),
-            "nodes.csv: the text is UTF-16; expected UTF-8; save it so",
+            "nodes.csv: the text is UTF-16; expected UTF-8; save the file as UTF-8",
         ),
         (
             read_first(&[("edges.csv", edges.as_bytes()), ("nodes.csv", b"")], &mm()),

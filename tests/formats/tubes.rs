@@ -11,12 +11,8 @@ use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, fragments};
 
-fn mm() -> Scale {
-    Scale::default()
-}
-
 fn tre(text: &str) -> Result<(Centerlines, Vec<String>), String> {
-    read_tre(text.as_bytes(), &mm(), false).map_err(|f| f.in_file(Path::new("t")).to_string())
+    read_tre(text.as_bytes(), &ReadOptions::default()).map_err(|f| f.in_file(Path::new("t")).to_string())
 }
 
 fn network_of(mut lines: Centerlines) -> Network {
@@ -124,9 +120,9 @@ fn a_child_hangs_on_its_parent() {
         assert_eq!(labels.iter().filter(|l| **l == "twig").count(), 1);
     }
     let (lines, notes) = tre(&family("ParentID = 77\n")).unwrap();
-    assert_eq!((lines.links.len(), notes), (10, vec!["tubes whose parent is not there, read as roots: 1".to_owned()]));
+    assert_eq!((lines.links.len(), notes), (10, vec!["tubes whose parent is missing, read as roots: 1".to_owned()]));
     let (_, notes) = tre(&family("").replace("ID = 6", "ID = 4")).unwrap();
-    assert_eq!(notes, ["objects with the ID of one before them, to which its children belong: 1"]);
+    assert_eq!(notes, ["objects that repeat the ID of an earlier object, which keeps the children: 1"]);
 }
 
 #[test]
@@ -170,7 +166,7 @@ fn binary_points_are_those_of_the_text() {
             }
         }
         bytes.extend(b"\nObjectType = Surface\nNPoints = 1\nPoints =\n1 2 3\n");
-        let (found, notes) = read_tre(&bytes, &mm(), false).unwrap();
+        let (found, notes) = read_tre(&bytes, &ReadOptions::default()).unwrap();
         assert_eq!(in_mm(&found)[..2], in_mm(&expected)[..2]);
         assert_eq!((found.links, found.ids, notes.len()), (expected.links.clone(), expected.ids.clone(), 1));
     }
@@ -243,7 +239,7 @@ fn tre_faults_name_line_and_value() {
     let marked = [b"\xef\xbb\xbf", family("").as_bytes()].concat();
     assert_eq!(document("a.tre", &marked).unwrap().format, Format::Tre);
     let wide: Vec<u8> = [0xfeff].into_iter().chain(family("").encode_utf16()).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(document("a.tre", &wide).unwrap_err(), "a.tre: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(document("a.tre", &wide).unwrap_err(), "a.tre: the text is UTF-16; expected UTF-8; save the file as UTF-8");
 }
 
 #[test]
@@ -251,7 +247,10 @@ fn tubes_state_their_unit() {
     let text = "ObjectType = Tube\nDistanceUnits = um\nNPoints = 1\nPoints =\n1000 0 0 500\n";
     assert_eq!(in_mm(&tre(text).unwrap().0), [[1.0, 0.0, 0.0, 0.5]]);
     let voxels = Scale { unit: LengthUnit::Voxel, spacing: Some([2.0; 3]) };
-    assert_eq!(in_mm(&read_tre(text.as_bytes(), &voxels, false).unwrap().0), [[2000.0, 0.0, 0.0, 1000.0]]);
+    assert_eq!(
+        in_mm(&read_tre(text.as_bytes(), &ReadOptions { scale: voxels, ..ReadOptions::default() }).unwrap().0),
+        [[2000.0, 0.0, 0.0, 1000.0]]
+    );
 }
 
 /// A group that is only moved turns nothing: what it does not state of its matrix is the identity.

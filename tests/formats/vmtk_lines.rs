@@ -5,9 +5,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::draw::Draw;
-use willis::internals::io::{Content, RadiusArray, ReadOptions, read, read_vtk};
+use willis::internals::io::{Content, ReadOptions, read, read_vtk};
 use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, RadiusRule, contract, fragments};
 
 /// Points in mm with a radius each.
@@ -40,7 +39,7 @@ fn network(mut lines: Centerlines) -> Network {
 }
 
 fn vessels(lines: &[Line]) -> (Network, Vec<String>) {
-    let (found, notes) = read_vtk(file(lines).as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    let (found, notes) = read_vtk(file(lines).as_bytes(), &ReadOptions::default()).unwrap();
     (network(found), notes)
 }
 
@@ -179,7 +178,7 @@ fn a_network_that_knows_its_nodes_is_left_alone() {
     // Two daughters in one direction on a voxel grid: the file shares the point, so it knows what it says.
     let text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 4 0 0 1.6 0 0 2 5 0\n\
                 LINES 2 7\n2 0 1 3 0 2 3\nPOINT_DATA 4\nSCALARS Radius float\nLOOKUP_TABLE default\n1 1 1 1\n";
-    let (lines, notes) = read_vtk(text.as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    let (lines, notes) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert!(notes.is_empty());
     assert_eq!(lines.links, [[0, 1], [0, 2], [2, 3]]);
 }
@@ -189,7 +188,7 @@ fn one_long_link_upon_another_is_no_trunk() {
     // Coordinates are repeated at the node, no point is shared; the second line sets out along the first one.
     let first = along([0.0; 3], [10.0, 0.0, 0.0], 0.6, 6);
     let second = vec![([0.0; 3], 0.6), ([2.5, 0.05, 0.0], 0.6), ([3.0, 3.0, 0.0], 0.6), ([3.0, 8.0, 0.0], 0.6)];
-    let (lines, notes) = read_vtk(file(&[first, second]).as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    let (lines, notes) = read_vtk(file(&[first, second]).as_bytes(), &ReadOptions::default()).unwrap();
     assert!(notes.is_empty(), "{notes:?}");
     assert_eq!(lines.links.len(), 8);
 }
@@ -199,7 +198,7 @@ fn a_loose_end_beside_another_one_stays_in_a_network() {
     // The third line starts 0.3 radii from the junction that the first two share and runs beside the second one.
     let text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0 4 0 0 9 0 0 4.2 0.2 0 9 0.05 0\n\
                 LINES 3 9\n2 0 1 2 1 2 2 3 4\nPOINT_DATA 5\nSCALARS Radius float\nLOOKUP_TABLE default\n1 1 1 1 1\n";
-    let (lines, notes) = read_vtk(text.as_bytes(), &Scale::default(), RadiusArray::Usual).unwrap();
+    let (lines, notes) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert!(notes.is_empty(), "{notes:?}");
     assert_eq!(lines.links, [[0, 1], [1, 2], [3, 4]]);
 }

@@ -8,14 +8,10 @@ use std::path::Path;
 
 use crate::peers::python;
 use willis::error::Fault;
-use willis::internals::io::{Column, Content, RadiusArray, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
+use willis::internals::io::{Column, Content, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{Scale, metres};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract};
-
-fn mm() -> Scale {
-    Scale::default()
-}
 
 /// Names of the links and radii (mm) of the points, in their order.
 fn names(lines: &Centerlines) -> Vec<&str> {
@@ -67,7 +63,7 @@ Radius 1 5 float
 
 fn old(from: &str, to: &str) -> Result<(Centerlines, Vec<String>), Fault> {
     assert!(OLD.contains(from), "{from}");
-    read_vtk(OLD.replacen(from, to, 1).as_bytes(), &mm(), RadiusArray::Usual)
+    read_vtk(OLD.replacen(from, to, 1).as_bytes(), &ReadOptions::default())
 }
 
 #[test]
@@ -84,9 +80,9 @@ fn a_file_typed_by_hand_is_read() {
     assert_eq!(old("lines 2 7\n3 3 1 0\n2 1 2\n", new).unwrap().0, lines);
     assert_eq!(old("vertices 1 2 1 4\n", &format!("{later}\n")).unwrap().0, lines);
     let crlf = OLD.replace('\n', "\r\n");
-    assert_eq!(read_vtk(crlf.as_bytes(), &mm(), RadiusArray::Usual).unwrap().0, lines);
+    assert_eq!(read_vtk(crlf.as_bytes(), &ReadOptions::default()).unwrap().0, lines);
     let mixed = OLD.replacen('\n', "\r\n", 9);
-    assert_eq!(read_vtk(mixed.as_bytes(), &mm(), RadiusArray::Usual).unwrap().0, lines);
+    assert_eq!(read_vtk(mixed.as_bytes(), &ReadOptions::default()).unwrap().0, lines);
 }
 
 #[test]
@@ -137,7 +133,7 @@ fn every_fault_has_its_place_and_one_line() {
         assert_eq!(found, message);
     }
     let vertex = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\nVERTICES 1 2\n1 0\n";
-    let found = read_vtk(vertex.as_bytes(), &mm(), RadiusArray::Usual).expect_err("no lines").in_file(Path::new("v"));
+    let found = read_vtk(vertex.as_bytes(), &ReadOptions::default()).expect_err("no lines").in_file(Path::new("v"));
     assert_eq!(found.to_string(), "v: no lines; expected LINES");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtk");
@@ -147,7 +143,7 @@ fn every_fault_has_its_place_and_one_line() {
         found.map(|document| document.format.name()).map_err(|e| e.to_string().replace(&path.display().to_string(), "v"))
     };
     let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(OLD.encode_utf16().flat_map(u16::to_le_bytes)).collect();
-    assert_eq!(said(&wide).unwrap_err(), "v: the text is UTF-16; expected UTF-8; save it so");
+    assert_eq!(said(&wide).unwrap_err(), "v: the text is UTF-16; expected UTF-8; save the file as UTF-8");
     assert!(said(b"").unwrap_err().starts_with("v: the file is empty; expected "));
     assert_eq!(said(&[b"\xef\xbb\xbf", OLD.as_bytes()].concat()), Ok("VTK legacy"));
 }
@@ -165,10 +161,14 @@ fn areas_come_before_radii_and_spheres_stand_in() {
     // Named, in another unit: the area is in its square.
     let text = OLD.replace("Radius", "lumen_AREA");
     let scale = Scale { unit: willis::internals::network::units::LengthUnit::Centimetre, spacing: None };
-    let (lines, notes) = read_vtk(text.as_bytes(), &scale, RadiusArray::Named("lumen_AREA")).unwrap();
+    let (lines, notes) =
+        read_vtk(text.as_bytes(), &ReadOptions { scale, radius_array: Some("lumen_AREA".into()), ..ReadOptions::default() })
+            .unwrap();
     assert!((lines.radii[0] - 0.01 * (4.0 / PI).sqrt()).abs() < 1e-17);
     assert_eq!(notes[1], "radius from the areas of point array \"lumen_AREA\": r = sqrt(a / pi)");
-    let unknown = read_vtk(OLD.as_bytes(), &mm(), RadiusArray::Named("Area")).unwrap_err().in_file(Path::new("v"));
+    let unknown = read_vtk(OLD.as_bytes(), &ReadOptions { radius_array: Some("Area".into()), ..ReadOptions::default() })
+        .unwrap_err()
+        .in_file(Path::new("v"));
     assert_eq!(
         unknown.to_string(),
         "v: no point array \"Area\"; there are \"v\", \"n\", \"t\", \"a name\", \"Radius\" and the cell arrays \"label\""
@@ -180,7 +180,7 @@ fn radii_and_numbers_of_cells_as_the_circle_of_willis_program_writes_them() {
     let text = "# vtk DataFile Version 5.1\nt\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 2 0 0 3 0 0\n\
                 LINES 3 9\n2 0 1 2 1 2 2 2 3\nCELL_DATA 3\nFIELD FieldData 3\nlabels 1 3 int\n1 2 13\n\
                 ce_radius 1 3 double\n2 nan nan\nmis_radius 1 3 double\n1 1 1\n";
-    let (lines, notes) = read_vtk(text.as_bytes(), &mm(), RadiusArray::Usual).unwrap();
+    let (lines, notes) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(names(&lines), ["BA", "R-PCA", "13"]);
     assert_eq!(lines.radii, [2.0, 2.0, 1.0, 1.0].map(metres));
     assert!(notes[0].starts_with("radius from cell array \"ce_radius\"; at 2 points without one from cell array \"mis_radius\""));
@@ -239,7 +239,7 @@ fn what_is_written_comes_back_to_the_last_bit() {
     write_vtp(&mut files[1], &network, &columns(&network)).unwrap();
     for (n, file) in files.iter().enumerate() {
         let (mut lines, notes) =
-            if n < 1 { read_vtk(file, &mm(), RadiusArray::Usual) } else { read_vtp(file, &mm(), RadiusArray::Usual) }.unwrap();
+            if n < 1 { read_vtk(file, &ReadOptions::default()) } else { read_vtp(file, &ReadOptions::default()) }.unwrap();
         assert!(notes.is_empty(), "{notes:?}");
         lines.weld(1e-9);
         let again = contract(&lines, RadiusRule::Mean, None).unwrap().network;
@@ -335,7 +335,7 @@ fn what_vtk_writes_is_read_in_every_encoding() {
         let bytes = std::fs::read(&path).unwrap();
         for end in 0..bytes.len() {
             let cut = &bytes[..end];
-            let found = if n < 4 { read_vtk(cut, &mm(), RadiusArray::Usual) } else { read_vtp(cut, &mm(), RadiusArray::Usual) };
+            let found = if n < 4 { read_vtk(cut, &ReadOptions::default()) } else { read_vtp(cut, &ReadOptions::default()) };
             if let Err(fault) = found {
                 assert!(!fault.in_file(Path::new("v")).to_string().contains('\n'));
             }
@@ -366,7 +366,7 @@ fn binary() -> Vec<u8> {
 
 #[test]
 fn a_binary_file_is_read() {
-    let (lines, notes) = read_vtk(&binary(), &mm(), RadiusArray::Usual).unwrap();
+    let (lines, notes) = read_vtk(&binary(), &ReadOptions::default()).unwrap();
     assert_eq!((lines.points.len(), lines.links.len(), notes.len()), (4, 3, 0), "{notes:?}");
     assert_eq!(lines.radii, [0.5, 0.6, 0.7, 0.8].map(metres));
     assert_eq!(lines.points[3], [1.0, 3.0, 0.0].map(metres));
@@ -384,9 +384,9 @@ fn a_file_cut_or_spoiled_anywhere_never_panics() {
             let mut spoiled = file.clone();
             for byte in [0xff, b'9', b'-', b' ', b'\n'] {
                 spoiled[at] = byte;
-                drop(read_vtk(&spoiled, &mm(), RadiusArray::Usual));
+                drop(read_vtk(&spoiled, &ReadOptions::default()));
             }
-            if let Err(fault) = read_vtk(&file[..at], &mm(), RadiusArray::Usual) {
+            if let Err(fault) = read_vtk(&file[..at], &ReadOptions::default()) {
                 assert!(!fault.in_file(Path::new("v")).to_string().contains('\n'));
             }
         }

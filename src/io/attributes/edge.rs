@@ -1,18 +1,19 @@
-//! Edges of a ready graph: each is a vessel as it stands, never merged, contracted or put in another order.
+//! The edges of a graph file: each becomes one vessel, never merged, contracted or reordered.
 
 use std::collections::BTreeMap;
 
 use super::records::Records;
 use super::{AREA, Item, Name, RESISTANCE};
 use crate::error::Fault;
-use crate::io::tables::number::counted;
+use crate::io::read::ReadOptions;
+use crate::io::tables::reader::plural;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::distance;
 
-/// What an edge is asked for beside its sizes.
-pub(crate) const ASKED: [&str; 11] =
+/// The attributes of an edge, besides its length and radius.
+pub(crate) const ATTRIBUTES: [&str; 11] =
     ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should
@@ -21,9 +22,9 @@ pub(in crate::io) fn vessels(
     network: &mut Network,
     ends: &[[usize; 2]],
     records: &Records,
-    scale: &Scale,
-    radius_optional: bool,
+    options: &ReadOptions,
 ) -> Result<Vec<String>, Fault> {
+    let scale = &options.scale;
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
     let mut names = BTreeMap::new();
     for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
@@ -53,7 +54,7 @@ pub(in crate::io) fn vessels(
                 if let (Some(p), Some(q)) = (a.radius, b.radius) {
                     from_nodes += 1;
                     p.min(q)
-                } else if radius_optional {
+                } else if options.is_radius_optional() {
                     f64::NAN
                 } else {
                     let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
@@ -75,7 +76,7 @@ pub(in crate::io) fn vessels(
             resistance: resistance(&item)?,
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
-            prior: prior(&item)?,
+            prior: item.share("prior")?.unwrap_or(1.0),
             certain: item.boolean("certain")?.unwrap_or(false),
             evidence: evidence(&item)?,
             kept: item.boolean("kept")?,
@@ -88,7 +89,7 @@ pub(in crate::io) fn vessels(
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
     if straight > 0 {
-        notes.push(format!("{} without length_mm: took the distance between the nodes", counted(straight, "edge")));
+        notes.push(format!("{} without length_mm: took the distance between the nodes", plural(straight, "edge")));
     }
     for (name, edges) in names {
         let means = match name {
@@ -96,10 +97,10 @@ pub(in crate::io) fn vessels(
             "diameter" | "d" => format!("half of {name}"),
             name => name.to_owned(),
         };
-        notes.push(format!("the radius of {} is {means}", counted(edges, "edge")));
+        notes.push(format!("the radius of {} is {means}", plural(edges, "edge")));
     }
     if from_nodes > 0 {
-        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", counted(from_nodes, "edge")));
+        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", plural(from_nodes, "edge")));
     }
     Ok(notes)
 }
@@ -130,10 +131,6 @@ fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
         Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
         stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
     }
-}
-
-fn prior(item: &Item) -> Result<f64, Fault> {
-    Ok(item.share("prior")?.unwrap_or(1.0))
 }
 
 /// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.

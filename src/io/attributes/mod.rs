@@ -1,33 +1,35 @@
-//! What the attributes of a ready graph mean, whichever format carried them.
+//! Reads the attributes of nodes and edges, whichever format stores them; makes the nodes.
 
 pub(crate) mod edge;
-pub(crate) mod node;
 pub(crate) mod records;
 
 use std::fmt;
 
-use super::tables::number::number;
 use crate::error::Fault;
+use crate::io::attributes::records::{Record, Records};
+use crate::io::tables::conditions::VENOUS;
+use crate::io::tables::graph::POSITION_COLUMNS;
+use crate::io::tables::reader::number;
 use crate::network::centerlines::is_radius;
-use crate::network::units::{Scale, metres};
-use crate::support::geometry::radius_of;
-use records::Record;
+use crate::network::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
+use crate::network::{Condition, Node, Role};
+use crate::support::geometry::{Point, radius_of};
 
-/// What may hold a size where nothing has the name of a radius.
+/// The attributes that may give the radius where none has "radius" in its name.
 const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// A cross-section area.
 const AREA: &str = "avgCrossSection";
-/// Of an edge in the place of Poiseuille's law, of a node behind it.
+/// The resistance of an edge, in place of Poiseuille's law, or the terminal resistance of a node.
 const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
 
-/// Whether anything here asks for an attribute of this name, or names it in a message.
+/// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [node::POSITIONS.as_flattened(), &node::ASKED, &edge::ASKED, &SIZES];
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
-/// A node or edge, which knows what to call itself in a message.
+/// A node or edge with its attributes and its name for messages.
 struct Item<'a> {
     record: Record<'a>,
     name: Name<'a>,
@@ -58,7 +60,7 @@ impl<'a> Item<'a> {
         Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
     }
 
-    /// A fault of a length in mm that is not there; says what is there under like names.
+    /// The error that a length in mm is missing; it lists attributes with similar names.
     fn lacks(&self, name: &str, accepted: &str) -> Fault {
         let mut like = self.record.names();
         like.retain(|key| key.to_ascii_lowercase().contains(name));
@@ -138,4 +140,98 @@ impl<'a> Item<'a> {
             _ => Err(self.fault(format!("{key} \"{text}\""), "expected true or false")),
         }
     }
+}
+
+/// The attributes that may hold the position of a node; the first are in mm, the others in the unit of the file.
+pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
+    [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
+/// The other attributes of a node.
+pub(crate) const ATTRIBUTES: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
+const FLOW: &str = "flow_mL_per_min";
+
+/// The nodes of records, each with its id, which must be unique.
+pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -> Result<Vec<Node>, Fault> {
+    let named = || ids.iter().map(AsRef::as_ref).zip(records.iter());
+    let items = || named().map(|(id, record)| (id, Item { record, name: Name::Node(id) }));
+    let has_roles = items().any(|(_, item)| item.text("role").is_some());
+    let mut seen = std::collections::HashSet::new();
+    let mut nodes = Vec::with_capacity(ids.len());
+    for (id, item) in items() {
+        if !seen.insert(id) {
+            return Err(item.fault("the id comes twice", "expected every node id once"));
+        }
+        let role = match item.text("role") {
+            None => None,
+            Some("inlet") => Some(Role::Inlet),
+            Some("outlet") => Some(Role::Outlet),
+            Some("inner") => Some(Role::Inner),
+            Some(other) => return Err(item.fault(format!("role \"{other}\""), "expected inlet, outlet or inner")),
+        };
+        nodes.push(Node {
+            id: id.to_owned(),
+            position: position(&item, scale)?,
+            radius: item.radius(scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
+            label: item.text("label").unwrap_or_default().to_owned(),
+            role,
+            condition: condition(&item, role, has_roles)?,
+            alone: item.share("alone")?,
+            ..Node::default()
+        });
+    }
+    Ok(nodes)
+}
+
+/// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
+fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
+    for keys in POSITION_KEYS {
+        match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
+            [None, None, None] => {}
+            [Some(x), Some(y), Some(z)] if keys == POSITION_COLUMNS => return Ok(Some([x, y, z].map(metres))),
+            [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
+            some => {
+                let missing = keys.iter().zip(some).find(|(_, value)| value.is_none()).map_or("", |(key, _)| *key);
+                return Err(item.fault(format!("no {missing}"), format!("expected all of {} or none", keys.join(", "))));
+            }
+        }
+    }
+    let Some(text) = item.text("pos") else { return Ok(None) };
+    let words = text.trim_matches(|c: char| "[]() \t\r\n".contains(c)).split(|c: char| c == ',' || c.is_whitespace());
+    let numbers: Option<Vec<f64>> = words.filter(|word| !word.is_empty()).map(|word| number(word).ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok(Some(scale.position([*x, *y, *z]))),
+        // A place in a drawing.
+        Some([_, _]) => Ok(None),
+        _ => Err(item.fault(format!("pos \"{text}\""), "expected three finite numbers")),
+    }
+}
+
+/// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
+/// stands over a pressure, which is then the result of an earlier run.
+fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
+    let pressure = item.finite("pressure_mmHg")?;
+    let resistance = item.finite(RESISTANCE)?;
+    let venous = item.finite(VENOUS)?;
+    let flow = item.finite(FLOW)?;
+    if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
+        return Ok(None);
+    }
+    if let Some(resistance) = resistance.filter(|r| *r <= 0.0) {
+        return Err(item.fault(format!("{RESISTANCE} {resistance}"), "expected a positive number"));
+    }
+    Ok(match (resistance, flow, pressure) {
+        (Some(_), Some(_), _) => {
+            return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
+        }
+        (Some(resistance), None, _) => Some(Condition::Resistance {
+            resistance: pascal_seconds_per_cubic_metre(resistance),
+            venous: pascals(venous.unwrap_or(0.0)),
+        }),
+        (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
+        (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
+        (None, None, None) => match role {
+            Some(Role::Inlet) => Some(Condition::INLET),
+            Some(Role::Outlet) => Some(Condition::GROUND),
+            Some(Role::Inner) | None => None,
+        },
+    })
 }

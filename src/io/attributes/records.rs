@@ -1,13 +1,13 @@
-//! The attributes of many nodes or edges as text, in one buffer: a graph has millions.
+//! Stores the attributes of many nodes or edges as text in one buffer: a graph has millions.
 
 use std::collections::HashMap;
 
 /// The texts of all items under the names of their attributes.
 #[derive(Debug, Clone, Default)]
 pub(in crate::io) struct Records {
-    /// The names of the attributes by number; none for what is not to be read.
+    /// The names of the attributes by number; none for those that are not read.
     names: Vec<Option<String>>,
-    /// What an item has that does not say otherwise.
+    /// The values of items that state none.
     defaults: HashMap<String, String>,
     text: String,
     fields: Vec<Field>,
@@ -27,7 +27,7 @@ struct Place {
     first: usize,
 }
 
-/// One of them.
+/// The attributes of one item.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::io) struct Record<'a> {
     all: &'a Records,
@@ -42,7 +42,7 @@ impl Records {
         Self { names: names.iter().map(|name| Some(name.as_ref().to_owned())).collect(), ..Self::default() }
     }
 
-    /// Names the attributes, in the order of their numbers, and says what items have that do not say otherwise.
+    /// Names the attributes, in the order of their numbers, and sets the values of items that state none.
     pub(in crate::io) fn name(&mut self, names: Vec<Option<String>>, defaults: HashMap<String, String>) {
         (self.names, self.defaults) = (names, defaults);
     }
@@ -52,7 +52,7 @@ impl Records {
         self.items.push(Place { line, first: self.fields.len() });
     }
 
-    /// Gives the last item a text, in place of one that it has under the same name.
+    /// Sets an attribute of the last item; a later value replaces an earlier one.
     pub(in crate::io) fn put(&mut self, name: usize, text: &str) {
         let text = text.trim();
         self.fields.push(Field { name: name as u32, length: text.len() as u32, start: self.text.len() });
@@ -78,7 +78,7 @@ impl Records {
 }
 
 impl<'a> Record<'a> {
-    /// The text under a name, without the blanks around it. An empty one is as good as none.
+    /// The text of an attribute, trimmed; none where it is empty.
     pub(in crate::io) fn text(&self, name: &str) -> Option<&'a str> {
         let named = |field: &&Field| self.all.names[field.name as usize].as_deref() == Some(name);
         let text = match self.fields.iter().rfind(named) {
@@ -88,7 +88,7 @@ impl<'a> Record<'a> {
         Some(text).filter(|text| !text.is_empty())
     }
 
-    /// The names under which there is something.
+    /// The names of the attributes that are not empty.
     pub(in crate::io) fn names(&self) -> Vec<&'a str> {
         let own = self.fields.iter().filter_map(|field| self.all.names[field.name as usize].as_deref());
         let mut names: Vec<&str> = own.chain(self.all.defaults.keys().map(String::as_str)).collect();

@@ -8,7 +8,7 @@ use zip::ZipArchive;
 
 use super::matrix::NamedArray;
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::input::{MAX_INPUT, UnpackLimit};
 
 /// Values of one array at the most: 1 GiB of float64.
 const MOST_VALUES: usize = 1 << 27;
@@ -25,9 +25,9 @@ enum Kind {
     Signed,
     Unsigned,
     /// UTF-32 text.
-    Wide,
+    Utf32,
     /// Bytes of ASCII text.
-    Narrow,
+    Ascii,
 }
 
 /// An array that has been read.
@@ -45,7 +45,7 @@ pub(crate) struct Array {
 
 impl Array {
     /// Reads a member of the archive, which takes `stored` bytes there. Nothing is allocated on the word of the file alone.
-    pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &Room) -> Result<Self, Fault> {
+    pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &UnpackLimit) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
         let unreadable = || fault(format!("header {}", text.trim_end()), "expected descr, fortran_order and shape");
@@ -68,8 +68,8 @@ impl Array {
             (Some("f"), Some(size @ (4 | 8))) => (Kind::Real, size),
             (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Signed, size),
             (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Unsigned, size),
-            (Some("U"), Some(length @ 0..=4096)) => (Kind::Wide, 4 * length),
-            (Some("S"), Some(length @ 0..=4096)) => (Kind::Narrow, length),
+            (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
+            (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
             (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), accepted)),
             _ => return Err(fault(format!("values of type {dtype}"), accepted)),
         };
@@ -84,7 +84,7 @@ impl Array {
             return Err(short(stored as usize));
         }
         // Texts of no length take room too, once they are read.
-        let texts = matches!(kind, Kind::Wide | Kind::Narrow);
+        let texts = matches!(kind, Kind::Utf32 | Kind::Ascii);
         let least = if texts { shape.iter().product::<usize>().saturating_mul(size_of::<String>()) } else { 0 };
         room.take(bytes.max(least)).map_err(|(found, accepted)| fault(found, accepted))?;
         let mut data = Vec::new();
@@ -112,11 +112,6 @@ impl Array {
         Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
     }
 
-    /// Whether the first axis runs fastest.
-    pub(crate) fn is_fortran(&self) -> bool {
-        self.fortran
-    }
-
     /// Whether the values are whole numbers.
     pub(crate) fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Signed | Kind::Unsigned)
@@ -130,7 +125,7 @@ impl Array {
             Kind::Real => f64::from_bits(raw),
             _ => raw as f64,
         };
-        if matches!(self.kind, Kind::Wide | Kind::Narrow) {
+        if matches!(self.kind, Kind::Utf32 | Kind::Ascii) {
             return Err(self.fault("text".to_owned(), "expected numbers"));
         }
         Ok(self.data.chunks_exact(self.size).map(|bytes| whole(self.raw(bytes))).collect())
@@ -144,8 +139,8 @@ impl Array {
         }
         let letters = |bytes: &[u8]| -> Option<String> {
             let all: Option<String> = match self.kind {
-                Kind::Wide => bytes.chunks_exact(4).map(|c| char::from_u32(self.raw(c) as u32)).collect(),
-                Kind::Narrow => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
+                Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(self.raw(c) as u32)).collect(),
+                Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
                 _ => None,
             };
             all.map(|text| text.trim_end_matches('\0').to_owned())
@@ -214,14 +209,14 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
     let broken = |e: &dyn std::fmt::Display| Fault::file(format!("a broken archive ({e})"), "expected arrays of NumPy (.npz)");
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
     // Counts of samples may be zeros throughout: they unpack to any times their size.
-    let room = Room::of(usize::MAX, MAX_INPUT);
+    let room = UnpackLimit::of(usize::MAX, MAX_INPUT);
     let mut arrays = Vec::with_capacity(archive.len());
     for at in 0..archive.len() {
         let member = archive.by_index(at).map_err(|e| broken(&e))?;
         let name = member.name().trim_end_matches(".npy").to_owned();
         let stored = member.compressed_size();
         let array = Array::read(&name, member, stored, &room)?;
-        if array.is_fortran() && array.shape.len() > 1 {
+        if array.fortran && array.shape.len() > 1 {
             return Err(Fault::item(format!("array {name}"), "in Fortran order", "expected C order"));
         }
         arrays.push(NamedArray { name, values: array.reals()?, shape: array.shape });
@@ -235,15 +230,12 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
 ///
 /// Another shape or type, or a file that is cut.
 pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
-    let array = Array::read("A", bytes, bytes.len() as u64, &Room::of(bytes.len(), MAX_INPUT))?;
+    let array = Array::read("A", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), MAX_INPUT))?;
     if array.shape != [n, n] {
-        let shape = array.shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        return Err(Fault::file(
-            format!("shape ({shape})"),
-            format!("expected ({n}, {n}): a row and a column for every node of the graph"),
-        ));
+        let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
+        return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
     }
     let values = array.reals()?;
-    let at = |row: usize, column: usize| if array.is_fortran() { column * n + row } else { row * n + column };
+    let at = |row: usize, column: usize| if array.fortran { column * n + row } else { row * n + column };
     Ok(Array2::from_shape_fn((n, n), |(row, column)| values[at(row, column)]))
 }

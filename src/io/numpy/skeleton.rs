@@ -9,13 +9,13 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::array::Array;
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::companions::add_straight;
+use crate::io::input::UnpackLimit;
 use crate::io::polylines::positions;
-use crate::io::read::Content;
-use crate::io::skeleton::{centerlines, is_straight, radii_of_points, skeleton};
-use crate::io::tables::table_pair::add_straight;
+use crate::io::polylines::{centerlines, is_straight, radii_of_points, skeleton};
+use crate::io::read::{Content, ReadOptions};
 use crate::network::centerlines::is_radius;
-use crate::network::units::{Scale, millimetres};
+use crate::network::units::millimetres;
 use crate::network::{Network, Node};
 use crate::support::geometry::Point;
 
@@ -41,18 +41,10 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 ///
 /// A broken archive, another kind of `.npz` (a sparse matrix), Python objects, an array that is missing or whose shape or
 /// type is another, a row that `coords` lacks, a position that is not finite.
-pub fn read_skeleton_npz(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Content, Vec<String>), Fault> {
-    unpack_skeleton_npz(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
-}
-
-/// The same, of arrays that unpack to so much at the most.
-pub(in crate::io) fn unpack_skeleton_npz(
-    bytes: &[u8],
-    scale: &Scale,
-    radius_optional: bool,
-    room: &Room,
-) -> Result<(Content, Vec<String>), Fault> {
-    let mut archive = Archive::open(bytes, room)?;
+pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
+    let (scale, radius_optional) = (&options.scale, options.is_radius_optional());
+    let room = UnpackLimit::of(bytes.len(), options.max_input);
+    let mut archive = Archive::open(bytes, &room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
         return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
     }
@@ -157,12 +149,12 @@ fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
 /// An open `.npz`.
 struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
-    room: &'a Room,
+    room: &'a UnpackLimit,
     names: Vec<String>,
 }
 
 impl<'a> Archive<'a> {
-    fn open(bytes: &'a [u8], room: &'a Room) -> Result<Self, Fault> {
+    fn open(bytes: &'a [u8], room: &'a UnpackLimit) -> Result<Self, Fault> {
         let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
         let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::rows::{Rows, columns, uncommented};
+use super::reader::{TableReader, columns, uncommented};
 use crate::error::{Fault, Place};
 use crate::io::read::without_mark;
 use crate::network::quantity::Dimension;
@@ -29,7 +29,7 @@ pub struct Statement {
 }
 
 impl Statement {
-    /// Why it cannot hold, at its place in the file.
+    /// The error that this condition cannot hold, at its place in the file.
     pub fn fault(&self, why: impl Into<String>) -> Fault {
         fault(&self.place, format!("\"{}\"", self.spec), why)
     }
@@ -110,7 +110,7 @@ pub fn read_inlets(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
 fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault> {
     const COLUMNS: [&str; 9] = ["node", "label", "x_mm", "y_mm", "z_mm", "kind", "value", "unit", VENOUS];
     let text = uncommented(bytes);
-    let mut rows = Rows::open(&text)?;
+    let mut rows = TableReader::open(&text)?;
     let wrong = |found: String| Fault::line(rows.header_line(), found, format!("expected the columns {}", COLUMNS.join(",")));
     if let Some(other) = rows.header().iter().find(|name| !COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name))) {
         return Err(wrong(format!("column \"{other}\"")));

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use super::column::real;
-use super::rows::{Rows, columns as describe};
-use super::write::plain;
+use super::reader::{TableReader, columns as describe};
+use super::write::escape_formula;
 use crate::error::Fault;
 use crate::io::polylines::polylines;
+use crate::io::read::ReadOptions;
+use crate::io::tables::write::real;
 use crate::network::Network;
 use crate::network::centerlines::{Centerlines, is_radius};
-use crate::network::units::{Scale, millimetres};
+use crate::network::units::millimetres;
 
 const HEADER: &str = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
 const FRAGMENT: &[&str] = &["fragment"];
@@ -21,7 +22,7 @@ const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
 const LABEL: &[&str] = &["label"];
 const ID: &[&str] = &["id"];
 
-/// Reads points in the order of their fragments; returns also what a person should know. Columns called `_mm` are in mm, others in the
+/// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
 /// unit of `scale`.
 ///
 /// The columns are separated by commas, semicolons or tabs and may come in any order; further ones are ignored. The rows with the
@@ -32,14 +33,14 @@ const ID: &[&str] = &["id"];
 ///
 /// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
-pub fn read_points(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut rows = TableReader::open(bytes)?;
     let header = rows.header_line();
     let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };
-    if radius.is_none() && !radius_optional {
+    if radius.is_none() && !options.is_radius_optional() {
         return Err(Fault::line(header, "no column radius", "expected one, or give --default-radius"));
     }
     let mut lines = Centerlines::default();
@@ -53,8 +54,8 @@ pub fn read_points(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result
         if name.is_empty() {
             return Err(Fault::line(row.line, "no fragment", "expected the name or number of the polyline"));
         }
-        let position = row.point([x, y, z], scale)?;
-        let radius = radius.map_or(Ok(f64::NAN), |column| row.length(column, scale))?;
+        let position = row.point([x, y, z], &options.scale)?;
+        let radius = radius.map_or(Ok(f64::NAN), |column| row.length(column, &options.scale))?;
         let radius = Some(radius).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
         let id = if let Some(column) = id {
             let text = row.text(column);
@@ -95,7 +96,7 @@ pub fn write_points(out: impl Write, network: &Network) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record(["fragment", "x_mm", "y_mm", "z_mm", "radius_mm", "label"])?;
     for (row, points) in polylines(network)?.into_iter().enumerate() {
-        let (fragment, label) = (row.to_string(), plain(&network.vessel(row).label));
+        let (fragment, label) = (row.to_string(), escape_formula(&network.vessel(row).label));
         for point in points {
             let [x, y, z] = point.position.map(|x| real(millimetres(x)));
             let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { String::new() };

@@ -1,6 +1,6 @@
 //! Anatomical priors A from a file: a matrix over pairs of nodes, or a table of vessels.
 
-use super::rows::{Row, Rows, columns};
+use super::reader::{Row, TableReader, columns};
 use crate::error::Fault;
 use crate::io::numpy::array::read_npy_matrix;
 use crate::network::Network;
@@ -29,13 +29,13 @@ pub fn read_prior_npy(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
 }
 
 /// Gives vessels the priors of a table with a column `prior` (0 to 1) and either `edge`, the row in edges.csv, or `node_a` and
-/// `node_b`, rows in nodes.csv: edges.csv itself is such a table. Vessels that it does not name, and those with an empty prior, keep theirs.
+/// `node_b`, rows in nodes.csv; edges.csv itself is such a table. Vessels that the table does not name, or with an empty prior, keep theirs.
 ///
 /// # Errors
 ///
 /// A table without these columns, a vessel that is not there, a number out of its range.
 pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let prior = rows.column(&["prior"], "the prior of a vessel")?;
     let (edge, ends) = (rows.find(&["edge"]), [rows.find(&["node_a"]), rows.find(&["node_b"])]);
     if edge.is_none() && ends.contains(&None) {

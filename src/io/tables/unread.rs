@@ -1,56 +1,41 @@
-//! The columns of a file that a network has no place for, such as the results of an earlier run.
+//! Finds the columns of an input that are not read, such as the results of an earlier run.
 
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use super::csv_graph;
-use super::rows::Rows;
+use super::graph::{self, END_POSITION_COLUMNS};
+use super::reader::TableReader;
 use crate::error::Fault;
 use crate::io::attributes;
 use crate::io::format::Format;
-use crate::io::read::bytes_of;
+use crate::io::read::{ReadOptions, bytes_of};
 use crate::io::vtk::polydata;
-use crate::io::vtk::polydata::radius::RadiusArray;
-use crate::io::xml::events::{Events, Step, Tag};
+use crate::io::xml::{Events, Step, Tag};
 
-/// Columns that a network says itself, by its rows and places, and VTK's own arrays.
-const STRUCTURE: [&str; 16] = [
-    "edge",
-    "node",
-    "id",
-    "node_a",
-    "node_b",
-    "ax_mm",
-    "ay_mm",
-    "az_mm",
-    "bx_mm",
-    "by_mm",
-    "bz_mm",
-    "length_mm",
-    "radius_mm",
-    "Points",
-    "connectivity",
-    "offsets",
-];
+/// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
+fn is_structure(name: &str) -> bool {
+    let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
+    rows || END_POSITION_COLUMNS.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
+}
 
-/// The names of the columns, attributes or arrays of a GraphML, CSV or VTP file that its reader passes over, in their order; none of a
+/// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     let mut names: Vec<String> = match format {
         Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
         Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
-        Format::Csv => bytes_of(path).ok().and_then(|bytes| Rows::open(&bytes).ok().map(|rows| rows.header().to_vec())),
+        Format::Csv => bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec())),
         _ => None,
     }
     .unwrap_or_default();
     let is_read = |name: &str| match format {
-        Format::Vtp => polydata::is_wanted(name, RadiusArray::Usual),
-        Format::Csv => csv_graph::is_wanted(name),
+        Format::Vtp => polydata::is_wanted(name, &ReadOptions::default()),
+        Format::Csv => graph::is_wanted(name),
         _ => attributes::is_wanted(name),
     };
     let mut seen = std::collections::HashSet::new();
-    names.retain(|name| !STRUCTURE.contains(&name.as_str()) && !is_read(name) && seen.insert(name.clone()));
+    names.retain(|name| !is_structure(name) && !is_read(name) && seen.insert(name.clone()));
     names
 }
 

@@ -1,14 +1,14 @@
-//! iCafe: which artery each stretch of a traced SWC file is, from the Feature_Vessel.csv beside it.
+//! iCafe: labels the branches of a traced SWC file with the arteries that Feature_Vessel.csv in the same folder names.
 
 use std::path::Path;
 
 use crate::error::{Fault, Result};
-use crate::io::companions::{TABLE_OF_VESSELS, image_beside, table_of_vessels_beside, tracing_beside};
+use crate::io::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
 use crate::io::format::Format;
-use crate::io::limit::bytes_within;
+use crate::io::input::bytes_within;
 use crate::io::read::{Content, ReadOptions, without_mark};
 use crate::io::swc::read_swc;
-use crate::io::tables::rows::Rows;
+use crate::io::tables::reader::TableReader;
 use crate::network::Labels;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{LengthUnit, Scale};
@@ -21,7 +21,7 @@ const ARTERIES: [&str; 23] = [
     "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
     "R-VA", "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
 ];
-/// Both files have six digits.
+/// Both files have six significant digits, so equal positions differ by less than this.
 const DIGITS: f64 = 1e-5;
 
 /// A row of Feature_Vessel.csv.
@@ -41,8 +41,8 @@ pub(crate) fn is_header(columns: &[&str]) -> bool {
 }
 
 /// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
-pub(crate) fn spacing_beside(tracing: &Path) -> Option<f64> {
-    let text = bytes_within(&image_beside(tracing)?, MOST_IMAGE).ok()?;
+pub(crate) fn image_spacing(tracing: &Path) -> Option<f64> {
+    let text = bytes_within(&find_image_info(tracing)?, MOST_IMAGE).ok()?;
     let text = String::from_utf8_lossy(&text);
     let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
     numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
@@ -58,7 +58,7 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
         ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
         ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
     ];
-    let mut rows = Rows::ragged(bytes)?;
+    let mut rows = TableReader::ragged(bytes)?;
     let line = rows.header_line();
     let column = |name: &str| {
         rows.find(&[name])
@@ -89,10 +89,10 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
     Ok(vessels)
 }
 
-/// Labels the links of a tracing, as [`crate::io::swc::read_swc`] gives them, with the vessels that lead along them, and takes away all other
-/// labels: the types of iCafe's points are landmarks. Returns how many vessels have a stretch; without any, nothing is changed.
+/// Labels the links of a tracing read by [`crate::io::swc::read_swc`] with the vessels that run along them, and removes all other
+/// labels, since the types of iCafe's points are landmarks. Returns the number of vessels found; if that is 0, nothing changes.
 ///
-/// A vessel is the way within one tree between points at its two ends; where several ends coincide, the way with its number of
+/// A vessel is the path within one tree between points at its two ends; where several ends coincide, the path with its number of
 /// points, and among those the first that no other vessel has.
 pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usize {
     let mut up = vec![None; lines.points.len()];
@@ -119,17 +119,17 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         let mut best: Option<([usize; 2], Vec<usize>)> = None;
         for start in &starts {
             for end in ends.iter().filter(|end| lines.strand[**end] == lines.strand[*start]) {
-                let way = way(&up, *start, *end);
-                let (Some(first), wrong) = (way.first(), vessel.points.is_some_and(|n| n != way.len() + 1)) else { continue };
+                let path = path_between(&up, *start, *end);
+                let (Some(first), wrong) = (path.first(), vessel.points.is_some_and(|n| n != path.len() + 1)) else { continue };
                 let key = [usize::from(wrong), usize::from(taken[*first])];
                 if best.as_ref().is_none_or(|(known, _)| key < *known) {
-                    best = Some((key, way));
+                    best = Some((key, path));
                 }
             }
         }
-        if let Some((_, way)) = best {
+        if let Some((_, path)) = best {
             named += 1;
-            for link in way {
+            for link in path {
                 taken[link] = true;
                 labels.set(link, &vessel.label);
             }
@@ -142,7 +142,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
 }
 
 /// The links between two points of one tree.
-fn way(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
+fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
     let depth = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).count();
     let (mut a, mut b, mut deep_a, mut deep_b) = (a, b, depth(a), depth(b));
     let (mut head, mut tail) = (Vec::new(), Vec::new());
@@ -157,11 +157,11 @@ fn way(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
     head
 }
 
-/// Reads the points of a tracing, named after the table of vessels beside it where that is its own.
+/// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it.
 pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
-    if let Some(table) = table_of_vessels_beside(path)
+    if let Some(table) = find_table_of_vessels(path)
         && let Some(note) = name_vessels(&mut lines, &bytes_within(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
@@ -171,20 +171,25 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     Ok((format, Content::Centerlines(lines), notes))
 }
 
-/// Reads the one tracing beside a table of vessels.
+/// Reads the one tracing in the folder of a table of vessels.
 pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
-    let tracing = tracing_beside(path).map_err(here)?;
+    let tracing = find_tracing(path).map_err(here)?;
     let traced = bytes_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
-    let wrong = || Fault::file("none of its vessels begins and ends at points of the tracing", "expected those of one image");
+    let wrong = || {
+        Fault::file(
+            "none of its vessels begins and ends at points of the tracing",
+            "expected a table and a tracing of the same image",
+        )
+    };
     notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
     notes.extend(spacing_note(&tracing, &options.scale));
     Ok((Content::Centerlines(lines), notes))
 }
 
-/// Names the stretches of a tracing after its table of vessels; `None` when the table is that of another tracing.
+/// Labels a tracing by its table of vessels; `None` if the table belongs to another tracing.
 fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Scale) -> Result<Option<String>> {
     let vessels = read_traced_vessels(without_mark(bytes), scale).map_err(|fault| fault.in_file(table))?;
     let named = name_stretches(lines, &vessels);
@@ -192,8 +197,8 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
     Ok((named > 0).then(note))
 }
 
-/// The voxel spacing that iCafe states beside a tracing, where lengths are not taken as voxels.
+/// A note on the voxel spacing that iCafe states for a tracing, if lengths are not read as voxels.
 fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
-    let spacing = spacing_beside(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
+    let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
     Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))
 }

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use crate::error::Fault;
 use crate::io::polylines::polylines;
-use crate::io::tables::column::real;
-use crate::io::vtk::polydata::radius::RadiusArray;
+use crate::io::read::ReadOptions;
+use crate::io::tables::write::real;
 use crate::network::Network;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{LengthUnit, Scale, millimetres};
@@ -51,19 +51,18 @@ struct Measurement {
     control_point_values: Option<Vec<Option<f64>>>,
 }
 
-/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also what a person should
-/// know.
+/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also notes for the user.
 ///
-/// Positions are kept in LPS, as VTK and ITK files of Slicer have them: those in RAS change the sign of x and y. The radius is the
-/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that `radius` names. Points
+/// Positions are in LPS, as in Slicer's VTK and ITK files; in those given in RAS, x and y change sign. The radius is the
+/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that `options.radius_array` names. Points
 /// whose position is not defined are left out. A curve's name is its label, its number in the file its strand; points are numbered
 /// from 0.
 ///
 /// # Errors
 ///
 /// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement with
-/// another number of values than points, a curve without radii unless `radius` says that they may lack, no curve.
-pub fn read_markups(bytes: &[u8], scale: &Scale, radius: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+/// more or fewer values than points, a curve without radii unless they are optional, a file without curves.
+pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| {
         let text = error.to_string();
         let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
@@ -81,8 +80,8 @@ pub fn read_markups(bytes: &[u8], scale: &Scale, radius: RadiusArray<'_>) -> Res
         let item = || format!("markup {row} \"{}\"", called.escape_debug());
         let ras = is_ras(markup, item)?;
         flipped += usize::from(ras);
-        let scale = unit(markup, scale, item)?;
-        let radii = radii(markup, radius, item)?;
+        let scale = unit(markup, &options.scale, item)?;
+        let radii = radii(markup, options, item)?;
         let first = lines.points.len() as u32;
         for (at, point) in markup.control_points.iter().enumerate() {
             if point.position_status.as_deref().is_some_and(|status| status == "undefined") {
@@ -142,7 +141,7 @@ fn is_ras(markup: &Markup, item: impl Fn() -> String) -> Result<bool, Fault> {
     }
 }
 
-/// The unit that a markup states, unless a person said another one than mm.
+/// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.
 fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
     let code = match &markup.coordinate_units {
         None => return Ok(*scale),
@@ -162,29 +161,26 @@ fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Sca
     Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
 }
 
-/// The radius at every control point of a markup; `None` where it has none and need not.
-fn radii<'a>(markup: &'a Markup, radius: RadiusArray<'_>, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
+/// The radius at every control point of a markup; `None` without radii where they are optional.
+fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
     let called = |name: &str| {
         let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
         found.find_map(|m| m.control_point_values.as_deref().map(|values| (m.name.as_str(), values)))
     };
-    let found = match radius {
-        RadiusArray::Named(name) => called(name),
-        RadiusArray::Usual | RadiusArray::Optional => RADIUS.iter().find_map(|name| called(name)),
-    };
-    match (found, radius) {
+    let named = options.radius_array.as_deref();
+    let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
+    match (found, named) {
         (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
         (Some((name, values)), _) => {
             let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
             Err(Fault::item(item(), found, "expected one for each control point"))
         }
-        (None, RadiusArray::Optional) => Ok(None),
-        (None, RadiusArray::Named(name)) => Err(Fault::item(
-            item(),
-            format!("no measurement {name} at its control points"),
-            "expected it, as --radius-array says",
-        )),
-        (None, RadiusArray::Usual) => {
+        (None, Some(name)) => {
+            let found = format!("no measurement {name} at its control points");
+            Err(Fault::item(item(), found, "expected the one that --radius-array names"))
+        }
+        (None, None) if options.is_radius_optional() => Ok(None),
+        (None, None) => {
             let accepted = "expected a measurement Radius with a value for each control point, or give --default-radius";
             Err(Fault::item(item(), "no radius", accepted))
         }

@@ -1,16 +1,16 @@
-//! The two tables of VesselVio: vertices, and edges that refer to them by row. Its names of columns, in whatever case.
+//! The two tables of VesselVio: vertices, and edges that refer to them by row; column names in any case.
 
 use std::io::{self, Write};
 
 use crate::error::Fault;
+use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
-use crate::io::read::Content;
-use crate::io::skeleton::{centerlines, is_straight, skeleton};
-use crate::io::tables::column::Column;
-use crate::io::tables::graph_columns::axis;
-use crate::io::tables::number::counted;
-use crate::io::tables::rows::{Row, Rows};
-use crate::io::tables::table_pair::add_straight;
+use crate::io::polylines::{centerlines, is_straight, skeleton};
+use crate::io::read::{Content, ReadOptions};
+use crate::io::tables::graph::axis;
+use crate::io::tables::reader::plural;
+use crate::io::tables::reader::{Row, TableReader};
+use crate::io::tables::write::Column;
 use crate::io::tables::write::write_csv;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, millimetres};
@@ -30,7 +30,7 @@ pub struct VertexTable {
 ///
 /// A column that is missing, a position that is not finite, a number that is none.
 pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTable, Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of vertices";
     let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
     let radius = rows.find(&["radius"]);
@@ -54,17 +54,12 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 /// # Errors
 ///
 /// A column that is missing, a row that the vertices lack, an edge without length or radius, no edge.
-pub fn read_vesselvio_edges(
-    bytes: &[u8],
-    vertices: VertexTable,
-    scale: &Scale,
-    radius_optional: bool,
-) -> Result<(Content, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
+    let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of edges";
     let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);
-    if radius.is_none() && vertices.radii.is_none() && !radius_optional {
+    if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
         let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";
         return Err(Fault::line(rows.header_line(), "no radius", accepted));
     }
@@ -92,15 +87,15 @@ pub fn read_vesselvio_edges(
     while let Some(row) = rows.next()? {
         let ends = linked(&row, ends, vertices.positions.len())?;
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
-        let size = scale.length(row.real(radius)?);
-        if !is_radius(size) && !radius_optional {
+        let size = options.scale.length(row.real(radius)?);
+        if !is_radius(size) && !options.is_radius_optional() {
             let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
             return Err(fault(found, "expected a positive number, or give --default-radius"));
         }
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
         straight += usize::from(length.is_nan());
         let size = Some(size).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
-        add_straight(&mut network, ends.map(|end| end as usize), scale.length(length), size, &name(&row))
+        add_straight(&mut network, ends.map(|end| end as usize), options.scale.length(length), size, &name(&row))
             .ok_or_else(|| fault("no positive length".to_owned(), "expected a positive length or different places"))?;
     }
     if network.vessel_count() == 0 {
@@ -108,7 +103,7 @@ pub fn read_vesselvio_edges(
     }
     let mut notes = vec!["edges refer to vertices by row, as VesselVio's do".to_owned()];
     if straight > 0 {
-        notes.push(format!("{} without length: took the distance between the vertices", counted(straight, "edge")));
+        notes.push(format!("{} without length: took the distance between the vertices", plural(straight, "edge")));
     }
     Ok((Content::Vessels(network), notes))
 }

@@ -1,16 +1,17 @@
-//! The two tables of Voreen's vessel graph, which VesselGraph distributes: nodes and edges, parted by semicolons.
+//! The two tables of Voreen's vessel graph, which VesselGraph distributes: nodes and edges, separated by semicolons.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::error::Fault;
+use crate::io::companions::add_straight;
 use crate::io::polylines::positions;
-use crate::io::tables::column::Column;
-use crate::io::tables::csv_graph::NodeTable;
-use crate::io::tables::graph_columns::axis;
-use crate::io::tables::number::counted;
-use crate::io::tables::rows::Rows;
-use crate::io::tables::table_pair::add_straight;
+use crate::io::read::ReadOptions;
+use crate::io::tables::graph::NodeTable;
+use crate::io::tables::graph::axis;
+use crate::io::tables::reader::TableReader;
+use crate::io::tables::reader::plural;
+use crate::io::tables::write::Column;
 use crate::io::tables::write::write_table;
 use crate::network::centerlines::is_radius;
 use crate::network::units::{Scale, millimetres};
@@ -23,7 +24,7 @@ use crate::support::geometry::{area_of, distance, radius_of};
 ///
 /// A column that is missing, an id that is empty or comes twice, a position that is not finite.
 pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
-    let mut rows = Rows::open(bytes)?;
+    let mut rows = TableReader::open(bytes)?;
     let id = rows.column(&["id"], "Voreen's table of nodes")?;
     let mut place = [0; 3];
     for (column, name) in place.iter_mut().zip(["pos_x", "pos_y", "pos_z"]) {
@@ -47,23 +48,18 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
 /// Reads the table of edges over the nodes of [`read_voreen_nodes`]: observed vessels as they stand.
 ///
 /// The radius is sqrt(a/π) of `avgCrossSection`, else `avgRadiusAvg`. Voreen marks what it could not measure by -1: a
-/// length is then the distance between the nodes, and a radius is missing, which is NaN where `radius_optional`.
+/// length is then the distance between the nodes, and a radius is missing: NaN where radii are optional.
 ///
 /// # Errors
 ///
 /// A column that is missing, a node that the table of nodes lacks, an edge without length or radius, no edge.
-pub fn read_voreen_edges(
-    bytes: &[u8],
-    nodes: NodeTable,
-    scale: &Scale,
-    radius_optional: bool,
-) -> Result<(Network, Vec<String>), Fault> {
-    let mut rows = Rows::open(bytes)?;
+pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
+    let mut rows = TableReader::open(bytes)?;
     let what = "Voreen's table of edges";
     let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
     let length = rows.column(&["length"], what)?;
     let (area, radius) = (rows.find(&["avgCrossSection"]), rows.find(&["avgRadiusAvg"]));
-    if area.is_none() && radius.is_none() && !radius_optional {
+    if area.is_none() && radius.is_none() && !options.is_radius_optional() {
         rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;
     }
     let (id, label) = (rows.find(&["id"]), rows.find(&["label"]));
@@ -86,19 +82,19 @@ pub fn read_voreen_edges(
         let radius = match (valid(area)?, valid(radius)?) {
             (Some(area), _) => {
                 from_area += 1;
-                scale.length(radius_of(area))
+                options.scale.length(radius_of(area))
             }
             (None, Some(radius)) => {
                 from_radius += 1;
-                scale.length(radius)
+                options.scale.length(radius)
             }
-            (None, None) if radius_optional => f64::NAN,
+            (None, None) if options.is_radius_optional() => f64::NAN,
             (None, None) => {
                 let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give --default-radius";
                 return Err(fault("no valid radius".to_owned(), accepted));
             }
         };
-        let length = valid(Some(length))?.map_or(f64::NAN, |length| scale.length(length));
+        let length = valid(Some(length))?.map_or(f64::NAN, |length| options.scale.length(length));
         straight += usize::from(length.is_nan());
         add_straight(&mut network, at, length, radius, label.map_or("", |label| row.text(label)))
             .ok_or_else(|| fault("no valid length, and both nodes in one place".to_owned(), "expected a positive length"))?;
@@ -107,21 +103,23 @@ pub fn read_voreen_edges(
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
     let mut notes = Vec::new();
-    for (edges, means) in [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, for want of a cross-section")] {
-        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", counted(edges, "edge"))));
+    for (edges, means) in
+        [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, since the cross-section is missing")]
+    {
+        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", plural(edges, "edge"))));
     }
     if straight > 0 {
-        notes.push(format!("{} without a valid length: took the distance between the nodes", counted(straight, "edge")));
+        notes.push(format!("{} without a valid length: took the distance between the nodes", plural(straight, "edge")));
     }
     Ok((network, notes))
 }
 
-/// Whether all ids of nodes are whole numbers, as Voreen's are.
+/// Whether all node ids are whole numbers, as in Voreen.
 pub(crate) fn has_whole_ids(network: &Network) -> bool {
     network.nodes().all(|n| n.id.parse::<u64>().is_ok_and(|id| id.to_string() == n.id))
 }
 
-/// Writes both tables in Voreen's order of columns, mm, mm², mm³; what is not known is -1, as Voreen marks it.
+/// Writes both tables in Voreen's order of columns, in mm, mm² and mm³; unknown values are -1, as in Voreen.
 ///
 /// Nodes keep their ids where all of these are whole numbers, as Voreen's are; otherwise the id is the row. Labels, where
 /// there are any, stand in a last column `label`.

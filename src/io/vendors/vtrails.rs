@@ -6,13 +6,14 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
+use crate::io::input::UnpackLimit;
+use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::Scale;
 
 const STRUCT: &str = "GeodesicMSTs";
 const FIELD: &str = "CGPathContinuous";
-/// Points in all at the most, so that a small file cannot ask for all memory.
+/// The most points in all, so that a small file cannot claim all memory.
 const MOST_POINTS: u64 = 1 << 26;
 
 /// Reads the paths `GeodesicMSTs(i).CGPathContinuous` (points x 3), one strand each, without radii.
@@ -22,19 +23,10 @@ const MOST_POINTS: u64 = 1 << 26;
 ///
 /// # Errors
 ///
-/// A file that is broken or of another kind; a path that is not points x 3 or not finite; no radius to be had, which
-/// `radius_optional` says is known.
-pub fn read_vtrails(bytes: &[u8], scale: &Scale, radius_optional: bool) -> Result<(Centerlines, Vec<String>), Fault> {
-    unpack_vtrails(bytes, scale, radius_optional, &Room::of(bytes.len(), MAX_INPUT))
-}
-
-/// The same, of paths that unpack to so much at the most.
-pub(crate) fn unpack_vtrails(
-    bytes: &[u8],
-    scale: &Scale,
-    radius_optional: bool,
-    room: &Room,
-) -> Result<(Centerlines, Vec<String>), Fault> {
+/// A file that is broken or of another kind; a path that is not points x 3 or not finite; radii that are not optional, since the file
+/// has none.
+pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let room = &UnpackLimit::of(bytes.len(), read.max_input);
     let options = OpenOptions::default()
         .with_max_read_bytes(room.left())
         .with_max_chunk_bytes(room.left().min(1 << 28))
@@ -53,7 +45,7 @@ pub(crate) fn unpack_vtrails(
     }
     let fields = file.group(STRUCT).map_err(broken)?;
     let paths = fields.dataset(FIELD).map_err(|_| Fault::item(STRUCT, format!("no {FIELD}"), "expected a file of VTrails"))?;
-    if !radius_optional {
+    if !read.is_radius_optional() {
         return Err(Fault::file("VTrails' trees have no radii", "give --default-radius"));
     }
     let mut lines = Centerlines::default();
@@ -71,12 +63,12 @@ pub(crate) fn unpack_vtrails(
             if path.attribute("MATLAB_empty").is_ok() {
                 void += 1;
             } else {
-                add(&mut lines, path, row, scale, room)?;
+                add(&mut lines, path, row, &read.scale, room)?;
             }
         }
     } else {
         // A struct of one element holds its field itself.
-        add(&mut lines, &paths, 0, scale, room)?;
+        add(&mut lines, &paths, 0, &read.scale, room)?;
     }
     if lines.links.is_empty() {
         return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));
@@ -89,8 +81,8 @@ pub(crate) fn unpack_vtrails(
     Ok((lines, notes))
 }
 
-/// Adds a path: MATLAB's points x 3 lie in HDF5 as 3 x points.
-fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &Room) -> Result<(), Fault> {
+/// Adds a path. MATLAB's points x 3 are stored in HDF5 as 3 x points.
+fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room: &UnpackLimit) -> Result<(), Fault> {
     let fault = |found: String, accepted: &str| Fault::item(format!("{STRUCT}({}).{FIELD}", row + 1), found, accepted);
     let [3, n] = *path.shape() else {
         let shape: Vec<String> = path.shape().iter().rev().map(u64::to_string).collect();

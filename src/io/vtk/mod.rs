@@ -1,5 +1,8 @@
 //! VTK polylines: XML PolyData (VTP) and legacy files, read into one description.
 
+mod array;
+mod cursor;
 pub(crate) mod legacy;
 pub(crate) mod polydata;
+pub(crate) mod write;
 pub(crate) mod xml;

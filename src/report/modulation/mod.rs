@@ -16,8 +16,8 @@ use crate::modulation::{HypertensionByClass, Instances, Modulation, ModulationOp
 use crate::network::units::{ml_per_min, mmhg};
 use crate::network::{Condition, Network};
 use crate::output::atomic::write_file;
-use crate::output::json::write_record;
 use crate::output::names;
+use crate::output::write_record;
 
 /// A modulation and everything its files are made of.
 #[derive(Debug)]

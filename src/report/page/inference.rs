@@ -6,7 +6,7 @@ use super::lists::{Figure, conditions};
 use super::scene::scene;
 use super::{Colouring, Fact, Page, Scale, Table, Threshold, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
-use crate::io::{Column, END_PLACES};
+use crate::io::{Column, END_POSITION_COLUMNS};
 use crate::report::inference::Outcome;
 use crate::report::record::{Summary, unit_of};
 
@@ -19,7 +19,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let mut record = record(summary);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
     // The page draws them.
-    let is_drawn = |c: &&Column| END_PLACES.as_flattened().contains(&&*c.name);
+    let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
     columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };

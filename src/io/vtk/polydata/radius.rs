@@ -1,7 +1,8 @@
-//! Which array of a PolyData holds the radius, and radii from areas.
+//! Finds the array of a VTK file that holds the radius, or computes it from areas.
 
 use super::{Array, PolyData, Values};
 use crate::error::Fault;
+use crate::io::read::ReadOptions;
 use crate::network::centerlines::is_radius;
 use crate::support::suggestions::did_you_mean;
 
@@ -17,24 +18,13 @@ const NAMED: usize = 3;
 /// Zero where VMTK cut a vessel that it could not close: its area is none.
 const CLOSED: &str = "CenterlineSectionClosed";
 
-/// Which array holds the radius.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RadiusArray<'a> {
-    /// The first one with a usual name: cross-section areas, then cross-section-equivalent radii, then any other.
-    #[default]
-    Usual,
-    /// The one with this name; it holds areas when its name says "area".
-    Named(&'a str),
-    /// The first one with a usual name; without one every radius is missing.
-    Optional,
-}
-
-pub(crate) fn is_wanted(name: &str, choice: RadiusArray<'_>) -> bool {
-    let named = matches!(choice, RadiusArray::Named(wanted) if wanted.trim() == name);
+/// Whether an array may hold radii: the one that is asked for, or one with a usual name.
+pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
+    let named = options.radius_array.as_deref().is_some_and(|wanted| wanted.trim() == name);
     named || name == CLOSED || AREAS.iter().chain(&EQUIVALENT).chain(&RADII).any(|usual| *usual == name)
 }
 
-/// An array with a value for each point, made from one for each line where it is such.
+/// An array with a value for each point; one with a value for each line is averaged onto the points.
 struct Found {
     name: String,
     of_lines: bool,
@@ -48,30 +38,25 @@ impl Found {
     }
 }
 
-/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and what a person should know.
+/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and notes for the user.
 ///
 /// Areas give r = sqrt(a / pi), the radius of Moriconi et al. 2019, eq. 1, before any radius of an inscribed sphere; where an
-/// area or an equivalent radius is missing, the inscribed sphere's stands in. An array with one value for each line gives each
+/// area or an equivalent radius is missing, the inscribed sphere's stands in. The array that the options name holds areas when its
+/// name says "area"; no array at all is an error unless the radius is optional. An array with one value for each line gives each
 /// point the mean of the lines that it is on.
-pub(crate) fn radii(
-    piece: &PolyData,
-    cells: &[Vec<usize>],
-    choice: RadiusArray<'_>,
-) -> Result<(Vec<f64>, Option<String>), Fault> {
+pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOptions) -> Result<(Vec<f64>, Option<String>), Fault> {
     let find = |names: &[&str]| names.iter().find_map(|name| find(piece, cells, name));
-    let (mut first, is_area) = match choice {
-        RadiusArray::Named(name) => {
-            let found = find(&[name.trim()]).ok_or_else(|| missing(piece, Some(name.trim())))?;
-            (found, name.to_ascii_lowercase().contains("area"))
-        }
-        RadiusArray::Usual | RadiusArray::Optional => match (find(&AREAS), find(&EQUIVALENT).or_else(|| find(&RADII))) {
+    let named = options.radius_array.as_deref().map(str::trim);
+    let (mut first, is_area) = if let Some(name) = named {
+        (find(&[name]).ok_or_else(|| missing(piece, named))?, name.to_ascii_lowercase().contains("area"))
+    } else {
+        match (find(&AREAS), find(&EQUIVALENT).or_else(|| find(&RADII))) {
             (Some(area), _) => (area, true),
             (None, Some(radius)) => (radius, false),
-            (None, None) if choice == RadiusArray::Optional => return Ok((vec![f64::NAN; piece.points.len()], None)),
+            (None, None) if options.is_radius_optional() => return Ok((vec![f64::NAN; piece.points.len()], None)),
             (None, None) => return Err(missing(piece, None)),
-        },
+        }
     };
-    let named = matches!(choice, RadiusArray::Named(_));
     if is_area {
         let closed = find(&[CLOSED]);
         let closed = |point: usize| closed.as_ref().is_none_or(|c| c.values[point] != 0.0);
@@ -81,7 +66,7 @@ pub(crate) fn radii(
     }
     let mut note = if is_area {
         format!("radius from the areas of {}: r = sqrt(a / pi)", first.title())
-    } else if EQUIVALENT.contains(&first.name.as_str()) || (first.of_lines && !named) {
+    } else if EQUIVALENT.contains(&first.name.as_str()) || (first.of_lines && named.is_none()) {
         format!("radius from {}", first.title())
     } else {
         return Ok((first.values, first.of_lines.then(|| format!("each point has the mean \"{}\" of its cells", first.name))));

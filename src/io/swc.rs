@@ -1,28 +1,24 @@
-//! SWC: one centerline point a line, each linked to its parent.
+//! SWC: one centerline point a line, each linked to its parent; the type column holds the labels.
 
-pub(crate) mod labels;
-pub(crate) mod loops;
-
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, BufRead, Write};
 
-use super::polylines::{between, node_points};
-use super::tables::column::real;
-use super::tables::number::counted;
 use crate::error::Fault;
+use crate::io::polylines::{between, node_points};
+use crate::io::tables::reader::plural;
+use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, PathPoint, Role, cycles};
-use labels::{TypeCodes, TypeNames, code, name_links};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
 
-/// A parent yet to be found: the line that names it, and its id.
+/// A parent still to be found: the line that names it, and its id.
 type Parent = Option<(usize, u64)>;
 
-/// Reads SWC in any order of ids, with any number of roots; returns also what a person should know.
+/// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
 ///
 /// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be repaired
 /// along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child point: the name
@@ -51,7 +47,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
-            return Err(Fault::line(at, counted(words.len(), "column"), ROW));
+            return Err(Fault::line(at, plural(words.len(), "column"), ROW));
         };
         if words.len() > COLUMNS.len() {
             wide.get_or_insert((at, words.len()));
@@ -115,7 +111,7 @@ fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
     let mut tree = vec![NEW; up.len()];
     let mut count = 0;
     for start in 0..up.len() {
-        let mut way = Vec::new();
+        let mut visited = Vec::new();
         let mut at = Some(start);
         let number = loop {
             match at {
@@ -127,12 +123,12 @@ fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
                 Some(row) if tree[row] != NEW => break tree[row],
                 Some(row) => {
                     tree[row] = OPEN;
-                    way.push(row);
+                    visited.push(row);
                     at = up[row];
                 }
             }
         };
-        for row in way {
+        for row in visited {
             tree[row] = number;
         }
     }
@@ -171,10 +167,10 @@ pub fn is_forest(network: &Network) -> bool {
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
-    let mut around = vec![Vec::new(); network.node_count()];
+    let mut vessels_at = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
-        around[ends[0]].push((row, ends[1]));
-        around[ends[1]].push((row, ends[0]));
+        vessels_at[ends[0]].push((row, ends[1]));
+        vessels_at[ends[1]].push((row, ends[0]));
     }
     writeln!(out, "# centerlines; coordinates and radii in mm")?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
@@ -202,7 +198,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         id_of[root] = Some(root_id);
         let mut open = vec![(root, root_id)];
         while let Some((node, node_id)) = open.pop() {
-            for (row, next) in &around[node] {
+            for (row, next) in &vessels_at[node] {
                 if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }
@@ -263,4 +259,109 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     }
     out.flush()?;
     Ok(loops)
+}
+
+/// The first code for a label that is no whole number; the specification and its users have meanings for those below.
+const FIRST_FREE: u64 = 16;
+/// Whole numbers above are not exact in every reader.
+const LARGEST: f64 = 9e15;
+
+/// The labels that the comments of a file give to its types.
+#[derive(Debug, Default)]
+pub(crate) struct TypeNames(BTreeMap<u64, String>);
+
+impl TypeNames {
+    /// Reads a comment line `# label CODE NAME`; ignores others.
+    pub fn read(&mut self, line: &str) {
+        let Some(words) = line.trim().strip_prefix('#').and_then(|l| l.trim_start().strip_prefix("label ")) else { return };
+        if let Some((code, name)) = words.trim().split_once(char::is_whitespace)
+            && let Ok(code) = code.parse()
+        {
+            self.0.insert(code, name.trim().to_owned());
+        }
+    }
+}
+
+/// The label code in a type column; 0 for none.
+pub(crate) fn code(kind: f64) -> u64 {
+    if kind.fract() == 0.0 && (1.0..LARGEST).contains(&kind) { kind as u64 } else { 0 }
+}
+
+/// Gives every link (parent, child) the label that the type of its child means.
+pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNames) {
+    if names.0.is_empty() && !are_labels(lines, types) {
+        return;
+    }
+    for row in 0..lines.links.len() {
+        match types[lines.links[row][1] as usize] {
+            0 => {}
+            code => match names.0.get(&code) {
+                Some(name) => lines.labels.set(row, name),
+                None => lines.labels.set(row, &code.to_string()),
+            },
+        }
+    }
+}
+
+/// Whether types that no comment names are labels: not if all are the same, nor if only the first and last points of
+/// trees have one, which are then landmarks (iCafe).
+fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
+    let child = |link: &[u32; 2]| types[link[1] as usize];
+    let Some(first) = lines.links.first().map(child) else { return false };
+    if lines.links.iter().all(|link| child(link) == first) {
+        return false;
+    }
+    let mut sides = vec![[false; 2]; types.len()];
+    for [parent, child] in &lines.links {
+        sides[*parent as usize][1] = true;
+        sides[*child as usize][0] = true;
+    }
+    let mut inner = sides.iter().zip(types).filter(|(sides, _)| **sides == [true, true]).peekable();
+    inner.peek().is_none() || inner.any(|(_, code)| *code != 0)
+}
+
+/// The type numbers that stand for labels in a file.
+pub(crate) struct TypeCodes(BTreeMap<String, u64>);
+
+impl TypeCodes {
+    /// Codes for labels: whole numbers as they are, the others from 16 on in order of appearance.
+    pub fn of<'a>(labels: impl Iterator<Item = &'a str>) -> Self {
+        let mut codes: BTreeMap<String, u64> = BTreeMap::new();
+        let mut words = Vec::new();
+        let mut taken = BTreeSet::new();
+        for label in labels.map(single_line).filter(|label| !label.is_empty()) {
+            match label.parse::<u64>() {
+                Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
+                    taken.insert(whole);
+                    codes.insert(label, whole);
+                }
+                _ => {
+                    if codes.insert(label.clone(), 0).is_none() {
+                        words.push(label);
+                    }
+                }
+            }
+        }
+        let mut free = (FIRST_FREE..).filter(|code| !taken.contains(code));
+        for (word, code) in words.into_iter().zip(&mut free) {
+            codes.insert(word, code);
+        }
+        Self(codes)
+    }
+
+    /// The type for a label; 0 for none.
+    pub fn code(&self, label: &str) -> u64 {
+        self.0.get(&single_line(label)).copied().unwrap_or(0)
+    }
+
+    /// Writes the label of each type, in their order.
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let by_code: BTreeMap<u64, &String> = self.0.iter().map(|(label, code)| (*code, label)).collect();
+        by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))
+    }
+}
+
+/// A label on one line, without blanks around it.
+pub(crate) fn single_line(label: &str) -> String {
+    label.replace(char::is_control, " ").trim().to_owned()
 }

@@ -1,19 +1,18 @@
-//! An XML file as a stream of elements and texts: no document in memory, no entities of its own, bounded depth.
+//! Reads XML as a stream of elements and texts, or as a tree: no entities of its own, bounded depth; escapes text.
 
 use std::borrow::Cow;
-use std::io::BufRead;
+use std::io::{self, BufRead, Read};
 
 use quick_xml::escape::resolve_xml_entity;
 use quick_xml::events::Event;
 use quick_xml::events::attributes::{Attribute, Attributes};
 use quick_xml::{Error, Reader, XmlVersion};
 
-use super::tree::Lines;
 use crate::error::Fault;
 
-/// Elements within elements at the most.
+/// The deepest nesting of elements.
 const MOST_DEPTH: usize = 256;
-/// Attributes of one element at the most: each is compared with all before it.
+/// The most attributes of one element: each is compared with all before it.
 const MOST_ATTRIBUTES: usize = 256;
 const ACCEPTED: &str = "expected a complete XML file";
 const NO_ENTITIES: &str = "expected no entities but those of XML itself";
@@ -34,13 +33,13 @@ pub(in crate::io) enum Step {
 pub(in crate::io) struct Tag {
     /// Its line, counted from 1.
     pub(in crate::io) line: usize,
-    /// What stands between the angles.
+    /// The text between the angle brackets.
     content: String,
     /// The length of the name with its prefix.
     whole_name: usize,
 }
 
-/// Walks through a file.
+/// Reads an XML file as a stream, element by element.
 pub(in crate::io) struct Events<R> {
     reader: Reader<Lines<R>>,
     buffer: Vec<u8>,
@@ -59,7 +58,7 @@ impl<R: BufRead> Events<R> {
         Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
     }
 
-    /// How many elements are open.
+    /// How many elements are open now.
     pub(in crate::io) fn depth(&self) -> usize {
         self.depth
     }
@@ -74,12 +73,12 @@ impl<R: BufRead> Events<R> {
         &self.part
     }
 
-    /// Goes on to what comes next; `None` at the end of a well-formed file.
+    /// Reads the next start, end or text; `None` at the end of a well-formed file.
     ///
     /// # Errors
     ///
-    /// What is not well-formed; a document type with declarations of its own, a reference to another entity than the five
-    /// of XML, elements deeper or with more attributes than any file has.
+    /// XML that is not well-formed, a document type with declarations, a reference to an entity other than the five
+    /// of XML, elements nested too deeply or with too many attributes.
     pub(in crate::io) fn next(&mut self) -> Result<Option<Step>, Fault> {
         loop {
             self.buffer.clear();
@@ -156,13 +155,25 @@ impl<R: BufRead> Events<R> {
         Ok(())
     }
 
-    /// Passes what is left of the innermost element; `seen` is shown the elements within it.
+    /// Goes on to the next element within the one at `depth`; false at the end of that one.
+    pub(in crate::io) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
+        while self.depth >= depth {
+            match self.next()? {
+                Some(Step::Start) => return Ok(true),
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(false)
+    }
+
+    /// Skips the rest of the innermost element; `seen` is called for every element within it.
     pub(in crate::io) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
         self.text(seen, &mut String::new())
     }
 
-    /// Puts the text that stands directly within the innermost element in place of `out`, up to its end; `seen` is shown the
-    /// elements within it.
+    /// Reads the text directly within the innermost element into `out`, up to its end; `seen` is called for every
+    /// element within it.
     pub(in crate::io) fn text(&mut self, mut seen: impl FnMut(&Tag) -> Result<(), Fault>, out: &mut String) -> Result<(), Fault> {
         out.clear();
         let depth = self.depth;
@@ -229,4 +240,163 @@ fn put(part: &mut String, text: &str) {
 /// Whether XML forbids a character.
 fn is_forbidden(byte: u8) -> bool {
     byte < b' ' && !b"\t\n\r".contains(&byte)
+}
+
+/// A text that counts its line ends while it is read.
+pub(crate) struct Lines<R> {
+    inner: R,
+    /// Line ends read so far.
+    pub(crate) passed: usize,
+    /// Those since the last byte that is no blank.
+    pub(crate) trailing: usize,
+}
+
+impl<R> Lines<R> {
+    /// At the start of a text.
+    pub(crate) fn new(inner: R) -> Self {
+        Self { inner, passed: 0, trailing: 0 }
+    }
+}
+
+impl<R: BufRead> Read for Lines<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        self.inner.read(out)
+    }
+}
+
+impl<R: BufRead> BufRead for Lines<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.inner.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        let passed = self.inner.fill_buf().unwrap_or_default();
+        let passed = &passed[..amount.min(passed.len())];
+        let ends = |part: &[u8]| part.iter().fold(0, |sum, b| sum + usize::from(*b == b'\n'));
+        let all = ends(passed);
+        self.passed += all;
+        match passed.iter().rposition(|b| !b.is_ascii_whitespace()) {
+            Some(last) => self.trailing = ends(&passed[last..]),
+            None => self.trailing += all,
+        }
+        self.inner.consume(amount);
+    }
+}
+
+/// The most elements of a file that is read as a tree.
+const MOST_ELEMENTS: usize = 1 << 18;
+
+/// An element with all that is in it.
+#[derive(Debug)]
+pub(in crate::io) struct Element {
+    /// Its name without prefix.
+    pub(in crate::io) name: String,
+    /// The name of the element around it; empty for the root.
+    pub(in crate::io) within: String,
+    /// The text that stands directly within it.
+    pub(in crate::io) text: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<Element>,
+}
+
+impl Element {
+    /// The root element of a file.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Events::next`], or more elements than any file has.
+    pub(in crate::io) fn root(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut events = Events::new(bytes);
+        // The innermost open element is the last one; a closed one goes to the element around it.
+        let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
+        while let Some(step) = events.next()? {
+            match step {
+                Step::Start => {
+                    let tag = events.tag();
+                    count += 1;
+                    if count > MOST_ELEMENTS {
+                        return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
+                    }
+                    let within = open.last().map(|parent| parent.name.clone()).unwrap_or_default();
+                    let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
+                    open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });
+                }
+                Step::End => match (open.pop(), open.last_mut()) {
+                    (Some(closed), Some(parent)) => parent.children.push(closed),
+                    (closed, _) => root = closed,
+                },
+                Step::Text => {
+                    if let Some(element) = open.last_mut() {
+                        element.text.push_str(events.part());
+                    }
+                }
+            }
+        }
+        // A stream without a root element ends in a fault.
+        root.ok_or_else(|| Fault::file("no element", "expected a complete XML file"))
+    }
+
+    /// Its child elements.
+    pub(in crate::io) fn children(&self) -> impl Iterator<Item = &Self> {
+        self.children.iter()
+    }
+
+    /// Its child elements with a name.
+    pub(in crate::io) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
+        self.children.iter().filter(move |child| child.name == name)
+    }
+
+    /// An attribute; empty when there is none.
+    pub(in crate::io) fn attribute(&self, name: &str) -> &str {
+        self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
+    }
+}
+
+/// The local name of the root element and the text of its start tag, if the bytes look like XML.
+pub(crate) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
+    let mut rest = bytes.trim_ascii_start();
+    loop {
+        let end: &[u8] = match rest {
+            [b'<', b'?', ..] => b"?>",
+            [b'<', b'!', b'-', b'-', ..] => b"-->",
+            // What a document type declares stands in brackets.
+            [b'<', b'!', ..] if find(rest, b"[") < find(rest, b">") && find(rest, b"[").is_some() => b"]>",
+            [b'<', b'!', ..] => b">",
+            [b'<', ..] => break,
+            _ => return None,
+        };
+        rest = rest.get(find(rest, end)? + end.len()..)?.trim_ascii_start();
+    }
+    let tag = rest.get(1..find(rest, b">").unwrap_or(rest.len()))?;
+    let name = tag.split(|b| b.is_ascii_whitespace() || *b == b'/').next()?;
+    let name = name.rsplit(|b| *b == b':').next()?;
+    Some((std::str::from_utf8(name).ok()?, std::str::from_utf8(tag).ok()?))
+}
+
+/// The first place of `needle`.
+pub(crate) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
+    bytes.windows(needle.len()).position(|w| w == needle)
+}
+
+/// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
+pub(crate) fn escape(text: &str) -> Cow<'_, str> {
+    let stands = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
+    if text.chars().all(stands) {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\t' => out.push_str("&#9;"),
+            '\n' => out.push_str("&#10;"),
+            '\r' => out.push_str("&#13;"),
+            '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out.into()
 }

@@ -1,26 +1,27 @@
-//! How large an input may be, as it lies on the disk and unpacked.
+//! Reads input files: how large one may be, on the disk and unpacked, and its SHA-256.
 
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Sink, Write};
 use std::path::Path;
 
-use super::checksum::Checksummed;
+use sha2::{Digest, Sha256};
+
 use crate::error::{Error, Fault, Result};
 
-/// Bytes of an input at the most where nothing else is said: 2 GiB.
+/// The largest input file without another limit: 2 GiB.
 pub const MAX_INPUT: u64 = 2 << 30;
-/// A file may unpack to so many times its size, and to [`SMALL`] in any case. Coordinates and radii do not compress to a
-/// hundredth; what does is made to fill the memory.
+/// A file may unpack to at most this many times its size, and always to [`SMALL`]. Coordinates and radii do not compress to a
+/// hundredth; a file that does was made to fill the memory.
 const MOST_INFLATION: u64 = 100;
 const SMALL: u64 = 64 << 20;
 const OPTION: &str = "--max-input allows more";
 
-/// The number of bytes that a text such as `500MB`, `2GiB` or `100000` says.
+/// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
 ///
 /// # Errors
 ///
-/// What is accepted in its place.
+/// The accepted form.
 pub fn byte_count(text: &str) -> Result<u64, &'static str> {
     const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
     const UNITS: [(&str, u64); 8] = [
@@ -54,22 +55,25 @@ fn too_large(found: &str, most: u64, more: &str) -> Fault {
     Fault::file(found, format!("expected at most {}{more}", size(most)))
 }
 
+/// Opens a file that has at most `most` bytes; its length.
+fn open_within(path: &Path, most: u64, more: &str) -> Result<(File, u64)> {
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unread)?;
+    let length = file.metadata().map_err(unread)?.len();
+    if length > most { Err(too_large(&size(length), most, more).in_file(path)) } else { Ok((file, length)) }
+}
+
 /// A file that counts and hashes what is read of it, up to a limit.
-pub(crate) struct Counted {
+pub(crate) struct LimitedFile {
     file: Checksummed<File>,
     most: u64,
     read: u64,
 }
 
-impl Counted {
+impl LimitedFile {
     /// Opens a file of at most `most` bytes.
     pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
-        let unread = |source| Error::Read { path: path.to_owned(), source };
-        let file = File::open(path).map_err(unread)?;
-        let length = file.metadata().map_err(unread)?.len();
-        if length > most {
-            return Err(too_large(&size(length), most, &format!("; {OPTION}")).in_file(path));
-        }
+        let (file, _) = open_within(path, most, &format!("; {OPTION}"))?;
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
     }
 
@@ -79,11 +83,11 @@ impl Counted {
     }
 }
 
-impl Read for Counted {
+impl Read for LimitedFile {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(out)?;
         self.read += count as u64;
-        // What is no plain file does not say how long it is.
+        // Only a plain file states its length in advance.
         if self.read > self.most {
             let found = format!("more than {}; {OPTION}", size(self.most));
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, found));
@@ -96,41 +100,37 @@ impl Read for Counted {
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more.
+/// The file cannot be read, or is larger.
 pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
     bytes_up_to(path, most, &format!("; {OPTION}"))
 }
 
-/// All bytes of a file that has at most `most`; an error says how to allow `more`.
+/// All bytes of a file that has at most `most`; `more` tells how to raise the limit, for the error.
 ///
 /// # Errors
 ///
-/// It cannot be read, or has more.
+/// The file cannot be read, or is larger.
 pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
-    let unread = |source| Error::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(unread)?;
-    let length = file.metadata().map_err(unread)?.len();
-    if length > most {
-        return Err(too_large(&size(length), most, more).in_file(path));
-    }
+    let (file, length) = open_within(path, most, more)?;
     let mut bytes = Vec::with_capacity(length as usize);
-    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
+    let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
     if bytes.len() as u64 > most {
         return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
     }
     Ok(bytes)
 }
 
-/// What the compressed parts of a file may still unpack to, all together.
+/// A limit on how much the compressed parts of a file may unpack to, all together.
 #[derive(Debug)]
-pub(crate) struct Room {
+pub(crate) struct UnpackLimit {
     most: u64,
     left: Cell<u64>,
     accepted: &'static str,
 }
 
-impl Room {
-    /// For a file of so many bytes, where `most` are allowed.
+impl UnpackLimit {
+    /// The limit for a file of this size, where `most` bytes are allowed.
     pub(crate) fn of(file: usize, most: u64) -> Self {
         let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
         let accepted = if most <= usual { OPTION } else { "expected centerlines, which do not compress to a hundredth" };
@@ -138,12 +138,12 @@ impl Room {
         Self { most, left: Cell::new(most), accepted }
     }
 
-    /// The bytes that are left.
+    /// How many more bytes may be unpacked.
     pub(crate) fn left(&self) -> usize {
         usize::try_from(self.left.get()).unwrap_or(usize::MAX)
     }
 
-    /// Takes some of them; else says what was found and what is accepted.
+    /// Counts bytes against the limit; beyond it, what was found and what is accepted.
     pub(crate) fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
         let left = self.left.get().checked_sub(bytes as u64);
         self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);
@@ -151,9 +151,78 @@ impl Room {
     }
 }
 
+/// The SHA-256 of some bytes in hexadecimal digits.
+pub fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The [`checksum`] of what `fill` writes, without holding it in memory.
+///
+/// # Errors
+///
+/// Those of `fill`.
+pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) -> io::Result<String> {
+    let mut summed = Checksummed::new(io::sink());
+    fill(&mut summed)?;
+    Ok(summed.finish())
+}
+
+/// The [`checksum`] of a file of any size.
+///
+/// # Errors
+///
+/// The file cannot be read; the error names it.
+pub fn checksum_of_file(path: &Path) -> Result<String> {
+    let read = checksum_of(|out| io::copy(&mut File::open(path)?, out).map(drop));
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
+    bytes.iter().flat_map(digits).collect()
+}
+
+/// Passes reads and writes on to a file and computes their [`checksum`].
+pub struct Checksummed<F> {
+    file: F,
+    sum: Sha256,
+}
+
+impl<F> Checksummed<F> {
+    /// Reads from `file`, or writes to it.
+    pub fn new(file: F) -> Self {
+        Self { file, sum: Sha256::new() }
+    }
+
+    /// The checksum of all that was read and written.
+    pub fn finish(self) -> String {
+        hexadecimal(&self.sum.finalize())
+    }
+}
+
+impl<W: Write> Write for Checksummed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl<R: Read> Read for Checksummed<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(bytes)?;
+        self.sum.update(&bytes[..read]);
+        Ok(read)
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Room, byte_count};
+    use super::{UnpackLimit, byte_count};
 
     #[test]
     fn sizes_are_read_with_and_without_units() {
@@ -168,11 +237,11 @@ mod tests {
 
     #[test]
     fn room_is_shared_by_all_parts_of_a_file() {
-        let room = Room::of(1 << 30, 1000);
+        let room = UnpackLimit::of(1 << 30, 1000);
         assert!(room.take(600).is_ok() && room.left() == 400);
         let (found, accepted) = room.take(401).unwrap_err();
         assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "--max-input allows more"));
         // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
-        assert_eq!(Room::of(10, u64::MAX).left(), 64 << 20);
+        assert_eq!(UnpackLimit::of(10, u64::MAX).left(), 64 << 20);
     }
 }

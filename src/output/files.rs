@@ -1,11 +1,19 @@
-//! A file that remembers why it could not be written, so that whoever fills it comes to an end first.
+//! Writes files so that every write error is reported; JSON in and out.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// A file to be filled. After the first fault it takes everything and writes nothing: writers of archives, which finish what they
-/// began whatever happened, then have nothing to complain of.
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::error::{Fault, Result};
+use crate::io::bytes_of;
+use crate::output::atomic::write_file;
+use crate::output::names::RECORD;
+
+/// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which finish what they
+/// began in any case, then report no second error.
 #[derive(Debug)]
 pub struct DiskFile {
     file: File,
@@ -21,7 +29,7 @@ impl DiskFile {
         Ok(Self { file: File::create(path)?, fault: None, at: 0, length: 0 })
     }
 
-    /// Brings it onto the disk, or says what was wrong first.
+    /// Flushes the file to the disk, or returns the first error.
     pub fn finish(self) -> io::Result<()> {
         match self.fault {
             None => self.file.sync_all(),
@@ -67,4 +75,34 @@ impl Seek for DiskFile {
         self.at = at;
         Ok(at)
     }
+}
+
+/// Writes a value as JSON for people to read.
+///
+/// # Errors
+///
+/// As [`write_file`].
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    write_file(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}
+
+/// Writes the record of a run into its folder.
+///
+/// # Errors
+///
+/// As [`write_file`].
+pub fn write_record(folder: &Path, record: &impl Serialize) -> Result<()> {
+    write_json(&folder.join(RECORD), record)
+}
+
+/// Reads a value from JSON; `expected` describes the file for the error.
+///
+/// # Errors
+///
+/// The file cannot be read, or holds no such value; the error names it.
+pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> {
+    serde_json::from_slice(&bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
 }

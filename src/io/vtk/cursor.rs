@@ -1,8 +1,8 @@
-//! Walks through a legacy file: words and lines in both encodings, numbers and texts in digits or big-endian binary.
+//! Reads a legacy VTK file from left to right: words and lines in both encodings, numbers and texts in ASCII or big-endian binary.
 
 use crate::error::Fault;
 
-/// A type of numbers.
+/// A type of number.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kind {
     /// Bits in binary.
@@ -183,7 +183,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Brings `%20` and the like back to characters; what is no escape stays.
+/// Replaces `%20` and the like by their characters; other text stays.
 pub(crate) fn unescape(text: &str) -> String {
     let bytes = text.as_bytes();
     let (mut out, mut at) = (Vec::new(), 0);

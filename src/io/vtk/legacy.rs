@@ -1,32 +1,31 @@
-//! Reads a legacy PolyData file section by section.
+//! Reads a legacy VTK PolyData file, ASCII or binary, section by section.
 
-use super::cursor::{Cursor, Kind};
 use crate::error::Fault;
-use crate::io::vtk::polydata::radius::RadiusArray;
-use crate::io::vtk::polydata::{LIMIT, PolyData, Values, centerlines};
+use crate::io::read::ReadOptions;
+use crate::io::vtk::cursor::{Cursor, Kind, unescape};
+use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
 use crate::network::centerlines::Centerlines;
-use crate::network::units::Scale;
 
 pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
 
-/// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also what a person should know.
+/// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also notes for the user.
 ///
-/// Points keep their row as id; those on no line are left out. `radius_array` says which array holds the radius. Lines that run
+/// Points keep their row as id; those on no line are left out. `options.radius_array` says which array holds the radius. Lines that run
 /// together become one vessel; cell arrays such as `label` name their lines.
 ///
 /// # Errors
 ///
 /// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
 /// no radius array, or a surface instead of lines.
-pub fn read_vtk(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut cursor = Cursor::new(bytes);
     head(&mut cursor)?;
-    let mut reader = Reader { cursor, choice: radius_array, ..Reader::default() };
+    let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
         reader.section(keyword)?;
     }
     let (data, notes) = reader.finish()?;
-    let (lines, more) = centerlines(&[data], scale, radius_array)?;
+    let (lines, more) = centerlines(&[data], options)?;
     Ok((lines, [notes, more].concat()))
 }
 
@@ -50,7 +49,7 @@ fn head(cursor: &mut Cursor) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whose arrays come.
+/// Whether arrays belong to the points or to the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Group {
     Points,
@@ -61,19 +60,12 @@ pub(crate) enum Group {
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
     pub(crate) cursor: Cursor<'a>,
-    pub(crate) choice: RadiusArray<'a>,
+    pub(crate) options: &'a ReadOptions,
     pub(crate) data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
-    /// Whose arrays come, and how many values each has.
+    /// Whether arrays belong to the points or to the cells, and how many values each has.
     pub(crate) group: Option<(Group, usize)>,
-}
-
-impl Default for Reader<'_> {
-    fn default() -> Self {
-        let choice = RadiusArray::Usual;
-        Self { cursor: Cursor::new(b""), choice, data: PolyData::default(), cells: [0; 4], group: None }
-    }
 }
 
 impl Reader<'_> {
@@ -116,13 +108,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Cells: since version 5.1 offsets and points apart, before it each with its count before its points.
+    /// Cells: since version 5.1 offsets, then points; before that each cell with its count and its points.
     fn connectivity(&mut self, which: usize) -> Result<(), Fault> {
         let first = self.cursor.count("a number of cells", LIMIT)?;
         let second = self.cursor.count("a number of entries", LIMIT)?;
         if !self.cursor.is_next("OFFSETS") {
             let entries = self.cursor.wholes(Kind::INT, second)?;
-            return self.counted(which, first, &entries);
+            return self.cells_with_counts(which, first, &entries);
         }
         let mut ends = self.part("OFFSETS", first)?;
         let cells = self.part("CONNECTIVITY", second)?;
@@ -148,7 +140,7 @@ impl Reader<'_> {
         }
     }
 
-    fn counted(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
+    fn cells_with_counts(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
         let (mut ends, mut cells, mut at) = (Vec::new(), Vec::new(), 0);
         for n in 0..count {
             let cell = entries.get(at).and_then(|size| entries.get(at + 1..(at + 1).checked_add(usize::try_from(*size).ok()?)?));
@@ -193,5 +185,103 @@ impl Reader<'_> {
             }
         }
         Ok((self.data, notes))
+    }
+}
+
+const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array";
+
+impl Reader<'_> {
+    /// An array of the points or cells, or of the whole file.
+    pub(crate) fn attribute(&mut self, keyword: &str) -> Result<(), Fault> {
+        let width = match keyword {
+            "VECTORS" | "NORMALS" => 3,
+            "TENSORS" => 9,
+            "TENSORS6" => 6,
+            "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
+            // What follows states it.
+            "FIELD" | "SCALARS" | "COLOR_SCALARS" | "LOOKUP_TABLE" | "TEXTURE_COORDINATES" => 0,
+            _ => {
+                "keyword".clone_into(&mut self.cursor.section);
+                return Err(self.cursor.fault(format!("\"{}\"", keyword.escape_debug()), SECTIONS));
+            }
+        };
+        let name = unescape(self.cursor.need("a name")?);
+        let rows = self.group.map_or(0, |(_, count)| count);
+        self.cursor.section = format!("{keyword} \"{name}\"");
+        match keyword {
+            "FIELD" => {
+                let arrays = self.cursor.count("a number of arrays", LIMIT)?;
+                for _ in 0..arrays {
+                    while self.cursor.is_next("METADATA") {
+                        self.cursor.word();
+                        self.section("METADATA")?;
+                    }
+                    self.field()?;
+                }
+                Ok(())
+            }
+            "COLOR_SCALARS" => {
+                let width = self.cursor.count("a number of components", LIMIT)?;
+                self.cursor.numbers(Kind::BYTE, rows.saturating_mul(width)).map(drop)
+            }
+            "LOOKUP_TABLE" => {
+                let size = self.cursor.count("a size", LIMIT)?;
+                self.cursor.numbers(if self.cursor.binary { Kind::BYTE } else { Kind::REAL }, 4 * size).map(drop)
+            }
+            "SCALARS" => {
+                let kind = self.cursor.need("a type")?;
+                let width = self.cursor.line().unwrap_or_default();
+                let width = match width.trim() {
+                    "" => 1,
+                    text => text.parse().map_err(|_| self.cursor.fault(format!("\"{text}\""), "expected 1 to 4 components"))?,
+                };
+                let table = self.cursor.need("LOOKUP_TABLE")?;
+                if !table.eq_ignore_ascii_case("LOOKUP_TABLE") {
+                    return Err(self.cursor.fault(format!("\"{}\"", table.escape_debug()), "expected LOOKUP_TABLE"));
+                }
+                self.cursor.need("a name")?;
+                self.values(&name, kind, width, rows)
+            }
+            _ => {
+                let width = if keyword == "TEXTURE_COORDINATES" { self.cursor.count("a dimension", 3)? } else { width };
+                let kind = self.cursor.need("a type")?;
+                self.values(&name, kind, width, rows)
+            }
+        }
+    }
+
+    /// One array of a field, which says its own size.
+    fn field(&mut self) -> Result<(), Fault> {
+        let name = unescape(self.cursor.need("the name of an array")?);
+        if name == "NULL_ARRAY" {
+            return Ok(());
+        }
+        self.cursor.section = format!("array \"{name}\"");
+        let width = self.cursor.count("a number of components", LIMIT)?;
+        let rows = self.cursor.count("a number of values", LIMIT)?;
+        let kind = self.cursor.need("a type")?;
+        if let Some((_, expected)) = self.group.filter(|(_, expected)| *expected != rows && is_wanted(name.trim(), self.options))
+        {
+            return Err(self.cursor.fault(format!("{rows} values"), format!("expected {expected}")));
+        }
+        self.values(&name, kind, width, rows)
+    }
+
+    fn values(&mut self, name: &str, kind: &str, width: usize, rows: usize) -> Result<(), Fault> {
+        let count = rows.saturating_mul(width);
+        let values = if ["string", "utf8_string"].iter().any(|text| kind.eq_ignore_ascii_case(text)) {
+            Values::Texts(self.cursor.texts(count)?)
+        } else {
+            let kind = Kind::named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
+            Values::Numbers(self.cursor.numbers(kind, count)?)
+        };
+        let name = name.trim().to_owned();
+        let values = if width == 1 && is_wanted(&name, self.options) { values } else { Values::Unread };
+        match self.group {
+            Some((Group::Points, _)) => self.data.point_data.push(Array { name, values }),
+            Some((Group::Cells, _)) => self.data.line_data.push(Array { name, values }),
+            None => {}
+        }
+        Ok(())
     }
 }

@@ -1,37 +1,25 @@
-//! Reads the lines and radii of a VTP file.
+//! Reads the lines and radii of a VTK XML PolyData file (VTP).
 
-use super::array::Arrays;
-use super::block::{Encoding, Source};
 use crate::error::Fault;
-use crate::io::limit::{MAX_INPUT, Room};
-use crate::io::vtk::polydata::radius::RadiusArray;
+use crate::io::input::UnpackLimit;
+use crate::io::read::ReadOptions;
+use crate::io::vtk::array::{Arrays, Source};
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
-use crate::io::xml;
-use crate::io::xml::tree::Element;
+use crate::io::xml::{self, Element};
 use crate::network::centerlines::Centerlines;
-use crate::network::units::Scale;
 
-/// Reads the polylines of all pieces with the radius of each point; returns also what a person should know.
+/// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
 /// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
-/// `radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as `label`
+/// `options.radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as `label`
 /// name their lines.
 ///
 /// # Errors
 ///
 /// XML that is not well-formed, an encoding that cannot be read, arrays that contradict each other, a point on a line
 /// without finite coordinates, no radius array, or a surface instead of lines.
-pub fn read_vtp(bytes: &[u8], scale: &Scale, radius_array: RadiusArray<'_>) -> Result<(Centerlines, Vec<String>), Fault> {
-    unpack_vtp(bytes, scale, radius_array, &Room::of(bytes.len(), MAX_INPUT))
-}
-
-/// The same, of arrays that unpack to so much at the most.
-pub(in crate::io) fn unpack_vtp(
-    bytes: &[u8],
-    scale: &Scale,
-    radius_array: RadiusArray<'_>,
-    room: &Room,
-) -> Result<(Centerlines, Vec<String>), Fault> {
+pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let room = &UnpackLimit::of(bytes.len(), options.max_input);
     let (head, appended) = split(bytes)?;
     let root = Element::root(&head)?;
     let little = match root.attribute("byte_order") {
@@ -49,7 +37,7 @@ pub(in crate::io) fn unpack_vtp(
         "vtkZLibDataCompressor" => true,
         other => return Err(Fault::file(format!("compressor {other}"), "expected vtkZLibDataCompressor or none")),
     };
-    let arrays = Arrays { encoding: Encoding { little, word, zlib }, appended, room };
+    let arrays = Arrays { little, word, zlib, appended, room };
     let polydata = root.named("PolyData").next();
     let pieces: Vec<&Element> = polydata.into_iter().flat_map(|p| p.named("Piece")).collect();
     let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();
@@ -72,22 +60,22 @@ pub(in crate::io) fn unpack_vtp(
     for piece in pieces {
         let lines = number(piece, "NumberOfLines")?;
         if lines > 0 {
-            read.push(read_piece(piece, &arrays, radius_array, before)?);
+            read.push(read_piece(piece, &arrays, options, before)?);
         }
         before = [before[0] + number(piece, "NumberOfPoints")?, before[1] + lines];
     }
-    let (lines, more) = centerlines(&read, scale, radius_array)?;
+    let (lines, more) = centerlines(&read, options)?;
     notes.extend(more);
     Ok((lines, notes))
 }
 
-fn read_piece(piece: &Element, arrays: &Arrays, choice: RadiusArray<'_>, before: [usize; 2]) -> Result<PolyData, Fault> {
+fn read_piece(piece: &Element, arrays: &Arrays, options: &ReadOptions, before: [usize; 2]) -> Result<PolyData, Fault> {
     let [points, lines, verts] = ["NumberOfPoints", "NumberOfLines", "NumberOfVerts"].map(|name| number(piece, name));
     let (points, lines, verts) = (points?, lines?, verts?);
     let coordinates = piece.named("Points").next().and_then(|p| p.named("DataArray").next());
     let coordinates = coordinates.ok_or_else(|| Fault::file("no <Points>", "expected an array of 3 components"))?;
     let coordinates = arrays.reals(coordinates, 3 * points)?;
-    let point_data = named(piece, "PointData", arrays, choice, [0, points])?;
+    let point_data = named(piece, "PointData", arrays, options, [0, points])?;
     let cells = |name| array(piece, "Lines", name).ok_or_else(|| Fault::file(format!("no {name} of <Lines>"), "expected it"));
     let ends = arrays.indices(cells("offsets")?, lines)?;
     let total = ends.last().and_then(|end| usize::try_from(*end).ok()).filter(|end| *end <= LIMIT);
@@ -97,7 +85,7 @@ fn read_piece(piece: &Element, arrays: &Arrays, choice: RadiusArray<'_>, before:
     })?;
     let cells = arrays.indices(cells("connectivity")?, total)?;
     // Cell data counts vertex cells before lines.
-    let line_data = named(piece, "CellData", arrays, choice, [verts, lines])?;
+    let line_data = named(piece, "CellData", arrays, options, [verts, lines])?;
     let points = coordinates.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     Ok(PolyData { before, points, ends, cells, point_data, line_data })
 }
@@ -107,14 +95,14 @@ fn named(
     piece: &Element,
     group: &'static str,
     arrays: &Arrays,
-    choice: RadiusArray<'_>,
+    options: &ReadOptions,
     [skipped, count]: [usize; 2],
 ) -> Result<Vec<Array>, Fault> {
     let mut out = Vec::new();
     for array in piece.named(group).flat_map(|group| group.children().filter(|c| is_array(c))) {
         let name = array.attribute("Name").trim();
         let scalar = matches!(array.attribute("NumberOfComponents").trim(), "" | "1");
-        let values = if !scalar || !is_wanted(name, choice) {
+        let values = if !scalar || !is_wanted(name, options) {
             Values::Unread
         } else if array.attribute("type") == "String" {
             Values::Texts(arrays.texts(array, skipped + count)?.split_off(skipped))
@@ -135,7 +123,7 @@ fn is_array(element: &Element) -> bool {
     matches!(element.name.as_str(), "DataArray" | "Array")
 }
 
-/// A count that a piece announces; absent is 0.
+/// A count that a piece states; 0 where it is absent.
 fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
     match piece.attribute(name).trim() {
         "" => Ok(0),
@@ -144,7 +132,7 @@ fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
     }
 }
 
-/// The XML without its appended data, which need not be XML, and these.
+/// Splits a file into its XML and its appended data, which need not be XML.
 fn split(bytes: &[u8]) -> Result<(std::borrow::Cow<'_, [u8]>, Option<Source<'_>>), Fault> {
     let Some(start) = xml::find(bytes, b"<AppendedData") else { return Ok((bytes.into(), None)) };
     let rest = &bytes[start..];

@@ -1,13 +1,14 @@
-//! Tables of text row by row, whichever delimiter, line end and mark at the beginning their program gave them.
+//! Reads tables of text row by row, whichever delimiter, line end and number format their program chose.
 
 use std::collections::HashSet;
 
-use super::number::{counted, number};
-use super::write::unplain;
 use crate::error::Fault;
+use crate::io::tables::write::unescape_formula;
+use crate::network::units::Scale;
+use crate::support::geometry::Point;
 
-/// A table of which the header has been read.
-pub(crate) struct Rows<'a> {
+/// A reader of a table whose header has been read.
+pub(crate) struct TableReader<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: Vec<String>,
     record: csv::StringRecord,
@@ -15,7 +16,7 @@ pub(crate) struct Rows<'a> {
     text: &'a [u8],
     /// Lines before the header.
     skipped: usize,
-    /// Rows read.
+    /// Rows read so far.
     count: usize,
 }
 
@@ -29,39 +30,39 @@ pub(crate) struct Row<'a> {
     pub(crate) number: usize,
 }
 
-/// The delimiter that a header line uses most of comma, semicolon and tab.
+/// The delimiter of a table: whichever of comma, semicolon and tab its header uses most.
 pub(crate) fn delimiter(header: &str) -> char {
     let count = |delimiter: char| header.matches(delimiter).count();
     [',', ';', '\t'].into_iter().rev().max_by_key(|d| count(*d)).unwrap_or(',')
 }
 
-/// A header in a message, however many columns it has.
+/// The header as text for a message, shortened where it is long.
 pub(crate) fn columns(header: &[String]) -> String {
     const MOST: usize = 8;
     let (shown, more) = (header[..header.len().min(MOST)].join(","), header.len().saturating_sub(MOST));
     if more == 0 { format!("columns {shown}") } else { format!("columns {shown} and {more} more") }
 }
 
-/// A table whose lines of comments (`#`) are empty, so that every line keeps its number.
+/// The table with comment lines (`#`) emptied, so that every line keeps its number.
 pub(crate) fn uncommented(bytes: &[u8]) -> Vec<u8> {
     let is_comment = |line: &[u8]| line.trim_ascii_start().starts_with(b"#");
     bytes.split_inclusive(|b| *b == b'\n').flat_map(|line| if is_comment(line) { b"\n" } else { line }).copied().collect()
 }
 
-impl<'a> Rows<'a> {
+impl<'a> TableReader<'a> {
     /// Reads the header: the first line that is neither empty nor a comment (`#`).
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         Self::with(bytes, false)
     }
 
-    /// The same of a table whose rows may have more or fewer columns than its header.
+    /// As [`Self::open`], for a table whose rows may have more or fewer columns than its header.
     pub(crate) fn ragged(bytes: &'a [u8]) -> Result<Self, Fault> {
         Self::with(bytes, true)
     }
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save it so"));
+            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
         }
         let (mut rest, mut skipped) = (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 0);
         let first = loop {
@@ -90,12 +91,12 @@ impl<'a> Rows<'a> {
         &self.header
     }
 
-    /// The first of the names that the header has, in whatever case.
+    /// The column with the first of these names that the header has, in any case.
     pub(crate) fn find(&self, names: &[&str]) -> Option<usize> {
         names.iter().find_map(|name| self.header.iter().position(|column| column.eq_ignore_ascii_case(name)))
     }
 
-    /// The first of the names that the header has, in whatever case; `what` says what they are for.
+    /// As [`Self::find`], for a column that must be there; `what` says what it holds.
     pub(crate) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
@@ -125,12 +126,12 @@ impl Row<'_> {
 
     /// The text of a column; empty where the row has none.
     pub(crate) fn text(&self, column: usize) -> &str {
-        unplain(self.fields.get(column).unwrap_or_default())
+        unescape_formula(self.fields.get(column).unwrap_or_default())
     }
 
     /// Texts that are not empty, with their columns.
     pub(crate) fn texts(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.fields.iter().map(unplain).enumerate().filter(|(_, text)| !text.is_empty())
+        self.fields.iter().map(unescape_formula).enumerate().filter(|(_, text)| !text.is_empty())
     }
 
     /// The number in a column; NaN for an empty one.
@@ -159,7 +160,7 @@ impl Row<'_> {
     }
 }
 
-/// The line on which a record begins. The reader of CSV takes a record to begin before the line ends that it skips.
+/// The line on which a record begins. The CSV reader counts the line ends that it skips before a record as part of it.
 fn line_of(position: &csv::Position, text: &[u8]) -> usize {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let skipped = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n'));
@@ -170,11 +171,78 @@ fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
     let line = error.position().map_or(1, |p| line_of(p, text)) + skipped;
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            Fault::line(line, counted(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
+            Fault::line(line, plural(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
         }
         csv::ErrorKind::Utf8 { err, .. } => {
             Fault::line(line, format!("column {} is not UTF-8", err.field() + 1), "expected UTF-8 text")
         }
         _ => Fault::line(line, format!("not CSV: {error}"), "expected comma-separated values"),
+    }
+}
+
+/// Reads a number, decimal or in the hexadecimal form that C prints and graph-tool writes; else the accepted form.
+pub(crate) fn number(text: &str) -> Result<f64, &'static str> {
+    if let Some(x) = text.parse().ok().or_else(|| hexadecimal(text)) {
+        return Ok(x);
+    }
+    match text.replacen(',', ".", 1).parse::<f64>() {
+        Ok(_) if text.contains(',') => Err("expected a decimal point, not a comma"),
+        _ => Err("expected a number"),
+    }
+}
+
+/// A count with its noun: "1 edge", "2 edges".
+pub(crate) fn plural(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+/// `[-]0xH.HHHp[+-]D`: the significand in hexadecimal digits, times a power of two.
+fn hexadecimal(text: &str) -> Option<f64> {
+    let (sign, text) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;
+    let (significand, exponent) = digits.split_once(['p', 'P'])?;
+    let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
+    let all = format!("{whole}{fraction}");
+    let plain = all.bytes().all(|b| b.is_ascii_hexdigit()) && all.len() <= 15;
+    let value = if plain { u64::from_str_radix(&all, 16).ok()? } else { return None };
+    let power = exponent.parse::<i32>().ok().filter(|e| e.abs() < 5000)? - 4 * fraction.len() as i32;
+    // In two steps, so that no intermediate power is out of range.
+    Some(sign * value as f64 * 2_f64.powi(power / 2) * 2_f64.powi(power - power / 2))
+}
+
+impl Row<'_> {
+    /// The length in a column, m; NaN for an empty one.
+    pub(crate) fn length(&self, column: usize, scale: &Scale) -> Result<f64, Fault> {
+        Ok(self.scale(column, scale).length(self.real(column)?))
+    }
+
+    /// The finite position in three columns, m.
+    pub(crate) fn point(&self, columns: [usize; 3], scale: &Scale) -> Result<Point, Fault> {
+        let position = self.position(columns)?;
+        Ok([0, 1, 2].map(|axis| self.scale(columns[axis], scale).position(position)[axis]))
+    }
+
+    fn scale(&self, column: usize, scale: &Scale) -> Scale {
+        if self.name(column).to_ascii_lowercase().ends_with("_mm") { Scale::default() } else { *scale }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn decimal_and_hexadecimal_numbers_are_read_and_commas_named() {
+        // Python: (10.875).hex(), (-0.1).hex(), (2**-1074).hex(), sys.float_info.max.hex(), (0.0).hex()
+        assert_eq!(number("0x1.5c00000000000p+3"), Ok(10.875));
+        assert_eq!(number("-0x1.999999999999ap-4"), Ok(-0.1));
+        assert_eq!(number("0x0.0000000000001p-1022"), Ok(5e-324));
+        assert_eq!(number("0x1.fffffffffffffp+1023"), Ok(f64::MAX));
+        assert_eq!(number("0x0.0p+0"), Ok(0.0));
+        assert_eq!(number("1.5e-3"), Ok(1.5e-3));
+        assert_eq!(number("1,5"), Err("expected a decimal point, not a comma"));
+        for wrong in ["", "abc", "1,5,2", "0x", "0x1.8", "0xp1", "0x1p99999", "0x11111111111111111p0", "0x1.8p+-3"] {
+            assert_eq!(number(wrong), Err("expected a number"), "{wrong}");
+        }
     }
 }
