@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
-use super::page::lists::Figure;
-use super::page::{simulation_page, write_page};
+use super::page::{Picture, simulation_page, write_page};
 use super::record::{Provenance, conditions, outlets_found};
 use crate::error::Result;
 use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
@@ -224,7 +223,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     let bars = flow_bars(&flows(simulated))?;
     bars.write(folder, dpi)?;
     let says = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
-    let figures = vec![Figure::new("Flow", says, &bars)?];
+    let figures = vec![Picture::new("Flow", says, &bars)?];
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;

@@ -6,8 +6,7 @@ mod tables;
 
 use std::path::Path;
 
-use super::page::lists::Figure;
-use super::page::{ModulationTables, modulation_page, write_page};
+use super::page::{ModulationTables, Picture, modulation_page, write_page};
 use super::record::Provenance;
 use crate::error::Result;
 use crate::flow::{Boundary, FoundOutlets};
@@ -86,7 +85,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
         [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
     {
         picture.write(folder, dpi)?;
-        figures.push(Figure::new(title, says, &picture)?);
+        figures.push(Picture::new(title, says, &picture)?);
     }
     let record = record::Record::of(outcome);
     write_record(folder, &record)?;
