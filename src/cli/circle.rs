@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::Result;
-use willis::internals::circle_of_willis::{Circle, Scheme, identify};
+use willis::internals::circle_of_willis::{Circle, LabelScheme, identify_landmarks};
 use willis::internals::io::{bytes_of, checksum, read_landmarks};
 use willis::internals::network::Network;
 use willis::internals::network::units::Scale;
@@ -62,8 +62,9 @@ impl CircleArgs {
 
     /// As the record of a run says.
     pub fn of_record(parameters: &Value) -> Self {
-        let labels = [(Scheme::Names, Labels::Names), (Scheme::ICafe, Labels::Icafe), (Scheme::TopCow, Labels::Topcow)];
-        let known_by = |scheme: &Scheme| parameters["arteries"].as_str() == Some(scheme.name());
+        let labels =
+            [(LabelScheme::Names, Labels::Names), (LabelScheme::ICafe, Labels::Icafe), (LabelScheme::TopCow, Labels::Topcow)];
+        let known_by = |scheme: &LabelScheme| parameters["arteries"].as_str() == Some(scheme.name());
         Self {
             landmarks: parameters["landmarks"]["path"].as_str().map(PathBuf::from),
             labels: labels.into_iter().find(|(scheme, _)| known_by(scheme)).map(|(_, labels)| labels),
@@ -90,12 +91,12 @@ impl CircleArgs {
 
     fn by_labels(&self, input: &Path, network: &Network) -> Result<Found> {
         let scheme = match self.labels {
-            Some(Labels::Names) => Scheme::Names,
-            Some(Labels::Icafe) => Scheme::ICafe,
-            Some(Labels::Topcow) => Scheme::TopCow,
+            Some(Labels::Names) => LabelScheme::Names,
+            Some(Labels::Icafe) => LabelScheme::ICafe,
+            Some(Labels::Topcow) => LabelScheme::TopCow,
             None => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
-                Scheme::of(labels).map_err(|fault| fault.in_file(input))?
+                LabelScheme::of(labels).map_err(|fault| fault.in_file(input))?
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
@@ -105,7 +106,7 @@ impl CircleArgs {
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<Found> {
     let bytes = bytes_of(file)?;
-    let landmarks = read_landmarks(&bytes, scale).and_then(identify).map_err(|fault| fault.in_file(file))?;
+    let landmarks = read_landmarks(&bytes, scale).and_then(identify_landmarks).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
     Ok(Found { circle, known_by: "landmarks".to_owned(), landmarks: Some((file.display().to_string(), checksum(&bytes))), notes })
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::internals::circle_of_willis::{Collateral, Posterior, Variant, counted};
+use willis::internals::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
 use willis::internals::output::{StagedFolder, write_record};
 use willis::internals::report::cohort::{Figures, phenotype_figures};
 use willis::internals::report::{
@@ -119,7 +119,7 @@ impl ClassifyArgs {
             notes.push(how);
             (posterior.topology.clone(), posterior.best(), Some(posterior))
         } else {
-            let (kept, note) = counted(network);
+            let (kept, note) = present_vessels(network);
             notes.extend(note.map(str::to_owned));
             let variant = found.circle.variant(network, |row| kept[row]);
             (kept, variant, None)

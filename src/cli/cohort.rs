@@ -8,7 +8,7 @@ use std::thread;
 
 use serde_json::Value;
 use willis::error::{Error, Result};
-use willis::internals::circle_of_willis::MM_AWAY;
+use willis::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use willis::internals::output::Making;
 use willis::internals::output::StagedFolder;
 use willis::internals::output::atomic::sweep_own;
@@ -107,7 +107,7 @@ impl Cohort<'_> {
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
         let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
         // Where the landmarks of each lie is told nowhere but there.
-        let notes = notes.filter(|note| !note.ends_with(MM_AWAY));
+        let notes = notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING));
         say_notes(terminal, &counted(notes), "subject");
         let about = About { command: self.command, line: command_line(), parameters: &self.parameters };
         write_cohort(self.output, &rows, &about)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use willis::error::{Error, Result};
-use willis::internals::circle_of_willis::divide;
+use willis::internals::circle_of_willis::split_where_labels_change;
 use willis::internals::io::{Content, Document, Format, Made, read};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::millimetres;
@@ -59,7 +59,7 @@ impl Loaded {
     /// Divides the vessels where their labels change along the centerlines.
     pub fn divide_by_labels(&mut self) {
         if let Some(lines) = &self.lines {
-            self.network = divide(&self.network, lines, self.radius_rule);
+            self.network = split_where_labels_change(&self.network, lines, self.radius_rule);
         }
     }
 }

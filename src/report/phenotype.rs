@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::record::Provenance;
-use crate::circle_of_willis::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
+use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
 use crate::io::{Column, write_csv};
 use crate::network::Network;
@@ -49,7 +49,7 @@ const TOLD: usize = 10;
 fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     let variant =
         |(variant, p): &(Variant, f64)| json!({ "variant": variant.name(), "words": variant.words(), "probability": p });
-    let deciding = |d: &Deciding| {
+    let deciding = |d: &DecidingCandidate| {
         let [a, b] = network.ends(d.vessel);
         json!({
             "edge": d.vessel, "node_a": a, "node_b": b, "id_a": network.node(a).id, "id_b": network.node(b).id,
