@@ -38,8 +38,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
     if evidence {
-        names.push(("wrong connections expected", "/expected_errors/wrong", ""));
-        names.push(("missed connections expected", "/expected_errors/missed", ""));
+        names.push(("expected wrong connections", "/expected_errors/wrong", ""));
+        names.push(("expected missed connections", "/expected_errors/missed", ""));
     }
     Page {
         title: title("infer", &record),

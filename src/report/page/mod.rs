@@ -233,7 +233,7 @@ pub struct Picture {
     /// Its heading.
     pub title: &'static str,
     /// What it shows: its caption, and its text for readers who cannot see it.
-    pub says: &'static str,
+    pub caption: &'static str,
     /// The picture itself as a data URL.
     source: String,
 }
@@ -244,11 +244,11 @@ impl Picture {
     /// # Errors
     ///
     /// A figure that cannot be drawn.
-    pub fn new(title: &'static str, says: &'static str, figure: &Figure) -> Result<Self> {
+    pub fn new(title: &'static str, caption: &'static str, figure: &Figure) -> Result<Self> {
         let drawing = figure.svg()?;
         let (kind, bytes) =
             if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
-        Ok(Self { title, says, source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)) })
+        Ok(Self { title, caption, source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)) })
     }
 }
 

@@ -38,7 +38,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
         &[
             ("nodes", "/counts/nodes", ""),
             ("vessels", "/counts/vessels", ""),
-            ("instances a class", "/parameters/samples", ""),
+            ("instances per class", "/parameters/samples", ""),
             ("reading", "/parameters/reading", ""),
             ("seed", "/seed", ""),
             ("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
