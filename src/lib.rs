@@ -43,7 +43,7 @@ mod support;
 mod training;
 
 pub use candidates::{Attach, CandidateOptions, CandidateRadius};
-pub use circle_of_willis::Scheme;
+pub use circle_of_willis::LabelScheme;
 pub use decision::{Decision, Keep};
 pub use error::{Error, Result};
 pub use flow::FoundOutlets;

@@ -12,7 +12,7 @@ use willis::internals::io::{Content, ReadOptions};
 use willis::internals::io::tables::conditions;
 use willis::internals::network::{Network, RadiusRule, contract};
 use willis::internals::phantom::{cerebral, circle_of_willis};
-use willis::internals::circle_of_willis::identify;
+use willis::internals::circle_of_willis::identify_landmarks;
 use willis::internals::network::units::Scale;
 
 static FORMAT: LazyLock<String> = LazyLock::new(|| std::env::var("WILLIS_FORMAT").expect("WILLIS_FORMAT names a format"));
@@ -79,7 +79,7 @@ fuzz_target!(|bytes: &[u8]| {
                 let _ = willis::internals::io::add_loops(second, &mut lines);
             }
         }
-        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(identify)),
+        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(identify_landmarks)),
         "conditions-csv" => drop(conditions::read_csv(bytes)),
         "conditions-toml" => drop(conditions::read_toml(bytes)),
         "weights" => drop(Weights::read(&text)),

@@ -1,10 +1,10 @@
-//! The arteries of the Circle of Willis and those that feed and leave it.
+//! The arteries of the Circle of Willis, with those that feed it and those that leave it.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A side of the body: the patient's own.
+/// A side of the patient's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Side {
     /// Left.
@@ -13,13 +13,13 @@ pub enum Side {
     Right,
 }
 
-/// An artery. What lies further out counts as what it continues: M2 to M4 as M1, A3 to A5 as A2, P3 and P4 as P2, every segment of
-/// the internal carotid (C1 to C7, ICA I and II, ICA-T) as the internal carotid.
+/// An artery. Distal segments count as the one that they continue: M2 to M4 as M1, A3 to A5 as A2, P3 and P4 as P2. Every segment of
+/// the internal carotid (C1 to C7, ICA I and II, ICA-T) counts as the internal carotid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Artery {
     /// Internal carotid artery.
     Ica(Side),
-    /// First segment of the middle cerebral artery, and what continues it.
+    /// First segment of the middle cerebral artery, and those that continue it.
     M1(Side),
     /// Anterior cerebral artery up to the anterior communicating artery.
     A1(Side),
@@ -58,7 +58,7 @@ pub const RING: [Artery; 7] = [
     Artery::PComm(Side::Right),
 ];
 
-/// The segments whose fenestrations are told, in the order of [`super::variant::Variant::fenestration`].
+/// The segments in which a fenestration is looked for, in the order of [`super::variant::Variant::fenestration`].
 pub const FENESTRATED: [Artery; 5] =
     [Artery::A1(Side::Left), Artery::AComm, Artery::A1(Side::Right), Artery::P1(Side::Left), Artery::P1(Side::Right)];
 
@@ -66,31 +66,25 @@ impl Side {
     /// Left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// The other one.
+    /// The opposite side.
     #[must_use]
     pub fn other(self) -> Self {
-        match self {
-            Self::Left => Self::Right,
-            Self::Right => Self::Left,
-        }
+        Self::BOTH[1 - self.index()]
     }
 
     /// 0 for left, 1 for right.
-    pub fn row(self) -> usize {
+    pub fn index(self) -> usize {
         self as usize
     }
 
     /// The word in lower case.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        }
+        ["left", "right"][self.index()]
     }
 }
 
 impl Artery {
-    /// Those that come in pairs.
+    /// The arteries that exist on both sides.
     pub(crate) const PAIRED: [fn(Side) -> Self; 11] =
         [Self::Ica, Self::M1, Self::Mca, Self::A1, Self::A2, Self::Aca, Self::P1, Self::P2, Self::Pca, Self::PComm, Self::Va];
 
@@ -100,27 +94,35 @@ impl Artery {
         sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
     }
 
-    /// Its side; none in the midline.
-    pub fn side(self) -> Option<Side> {
+    /// A number for the artery of either side, its name without the side, and its side; `None` in the midline.
+    fn parts(self) -> (usize, &'static str, Option<Side>) {
         match self {
-            Self::AComm | Self::Ba | Self::ThirdA2 => None,
-            Self::Ica(s)
-            | Self::M1(s)
-            | Self::A1(s)
-            | Self::A2(s)
-            | Self::P1(s)
-            | Self::P2(s)
-            | Self::PComm(s)
-            | Self::Va(s)
-            | Self::Mca(s)
-            | Self::Aca(s)
-            | Self::Pca(s) => Some(s),
+            Self::Ica(side) => (0, "ICA", Some(side)),
+            Self::M1(side) => (1, "M1", Some(side)),
+            Self::Mca(side) => (2, "MCA", Some(side)),
+            Self::A1(side) => (3, "A1", Some(side)),
+            Self::A2(side) => (4, "A2", Some(side)),
+            Self::Aca(side) => (5, "ACA", Some(side)),
+            Self::P1(side) => (6, "P1", Some(side)),
+            Self::P2(side) => (7, "P2", Some(side)),
+            Self::Pca(side) => (8, "PCA", Some(side)),
+            Self::PComm(side) => (9, "PComm", Some(side)),
+            Self::Va(side) => (10, "VA", Some(side)),
+            Self::AComm => (11, "AComm", None),
+            Self::Ba => (12, "BA", None),
+            Self::ThirdA2 => (13, "3rd-A2", None),
         }
     }
 
-    /// The undivided artery that it is a segment of; itself where it is none.
+    /// Its bit in a set of arteries.
+    pub(crate) fn bit(self) -> u32 {
+        let (number, _, side) = self.parts();
+        1 << (2 * number + side.map_or(0, Side::index))
+    }
+
+    /// The undivided artery that it is a segment of; itself where it is no such segment.
     #[must_use]
-    pub fn whole(self) -> Self {
+    pub fn undivided(self) -> Self {
         match self {
             Self::A1(side) | Self::A2(side) => Self::Aca(side),
             Self::P1(side) | Self::P2(side) => Self::Pca(side),
@@ -128,36 +130,12 @@ impl Artery {
             other => other,
         }
     }
-
-    /// Its name without the side.
-    pub fn stem(self) -> &'static str {
-        match self {
-            Self::Ica(_) => "ICA",
-            Self::M1(_) => "M1",
-            Self::A1(_) => "A1",
-            Self::A2(_) => "A2",
-            Self::P1(_) => "P1",
-            Self::P2(_) => "P2",
-            Self::PComm(_) => "PComm",
-            Self::Va(_) => "VA",
-            Self::AComm => "AComm",
-            Self::Ba => "BA",
-            Self::ThirdA2 => "3rd-A2",
-            Self::Mca(_) => "MCA",
-            Self::Aca(_) => "ACA",
-            Self::Pca(_) => "PCA",
-        }
-    }
 }
 
-/// The house name: `L-A1`, `AComm`, `BA`.
+/// The name that willis writes: `L-A1`, `AComm`, `BA`.
 impl fmt::Display for Artery {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let side = match self.side() {
-            Some(Side::Left) => "L-",
-            Some(Side::Right) => "R-",
-            None => "",
-        };
-        write!(f, "{side}{}", self.stem())
+        let (_, name, side) = self.parts();
+        write!(f, "{}{name}", side.map_or("", |side| ["L-", "R-"][side.index()]))
     }
 }

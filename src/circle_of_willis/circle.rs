@@ -1,15 +1,15 @@
-//! Where each artery of the Circle of Willis is in a network, by labels or by landmarks.
+//! Where each artery of the Circle of Willis lies in a network, by labels or by landmarks.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::arteries::Artery;
-use super::collaterals::Courses;
-use super::labels::{Scheme, artery, is_none};
-use super::landmarks::{Landmark, Site, are_exchanged, free_end, place, sites};
+use super::collaterals::ArteryVessels;
+use super::labels::{LabelScheme, artery_of_label, names_no_artery};
+use super::landmarks::{Landmark, Site, free_end, nearest_node_of, sides_look_exchanged, sites};
 use super::segments_by_labels;
-use super::segments_by_labels::Named;
+use super::segments_by_labels::LabelMeaning;
 use super::segments_by_landmarks::Points;
 use super::variant::Variant;
 use crate::error::Fault;
@@ -17,76 +17,76 @@ use crate::network::units::millimetres;
 use crate::network::{Nearest, Network, Origin};
 use crate::support::geometry::{Point, distance};
 
-/// Where the arteries are.
+/// Where the arteries lie in a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circle {
-    place: Where,
+    location: Location,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-enum Where {
-    /// Per vessel what its label makes of it.
-    Vessels(Vec<Named>),
-    /// Nodes of in- and outlets and bifurcations.
+enum Location {
+    /// The meaning of the label of each vessel.
+    Vessels(Vec<LabelMeaning>),
+    /// The nodes of inlets, outlets and bifurcations.
     Nodes(Box<Points>),
 }
 
-/// How a note ends that says where a landmark was found; no other note ends so.
-pub const MM_AWAY: &str = " mm away";
+/// How a note ends that gives the node of a landmark. No other note ends so.
+pub const LANDMARK_NOTE_ENDING: &str = " mm away";
 const EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
 
 impl Circle {
-    /// The circle of a network whose vessels are labelled, and what a person should know.
+    /// The circle of a network whose vessels are labelled, with notes for the user.
     ///
     /// # Errors
     ///
-    /// No vessel is labelled as an internal carotid, basilar or vertebral artery; a label is no code of the scheme.
-    pub fn labelled(network: &Network, scheme: Scheme) -> Result<(Self, Vec<String>), Fault> {
-        let mut strange = BTreeMap::new();
-        let mut places = Vec::with_capacity(network.vessel_count());
+    /// No vessel is labelled as an internal carotid, basilar or vertebral artery; a label is not a code of the scheme.
+    pub fn labelled(network: &Network, scheme: LabelScheme) -> Result<(Self, Vec<String>), Fault> {
+        let mut unknown = BTreeMap::new();
+        let mut meanings = Vec::with_capacity(network.vessel_count());
         for (_, vessel) in network.vessels() {
-            places.push(match artery(&vessel.label, scheme) {
-                _ if is_none(&vessel.label) => Named::Free,
-                Some(artery) => Named::Artery(artery),
+            meanings.push(match artery_of_label(&vessel.label, scheme) {
+                _ if names_no_artery(&vessel.label) => LabelMeaning::Free,
+                Some(artery) => LabelMeaning::Artery(artery),
                 None => {
-                    *strange.entry(vessel.label.trim().to_owned()).or_insert(0_usize) += 1;
-                    Named::Other
+                    *unknown.entry(vessel.label.trim().to_owned()).or_insert(0_usize) += 1;
+                    LabelMeaning::Other
                 }
             });
         }
-        if let (Some(label), Scheme::ICafe | Scheme::TopCow) = (strange.keys().next(), scheme) {
-            let codes = if scheme == Scheme::ICafe { "1 to 22" } else { "1 to 12 and 15" };
+        if let (Some(label), LabelScheme::ICafe | LabelScheme::TopCow) = (unknown.keys().next(), scheme) {
+            let codes = if scheme == LabelScheme::ICafe { "1 to 22" } else { "1 to 12 and 15" };
             return Err(Fault::item(
                 format!("label \"{label}\""),
                 format!("none of {}", scheme.name()),
                 format!("expected {codes}"),
             ));
         }
-        if !places.iter().any(|place| matches!(place, Named::Artery(artery) if is_inlet(*artery))) {
+        if !meanings.iter().any(|meaning| matches!(meaning, LabelMeaning::Artery(artery) if is_inlet(*artery))) {
             return Err(Fault::file(
                 "no vessel is labelled as an internal carotid, basilar or vertebral artery",
                 "expected labels such as L-ICA, R-ICA, BA, L-VA (--labels icafe|topcow for numbers), or give --landmarks FILE",
             ));
         }
         let mut notes = Vec::new();
-        if !strange.is_empty() {
-            let names: Vec<&str> = strange.keys().map(String::as_str).collect();
+        if !unknown.is_empty() {
+            let names: Vec<&str> = unknown.keys().map(String::as_str).collect();
             notes.push(format!("not arteries of the circle, and so no part of it: {}", names.join(", ")));
         }
-        if are_exchanged(&middles(network, &places)) == Some(true) {
+        if sides_look_exchanged(&mean_positions(network, &meanings)) == Some(true) {
             notes.push(EXCHANGED.to_owned());
         }
-        Ok((Self { place: Where::Vessels(places) }, notes))
+        Ok((Self { location: Location::Vessels(meanings) }, notes))
     }
 
-    /// The circle of a network with landmarks, each at its nearest node, and what a person should know.
+    /// The circle of a network with landmarks, each at its nearest node, with notes for the user.
     ///
-    /// Where two in- or outlets have the same nearest node, the nearer one is there and the other at its next free end; without one
-    /// within reach it was not seen.
+    /// Where two inlets or outlets have the same nearest node, the nearer one gets it and the other its next free end; without one
+    /// within reach it counts as not seen.
     ///
     /// # Errors
     ///
-    /// A landmark too far from every vessel; no inlet of a carotid or basilar artery among them; nodes without positions.
+    /// A landmark too far from every vessel; no landmark of an inlet; nodes without positions.
     pub fn at(network: &Network, landmarks: &[Landmark]) -> Result<(Self, Vec<String>), Fault> {
         if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if is_inlet(single))) {
             return Err(Fault::file(
@@ -97,13 +97,13 @@ impl Circle {
         let mut notes = Vec::new();
         let mut found = Vec::new();
         for landmark in landmarks {
-            found.push((landmark, place(network, landmark)?));
+            found.push((landmark, nearest_node_of(network, landmark)?));
         }
         let (mut points, mut taken) = (Points::default(), BTreeMap::new());
-        while let Some((landmark, placed)) = nearest_of(&mut found) {
+        while let Some((landmark, nearest)) = take_nearest(&mut found) {
             let sites = sites(&landmark.arteries);
             let is_end = sites.iter().any(|site| site.is_end() && *site != Site::Feeder);
-            if is_end && let Some(first) = taken.get(&placed.node) {
+            if is_end && let Some(first) = taken.get(&nearest.node) {
                 if let Some(next) = free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
                     found.push((landmark, next));
                 } else {
@@ -112,82 +112,75 @@ impl Circle {
                 continue;
             }
             if is_end {
-                taken.insert(placed.node, &landmark.label);
+                taken.insert(nearest.node, &landmark.label);
             }
             for site in sites {
-                site.put(&mut points, placed.node);
+                site.put(&mut points, nearest.node);
             }
-            let node = &network.node(placed.node).id;
-            notes.push(format!("{} at node {node}, {:.3}{MM_AWAY}", landmark.label, millimetres(placed.distance)));
+            let node = &network.node(nearest.node).id;
+            notes.push(format!("{} at node {node}, {:.3}{LANDMARK_NOTE_ENDING}", landmark.label, millimetres(nearest.distance)));
         }
         for s in [0, 1] {
             points.a2[s] = points.a2[s].or(points.anterior[s]);
             points.p2[s] = points.p2[s].or(points.posterior[s]);
         }
         let at = landmarks.iter().filter_map(|l| if let [one] = l.arteries[..] { Some((one, l.position)) } else { None });
-        if are_exchanged(&at.collect()) == Some(true) {
+        if sides_look_exchanged(&at.collect()) == Some(true) {
             notes.push(EXCHANGED.to_owned());
         }
-        Ok((Self { place: Where::Nodes(Box::new(points)) }, notes))
+        Ok((Self { location: Location::Nodes(Box::new(points)) }, notes))
     }
 
-    /// The anatomy over the vessels of the network that `kept` admits; the network must be the one that the circle was found in, or
-    /// have its nodes and vessels in the same rows.
-    ///
-    /// Nothing but shortest ways: the time is in proportion to the network, but for a logarithm.
+    /// The anatomy in the vessels that `kept` selects. The network must be the one in which the circle was found, or have the same nodes
+    /// and vessels in the same rows. It takes a few shortest paths, so that the time is nearly proportional to the network.
     pub fn variant(&self, network: &Network, kept: impl Fn(usize) -> bool) -> Variant {
-        match &self.place {
-            Where::Vessels(places) => segments_by_labels::variant(places, network, &kept),
-            Where::Nodes(points) => points.variant(network, &kept),
+        match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &kept),
+            Location::Nodes(points) => points.variant(network, &kept),
         }
     }
 
-    /// The circle in a network of the same nodes with some of the vessels, whose rows were `rows`.
+    /// The circle in a network of the same nodes with only the vessels of `rows`.
     #[must_use]
-    pub fn in_part(&self, rows: &[usize]) -> Self {
-        let place = match &self.place {
-            Where::Vessels(places) => Where::Vessels(rows.iter().map(|row| places[*row]).collect()),
-            Where::Nodes(points) => Where::Nodes(points.clone()),
+    pub fn restricted_to(&self, rows: &[usize]) -> Self {
+        let location = match &self.location {
+            Location::Vessels(meanings) => Location::Vessels(rows.iter().map(|row| meanings[*row]).collect()),
+            Location::Nodes(points) => Location::Nodes(points.clone()),
         };
-        Self { place }
+        Self { location }
     }
 
-    /// Which vessels the arteries are, all vessels of the network counted.
-    pub fn courses(&self, network: &Network) -> Courses {
-        match &self.place {
-            Where::Vessels(places) => segments_by_labels::courses(places, network),
-            Where::Nodes(points) => points.courses(network),
+    /// The vessels of each artery, when all vessels of the network are present.
+    pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
+        match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::artery_vessels(meanings, network),
+            Location::Nodes(points) => points.artery_vessels(network),
         }
     }
 
-    /// Whether this may be the circle of a network: of as many vessels, or with no node beyond its own.
+    /// Whether this may be the circle of a network, by the number of its vessels or nodes.
     pub fn fits(&self, network: &Network) -> bool {
-        match &self.place {
-            Where::Vessels(places) => places.len() == network.vessel_count(),
-            Where::Nodes(_) => self.ends(network).iter().all(|node| *node < network.node_count()),
+        match &self.location {
+            Location::Vessels(meanings) => meanings.len() == network.vessel_count(),
+            Location::Nodes(_) => self.ends(network).iter().all(|node| *node < network.node_count()),
         }
     }
 
-    /// The nodes where blood is known to come in: landmarks of carotid, basilar and vertebral arteries; none where labels say where
-    /// the arteries are.
+    /// The nodes where blood enters, by landmarks of carotid, basilar and vertebral arteries. Labels give none.
     pub fn inlets(&self) -> Vec<usize> {
-        let Where::Nodes(points) = &self.place else { return Vec::new() };
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
         points.ica.iter().flatten().chain(&points.feeders).copied().collect()
     }
 
-    /// The nodes where an artery is known to enter or leave, so that no vessel continues from there: landmarks, or of the vessels
-    /// labelled as one that enters or leaves the circle the free end that is farthest from its middle.
+    /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks, or for every labelled artery that enters
+    /// or leaves the circle its free end farthest from the middle.
     pub fn ends(&self, network: &Network) -> Vec<usize> {
-        let mut nodes: Vec<usize> = match &self.place {
-            Where::Vessels(places) => outermost(network, places),
-            Where::Nodes(points) => {
+        let mut nodes: Vec<usize> = match &self.location {
+            Location::Vessels(meanings) => outermost_ends(network, meanings),
+            Location::Nodes(points) => {
                 let pairs = [points.ica, points.m1, points.a2, points.p2, points.posterior, points.anterior];
-                let pairs = pairs.into_iter().flatten().flatten();
-                pairs
-                    .chain(
-                        points.carotid.iter().flatten().chain(&points.feeders).chain(&points.tip).chain(&points.third).copied(),
-                    )
-                    .collect()
+                let others = points.carotid.iter().flatten().chain(&points.feeders).chain(&points.tip).chain(&points.third);
+                pairs.into_iter().flatten().flatten().chain(others.copied()).collect()
             }
         };
         nodes.sort_unstable();
@@ -196,23 +189,23 @@ impl Circle {
     }
 }
 
-/// Takes out the landmark that is nearest to its place, the first in the file of several.
-fn nearest_of<'a>(found: &mut Vec<(&'a Landmark, Nearest)>) -> Option<(&'a Landmark, Nearest)> {
+/// Removes the landmark that is nearest to its node; of several the first in the file.
+fn take_nearest<'a>(found: &mut Vec<(&'a Landmark, Nearest)>) -> Option<(&'a Landmark, Nearest)> {
     let order =
         |a: &(&Landmark, Nearest), b: &(&Landmark, Nearest)| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line));
     let first = (0..found.len()).min_by(|a, b| order(&found[*a], &found[*b]))?;
     Some(found.swap_remove(first))
 }
 
-/// Of every artery that enters or leaves the circle, its free end farthest from the mean of all ends of labelled vessels.
-fn outermost(network: &Network, places: &[Named]) -> Vec<usize> {
-    let middles = middles(network, places);
+/// For every artery that enters or leaves the circle, its free end farthest from the mean position of all arteries.
+fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> Vec<usize> {
+    let middles = mean_positions(network, meanings);
     let count = middles.len().max(1) as f64;
     let centre: Point = std::array::from_fn(|axis| middles.values().map(|p| p[axis]).sum::<f64>() / count);
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
-    for (row, place) in places.iter().enumerate() {
-        let Named::Artery(artery) = place else { continue };
+    for (row, meaning) in meanings.iter().enumerate() {
+        let LabelMeaning::Artery(artery) = meaning else { continue };
         if matches!(artery, Artery::A1(_) | Artery::P1(_) | Artery::PComm(_) | Artery::AComm) {
             continue;
         }
@@ -232,11 +225,11 @@ fn is_inlet(artery: Artery) -> bool {
     matches!(artery, Artery::Ica(_) | Artery::Ba | Artery::Va(_))
 }
 
-/// The mean position of the ends of every artery's vessels, m.
-fn middles(network: &Network, places: &[Named]) -> BTreeMap<Artery, Point> {
+/// The mean position of the ends of the vessels of every artery, m.
+fn mean_positions(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, Point> {
     let mut sums: BTreeMap<Artery, (Point, f64)> = BTreeMap::new();
-    for (row, place) in places.iter().enumerate() {
-        let Named::Artery(artery) = place else { continue };
+    for (row, meaning) in meanings.iter().enumerate() {
+        let LabelMeaning::Artery(artery) = meaning else { continue };
         for p in network.ends(row).into_iter().filter_map(|node| network.node(node).position) {
             let (sum, count) = sums.entry(*artery).or_default();
             (*sum, *count) = ([sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]], *count + 1.0);

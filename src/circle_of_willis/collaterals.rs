@@ -1,4 +1,4 @@
-//! The functional phenotype: what a circle makes of the loss of a feeder, the paper's controlled perturbation at its inlets.
+//! The functional phenotype: how a circle compensates the loss of a feeder, the paper's controlled perturbation at its inlets.
 
 use super::arteries::{Artery, RING, Side};
 use super::circle::Circle;
@@ -8,7 +8,7 @@ use crate::flow::state::State;
 use crate::network::Network;
 use crate::simulation::{Change, Perturbation, rounding, simulate};
 
-/// The arteries that feed a circle: closed one at a time.
+/// The arteries that feed a circle, which are closed one at a time.
 pub const FEEDERS: [Artery; 3] = [Artery::Ica(Side::Left), Artery::Ica(Side::Right), Artery::Ba];
 
 /// The territories of the brain, by the arteries that lead to them.
@@ -21,43 +21,43 @@ pub const TERRITORIES: [Artery; 6] = [
     Artery::P2(Side::Right),
 ];
 
-/// Which vessels the arteries of a circle are: rows of its network.
+/// The vessels of the arteries of a circle, as rows of its network.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Courses {
-    /// Per feeder of [`FEEDERS`] the vessels by which it comes in.
+pub struct ArteryVessels {
+    /// For each feeder of [`FEEDERS`] the vessels by which it enters.
     pub feeders: [Vec<usize>; 3],
-    /// Per segment of [`RING`] vessels along it; none where it is missing.
+    /// For each segment of [`RING`] vessels along it; empty where it is missing.
     pub segments: [Vec<usize>; 7],
-    /// Per territory of [`TERRITORIES`] vessels that lead to it; none where it is not seen.
+    /// For each territory of [`TERRITORIES`] vessels that lead to it; empty where it is not seen.
     pub territories: [Vec<usize>; 6],
 }
 
-/// The flow in a circle without one of its feeders, beside that with all of them.
+/// The flow in a circle with all of its feeders and without one of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Collateral {
     /// The feeder that is closed.
     pub occluded: Artery,
-    /// Per segment of [`RING`] Q before and after, m³/s, whatever its direction; `None` where it is missing.
+    /// For each segment of [`RING`] |Q| before and after, m³/s; `None` where it is missing.
     pub segments: [Option<[f64; 2]>; 7],
-    /// Per territory of [`TERRITORIES`] the same.
+    /// The same for each territory of [`TERRITORIES`].
     pub territories: [Option<[f64; 2]>; 6],
-    /// The communicating artery whose flow grows most, where one grows at all.
+    /// The communicating artery whose flow grows most, if any grows.
     pub takes_over: Option<Artery>,
 }
 
 impl Collateral {
-    /// Per territory the share of its flow that is left; `None` where none came before, or it is not seen.
+    /// For each territory the share of its flow that is left; `None` where it had no flow before, or is not seen.
     pub fn residual(&self) -> [Option<f64>; 6] {
         self.territories.map(|flows| flows.filter(|[before, _]| *before > 0.0).map(|[before, after]| after / before))
     }
 }
 
-/// Closes each feeder that is there in turn, in the topology of the vessels that `kept` admits. `viscosity` in Pa s; the circle must
-/// have been found in `network`.
+/// Closes each feeder in turn, in the topology of the vessels that `kept` selects. `viscosity` in Pa s. The circle must have been found
+/// in `network`.
 ///
 /// # Errors
 ///
-/// As [`simulate`]: above all a network that blood cannot flow through.
+/// Those of [`simulate`], usually that blood cannot flow through the network.
 pub fn collaterals(
     circle: &Circle,
     network: &Network,
@@ -66,9 +66,9 @@ pub fn collaterals(
     viscosity: f64,
 ) -> Result<Vec<Collateral>> {
     let (network, rows) = &network.subgraph(kept);
-    let courses = circle.in_part(rows).courses(network);
+    let arteries = circle.restricted_to(rows).artery_vessels(network);
     let mut found = Vec::new();
-    for (occluded, vessels) in FEEDERS.into_iter().zip(&courses.feeders) {
+    for (occluded, vessels) in FEEDERS.into_iter().zip(&arteries.feeders) {
         if vessels.is_empty() {
             continue;
         }
@@ -76,17 +76,17 @@ pub fn collaterals(
         let simulation = simulate(network, boundary, viscosity, &vessels.iter().map(close).collect::<Vec<_>>())?;
         let Some(after) = &simulation.perturbed else { continue };
         let before = &simulation.unperturbed;
-        // Along an artery most blood flows where it begins, before branches leave.
+        // The flow in an artery is largest where it begins, before branches leave.
         let most = |state: &State, rows: &[usize]| rows.iter().map(|row| state.vessels[*row].flow.abs()).fold(0.0, f64::max);
         let both = |rows: &Vec<usize>| (!rows.is_empty()).then(|| [most(before, rows), most(after, rows)]);
-        let segments = courses.segments.each_ref().map(both);
+        let segments = arteries.segments.each_ref().map(both);
         let cut = rounding(before, after);
         let gains = RING.into_iter().zip(&segments).filter_map(|(artery, flows)| {
             let communicates = matches!(artery, Artery::AComm | Artery::PComm(_));
             flows.filter(|_| communicates).map(|[before, after]| (artery, after - before)).filter(|(_, gain)| *gain > cut)
         });
         let takes_over = gains.max_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)).then(b.0.cmp(&a.0))).map(|(artery, _)| artery);
-        found.push(Collateral { occluded, segments, territories: courses.territories.each_ref().map(both), takes_over });
+        found.push(Collateral { occluded, segments, territories: arteries.territories.each_ref().map(both), takes_over });
     }
     Ok(found)
 }

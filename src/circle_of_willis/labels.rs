@@ -1,4 +1,4 @@
-//! Vessels divided where their label changes along them.
+//! The labels of vessels: which artery a label means, and where a label changes along a vessel.
 
 use std::collections::HashMap;
 
@@ -9,12 +9,12 @@ use crate::error::Fault;
 use crate::network::centerlines::Centerlines;
 use crate::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 
-/// The network with every vessel divided where the labels of its centerline change: a junction that lost a branch (M1 behind the
-/// carotid where there is no A1) is no node, and the name of the longest part is that of the whole otherwise.
+/// The network with every vessel split where the labels of its centerline change. A junction that lost a branch (carotid and M1
+/// without A1) is not a node, so that without the split the label of the longest piece would be that of the whole vessel.
 ///
-/// `lines` are the centerlines, welded, that the network was contracted from, whatever their unit. The nodes keep their rows, those
-/// between two parts follow; parts stand in the place of their vessel.
-pub fn divide(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Network {
+/// `lines` are the welded centerlines, in any unit, from which the network was contracted. The nodes keep their rows, and the new ones
+/// follow. Pieces stand in the place of their vessel.
+pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Network {
     let mut name_of = HashMap::new();
     for (row, link) in lines.links.iter().enumerate() {
         let [a, b] = link.map(|point| lines.ids[point as usize]);
@@ -24,16 +24,16 @@ pub fn divide(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Netwo
         let (a, b) = (pair[0].id?, pair[1].id?);
         name_of.get(&(a.min(b), a.max(b))).copied()
     };
-    let mut divided = Network::new();
+    let mut split = Network::new();
     for node in network.nodes() {
-        divided.add_node(node.clone());
+        split.add_node(node.clone());
     }
     for (ends, vessel) in network.vessels() {
         let names: Option<Vec<&str>> = vessel.path.windows(2).map(name).collect();
         let names = names.unwrap_or_default();
         let cuts: Vec<usize> = (1..names.len()).filter(|at| names[*at] != names[at - 1]).collect();
         if cuts.is_empty() {
-            divided.add_vessel(ends, vessel.clone());
+            split.add_vessel(ends, vessel.clone());
             continue;
         }
         let (mut from, mut node) = (0, ends[0]);
@@ -44,20 +44,20 @@ pub fn divide(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Netwo
             } else {
                 let id = point.id.map_or_else(String::new, |id| id.to_string());
                 let at = Node { id, position: Some(point.position), radius: Some(point.radius), ..Node::default() };
-                divided.add_node(at)
+                split.add_node(at)
             };
-            let part = Vessel::along(vessel.path[from..=cut].to_vec(), rule);
-            divided.add_vessel([node, next], Vessel { label: names[from].to_owned(), ..part });
+            let piece = Vessel::along(vessel.path[from..=cut].to_vec(), rule);
+            split.add_vessel([node, next], Vessel { label: names[from].to_owned(), ..piece });
             (from, node) = (cut, next);
         }
     }
-    divided
+    split
 }
 
-/// What the labels of a network are.
+/// The kind of labels of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Scheme {
+pub enum LabelScheme {
     /// Names in letters: `L-A1`, `A1 L`, `left A1`, `AComm`, `ACoA`, `left posterior cerebral artery`.
     Names,
     /// The `VesselType` of iCafe, 1 to 22.
@@ -66,58 +66,24 @@ pub enum Scheme {
     TopCow,
 }
 
-/// iCafe's `VesselType` from 1 on.
-const ICAFE: [Artery; 22] = [
-    Artery::Ica(Left),
-    Artery::Ica(Right),
-    Artery::M1(Left),
-    Artery::M1(Right),
-    Artery::M1(Left), // M2
-    Artery::M1(Right),
-    Artery::A1(Left),
-    Artery::A1(Right),
-    Artery::A2(Left),
-    Artery::A2(Right),
-    Artery::AComm,
-    Artery::M1(Left), // M3
-    Artery::M1(Right),
-    Artery::Va(Left),
-    Artery::Va(Right),
-    Artery::Ba,
-    Artery::P1(Left),
-    Artery::P1(Right),
-    Artery::P2(Left),
-    Artery::P2(Right),
-    Artery::PComm(Left),
-    Artery::PComm(Right),
+/// The names of iCafe's `VesselType` from 1 on.
+const ICAFE: [&str; 22] = [
+    "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA", "R-VA",
+    "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
 ];
 
-/// TopCoW's classes from 1 on; 13 and 14 are none.
-const TOPCOW: [Option<Artery>; 15] = [
-    Some(Artery::Ba),
-    Some(Artery::Pca(Right)),
-    Some(Artery::Pca(Left)),
-    Some(Artery::Ica(Right)),
-    Some(Artery::Mca(Right)),
-    Some(Artery::Ica(Left)),
-    Some(Artery::Mca(Left)),
-    Some(Artery::PComm(Right)),
-    Some(Artery::PComm(Left)),
-    Some(Artery::AComm),
-    Some(Artery::Aca(Right)),
-    Some(Artery::Aca(Left)),
-    None,
-    None,
-    Some(Artery::ThirdA2),
+/// The names of TopCoW's classes from 1 on; 13 and 14 do not exist.
+const TOPCOW: [&str; 15] = [
+    "BA", "R-PCA", "L-PCA", "R-ICA", "R-MCA", "L-ICA", "L-MCA", "R-PComm", "L-PComm", "AComm", "R-ACA", "L-ACA", "", "", "3rd-A2",
 ];
 
-/// Words that say nothing more about which artery it is.
+/// Words that do not change which artery is meant.
 const FILLERS: [&str; 14] = [
     "artery", "arteries", "arteria", "segment", "part", "the", "of", "i", "ii", "t", "terminus", "terminal", "proximal", "distal",
 ];
 
-impl Scheme {
-    /// What a person calls it on the command line.
+impl LabelScheme {
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Names => "names",
@@ -126,19 +92,19 @@ impl Scheme {
         }
     }
 
-    /// The scheme of a set of labels: names where any has a letter, else the one whose codes they all are.
+    /// The scheme of a set of labels: names if any label is not a number, otherwise the scheme whose codes they all are.
     ///
     /// # Errors
     ///
-    /// All are numbers that either list of codes has, or that neither has.
+    /// All are numbers, and both schemes have these codes, or neither has.
     pub fn of<'a>(labels: impl IntoIterator<Item = &'a str>) -> Result<Self, Fault> {
-        let mut codes: Vec<&str> = labels.into_iter().map(str::trim).filter(|l| !is_none(l)).collect();
+        let mut codes: Vec<&str> = labels.into_iter().map(str::trim).filter(|l| !names_no_artery(l)).collect();
         if codes.iter().any(|label| label.parse::<u32>().is_err()) || codes.is_empty() {
             return Ok(Self::Names);
         }
         codes.sort_by_key(|code| code.parse::<u32>().unwrap_or(u32::MAX));
         codes.dedup();
-        let all = |scheme: Self| codes.iter().all(|code| artery(code, scheme).is_some());
+        let all = |scheme: Self| codes.iter().all(|code| artery_of_label(code, scheme).is_some());
         match (all(Self::ICafe), all(Self::TopCow)) {
             (true, false) => Ok(Self::ICafe),
             (false, true) => Ok(Self::TopCow),
@@ -153,25 +119,29 @@ impl Scheme {
     }
 }
 
-/// Whether a label stands for no artery at all.
-pub fn is_none(label: &str) -> bool {
+/// Whether a label is empty or 0.
+pub fn names_no_artery(label: &str) -> bool {
     matches!(label.trim(), "" | "0")
 }
 
-/// The artery that a label means; `None` for one that is none of those around the circle.
+/// The artery that a label means; `None` for a label that means no artery around the circle.
 ///
-/// Case, punctuation and the words artery, segment, proximal, ... do not count. A side is `l`, `left`, `lt`, `r`, `right`, `rt`, before or
-/// behind; without one only `AComm`, `BA` and the third A2 are understood.
-pub fn artery(label: &str, scheme: Scheme) -> Option<Artery> {
+/// Case, punctuation and words such as artery, segment or proximal do not matter. The side is `l`, `left`, `lt`, `r`, `right` or `rt`,
+/// before or after the name. Only `AComm`, `BA` and the third A2 are understood without a side.
+pub fn artery_of_label(label: &str, scheme: LabelScheme) -> Option<Artery> {
     let label = label.trim();
     match scheme {
-        Scheme::ICafe => ICAFE.get(label.parse::<usize>().ok()?.checked_sub(1)?).copied(),
-        Scheme::TopCow => TOPCOW.get(label.parse::<usize>().ok()?.checked_sub(1)?).copied().flatten(),
-        Scheme::Names => named(&label.to_lowercase()),
+        LabelScheme::ICafe => artery_of_code(label, &ICAFE),
+        LabelScheme::TopCow => artery_of_code(label, &TOPCOW),
+        LabelScheme::Names => artery_of_name(&label.to_lowercase()),
     }
 }
 
-fn named(label: &str) -> Option<Artery> {
+fn artery_of_code(code: &str, names: &[&str]) -> Option<Artery> {
+    artery_of_name(&names.get(code.parse::<usize>().ok()?.checked_sub(1)?)?.to_lowercase())
+}
+
+fn artery_of_name(label: &str) -> Option<Artery> {
     let mut side = None;
     let mut words = Vec::new();
     for word in label.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()) {
@@ -185,16 +155,16 @@ fn named(label: &str) -> Option<Artery> {
     let name = words.concat();
     match (side, midline(&name)) {
         (None, Some(artery)) => return Some(artery),
-        // A side says nothing of an artery in the midline; which was meant is anybody's guess.
+        // An artery in the midline has no side, so the label is ambiguous.
         (Some(_), Some(_)) => return None,
         _ => {}
     }
     if let Some(side) = side {
         return sided(&name, side);
     }
-    // Written in one word: lA1, A1left, rightMCA.
-    let ways = [("left", Left), ("right", Right), ("l", Left), ("r", Right)];
-    ways.into_iter().find_map(|(word, side)| {
+    // Side and name in one word: lA1, A1left, rightMCA.
+    let sides = [("left", Left), ("right", Right), ("l", Left), ("r", Right)];
+    sides.into_iter().find_map(|(word, side)| {
         let rest = name.strip_prefix(word).and_then(|rest| sided(rest, side));
         rest.or_else(|| name.strip_suffix(word).and_then(|rest| sided(rest, side)))
     })
@@ -218,7 +188,7 @@ fn midline(name: &str) -> Option<Artery> {
 }
 
 fn sided(name: &str, side: Side) -> Option<Artery> {
-    let whole = [
+    let families = [
         (&["mca", "middlecerebral"][..], Artery::Mca as fn(Side) -> Artery),
         (&["aca", "anteriorcerebral"], Artery::Aca),
         (&["pca", "posteriorcerebral"], Artery::Pca),
@@ -226,16 +196,17 @@ fn sided(name: &str, side: Side) -> Option<Artery> {
         (&["va", "vertebral", "vert"], Artery::Va),
         (&["pcomm", "pcom", "pcoa", "posteriorcommunicating", "postcomm", "postcommunicating"], Artery::PComm),
     ];
-    for (names, artery) in whole {
+    for (names, artery) in families {
         for other in names.iter().filter(|other| name.starts_with(**other) || name.ends_with(**other)) {
             let rest = name.strip_prefix(*other).or_else(|| name.strip_suffix(*other)).unwrap_or_default();
-            let part = segment(rest, side);
-            match (rest, artery(side), part) {
-                ("", whole, _) => return Some(whole),
-                (_, Artery::Mca(_), Some(part @ Artery::M1(_)))
-                | (_, Artery::Aca(_), Some(part @ (Artery::A1(_) | Artery::A2(_))))
-                | (_, Artery::Pca(_), Some(part @ (Artery::P1(_) | Artery::P2(_)))) => return Some(part),
-                (_, whole @ (Artery::Ica(_) | Artery::Va(_)), None) if is_stage(rest) => return Some(whole),
+            match (rest, artery(side), segment(rest, side)) {
+                ("", undivided, _) => return Some(undivided),
+                (_, Artery::Mca(_), Some(segment @ Artery::M1(_)))
+                | (_, Artery::Aca(_), Some(segment @ (Artery::A1(_) | Artery::A2(_))))
+                | (_, Artery::Pca(_), Some(segment @ (Artery::P1(_) | Artery::P2(_)))) => return Some(segment),
+                (_, undivided @ (Artery::Ica(_) | Artery::Va(_)), None) if is_carotid_or_vertebral_segment(rest) => {
+                    return Some(undivided);
+                }
                 _ => {}
             }
         }
@@ -254,8 +225,8 @@ fn segment(name: &str, side: Side) -> Option<Artery> {
     }
 }
 
-/// A stretch of a carotid or vertebral artery: `c7`, `v4`, `1`, `supraclinoid`.
-fn is_stage(rest: &str) -> bool {
+/// Whether a word is a segment of a carotid or vertebral artery: `c7`, `v4`, `1`, `supraclinoid`.
+fn is_carotid_or_vertebral_segment(rest: &str) -> bool {
     let number = rest.trim_start_matches(['c', 'v']);
     number.len() == 1 && number.as_bytes()[0].is_ascii_digit() || matches!(rest, "supraclinoid" | "cavernous" | "iii" | "iv")
 }

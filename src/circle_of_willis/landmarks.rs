@@ -1,9 +1,9 @@
-//! Landmarks: where a person saw the in- and outlets of the arteries, and the bifurcations where they meet.
+//! Landmarks: points that a person set at inlets, outlets and bifurcations of arteries, and their nodes in a network.
 
 use std::collections::BTreeMap;
 
 use super::arteries::{Artery, Side};
-use super::labels::{Scheme, artery};
+use super::labels::{LabelScheme, artery_of_label};
 use super::segments_by_landmarks::Points;
 use crate::error::Fault;
 use crate::io::ListedLandmark;
@@ -15,44 +15,54 @@ use crate::support::suggestions::did_you_mean;
 /// A point on an artery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landmark {
-    /// The line of the file that states it, counted from 1.
+    /// Its line in the file, from 1.
     pub line: usize,
     /// Its label as given.
     pub label: String,
-    /// The artery whose in- or outlet it is, or the arteries that meet there, sorted.
+    /// The artery whose inlet or outlet it is, or the arteries that meet there, sorted.
     pub arteries: Vec<Artery>,
-    /// Where, m.
+    /// Its position, m.
     pub position: Point,
 }
 
-/// What a landmark stands for in a circle.
+/// The meaning of a landmark in a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Site {
+    /// Inlet of an internal carotid.
     Ica(Side),
+    /// Outlet of M1.
     M1(Side),
+    /// Outlet of A2.
     A2(Side),
+    /// Outlet of P2.
     P2(Side),
+    /// Inlet of a vertebral or of the basilar artery.
     Feeder,
+    /// Outlet of a third A2.
     Third,
+    /// Bifurcation of a carotid.
     Carotid(Side),
+    /// End of the basilar artery.
     Tip,
+    /// Where PComm meets the posterior cerebral artery.
     Posterior(Side),
+    /// Where AComm meets the anterior cerebral artery.
     Anterior(Side),
 }
 
 const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an outlet (L-M1, L-A2, L-P2, 3rd-A2, ...) or a bifurcation \
                         (L-ICA/L-M1/L-A1, L-ICA/L-PComm, L-A1/L-A2/AComm, L-P1/L-P2/L-PComm, BA/L-P1/R-P1, ...)";
 
-/// The landmarks of a table by the arteries that they are on.
+/// The arteries of the landmarks in a table.
 ///
 /// # Errors
 ///
-/// The line, its label and what is accepted; a label twice.
-pub fn identify(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
+/// A label that is not accepted, or is given twice.
+pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
     for ListedLandmark { line, label, position } in listed {
         let arteries =
-            arteries(&label).map_err(|meant| Fault::line(line, format!("label \"{label}\""), format!("{meant}{ACCEPTED}")))?;
+            arteries_of(&label).map_err(|hint| Fault::line(line, format!("label \"{label}\""), format!("{hint}{ACCEPTED}")))?;
         if let Some(first) = out.iter().find(|other| other.arteries == arteries) {
             return Err(Fault::line(line, format!("label \"{label}\", as on line {}", first.line), "expected every label once"));
         }
@@ -61,20 +71,20 @@ pub fn identify(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     Ok(out)
 }
 
-/// The arteries of a label, sorted; where these are no place on a circle, the name that may have been meant.
-fn arteries(label: &str) -> Result<Vec<Artery>, String> {
+/// The arteries of a label, sorted. The error is a hint at the intended name.
+fn arteries_of(label: &str) -> Result<Vec<Artery>, String> {
     let meant = |part: &str| {
         let names: Vec<String> = Artery::all().map(|artery| artery.to_string()).collect();
         did_you_mean(part, names.iter().map(String::as_str))
     };
-    let named = label.split('/').map(|part| artery(part, Scheme::Names).ok_or_else(|| meant(part)));
+    let named = label.split('/').map(|part| artery_of_label(part, LabelScheme::Names).ok_or_else(|| meant(part)));
     let mut arteries: Vec<Artery> = named.collect::<Result<_, _>>()?;
     arteries.sort_unstable();
     arteries.dedup();
     if sites(&arteries).is_empty() { Err(String::new()) } else { Ok(arteries) }
 }
 
-/// What a landmark of these arteries stands for; nothing where they are no in- or outlet and meet nowhere on a circle.
+/// The meaning of a landmark of these arteries; empty where they are neither inlet nor outlet and do not meet in a circle.
 pub(crate) fn sites(arteries: &[Artery]) -> Vec<Site> {
     if let [single] = arteries {
         return match *single {
@@ -113,32 +123,32 @@ pub(crate) fn sites(arteries: &[Artery]) -> Vec<Site> {
 }
 
 impl Site {
-    /// Whether it is an in- or outlet, where vessels end, rather than a bifurcation.
+    /// Whether it is an inlet or outlet rather than a bifurcation.
     pub fn is_end(self) -> bool {
         matches!(self, Self::Ica(_) | Self::M1(_) | Self::A2(_) | Self::P2(_) | Self::Feeder | Self::Third)
     }
 
-    /// Puts it at a node.
+    /// Sets its node.
     pub fn put(self, points: &mut Points, node: usize) {
         match self {
-            Self::Ica(s) => points.ica[s.row()] = Some(node),
-            Self::M1(s) => points.m1[s.row()] = Some(node),
-            Self::A2(s) => points.a2[s.row()] = Some(node),
-            Self::P2(s) => points.p2[s.row()] = Some(node),
+            Self::Ica(s) => points.ica[s.index()] = Some(node),
+            Self::M1(s) => points.m1[s.index()] = Some(node),
+            Self::A2(s) => points.a2[s.index()] = Some(node),
+            Self::P2(s) => points.p2[s.index()] = Some(node),
             Self::Feeder => points.feeders.push(node),
             Self::Third => points.third = Some(node),
-            Self::Carotid(s) => points.carotid[s.row()].push(node),
+            Self::Carotid(s) => points.carotid[s.index()].push(node),
             Self::Tip => points.tip = Some(node),
-            Self::Posterior(s) => points.posterior[s.row()] = Some(node),
-            Self::Anterior(s) => points.anterior[s.row()] = Some(node),
+            Self::Posterior(s) => points.posterior[s.index()] = Some(node),
+            Self::Anterior(s) => points.anterior[s.index()] = Some(node),
         }
     }
 }
 
-/// A node as near as this, m, is the one that was meant, free end or not.
+/// A node within this distance, m, is taken even if it is not a free end.
 const EXACT: f64 = 0.001;
 
-/// The nearest free end (of the observed vessels, where there are any) within reach, but for those that are `taken`.
+/// The nearest free end within reach that is not `taken`. It is an end of the observed vessels, where there are any.
 pub(crate) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Nearest> {
     let observed = observed_degrees(network);
     let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { network.degrees(|_| true) };
@@ -149,8 +159,8 @@ fn observed_degrees(network: &Network) -> Vec<usize> {
     network.degrees(|vessel| vessel.origin == Origin::Observed)
 }
 
-/// The nearest node: of an in- or outlet a free end (of the observed vessels, where there are any) when one is near.
-pub(crate) fn place(network: &Network, landmark: &Landmark) -> Result<Nearest, Fault> {
+/// The node of a landmark: the nearest one, for an inlet or outlet the nearest free end where one is near.
+pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<Nearest, Fault> {
     let at = landmark.position;
     let away = distance_to_lines(network, at);
     if away > REACH {
@@ -160,12 +170,12 @@ pub(crate) fn place(network: &Network, landmark: &Landmark) -> Result<Nearest, F
             format!("expected a position within {} mm, in the axes of the network's file", millimetres(REACH)),
         ));
     }
-    let nearest_node = |admit: &dyn Fn(usize) -> bool| nearest_node(network, at, admit);
     let all = network.degrees(|_| true);
     let observed = observed_degrees(network);
-    // A node between two halves of a vessel that a candidate divides is none of the anatomy.
-    let is_divided = |row: usize| observed[row] == 2 && all[row] > 2;
-    let any = nearest_node(&|row| all[row] > 0 && !is_divided(row)).or_else(|| nearest_node(&|row| all[row] > 0));
+    // A node at which a candidate splits a vessel has no anatomical meaning.
+    let splits_vessel = |row: usize| observed[row] == 2 && all[row] > 2;
+    let any = nearest_node(network, at, |row| all[row] > 0 && !splits_vessel(row))
+        .or_else(|| nearest_node(network, at, |row| all[row] > 0));
     let is_end = sites(&landmark.arteries).iter().any(|site| site.is_end());
     if is_end
         && any.is_some_and(|any| any.distance > EXACT)
@@ -193,14 +203,14 @@ fn to_segment(a: Point, b: Point, at: Point) -> f64 {
     distance(lerp(a, b, share), at)
 }
 
-/// Below this product of unit vectors the arteries lie too flat to tell.
+/// Below this product of unit vectors the arteries are too nearly in one plane for a decision.
 const TOO_FLAT: f64 = 0.05;
 
-/// Whether left and right look exchanged in right-handed axes: (from left to right) · (to the front x upward) is negative.
+/// Whether left and right look exchanged in right-handed axes: rightward · (forward x upward) is negative.
 ///
-/// Right is from the left artery of every pair to the right one, the front from P2 or the basilar artery to A2, upward from the
-/// carotid to M1 and A1. `None` where too little is known.
-pub(crate) fn are_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
+/// Rightward is from the left artery of every pair to the right one, forward from P2 or the basilar artery to A2, upward from the
+/// carotid to M1 and A1. `None` where too few arteries are known.
+pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
     let mean = |arteries: &[Artery]| -> Option<Point> {
         let points: Vec<Point> = arteries.iter().filter_map(|artery| at.get(artery).copied()).collect();
         let sum = points.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);

@@ -1,4 +1,4 @@
-//! The phenotype of the Circle of Willis: which of its segments are there, by what is connected to what.
+//! The phenotype of the Circle of Willis: which of its segments are present, from the connections in a network.
 
 mod arteries;
 mod circle;
@@ -12,9 +12,9 @@ mod shortest_path;
 mod variant;
 
 pub use arteries::{Artery, FENESTRATED, RING, Side};
-pub use circle::{Circle, MM_AWAY};
+pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
-pub use labels::{Scheme, artery, divide};
-pub use landmarks::{Landmark, identify};
-pub use posterior::{Deciding, Posterior};
-pub use variant::{Completeness, Variant, counted};
+pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
+pub use landmarks::{Landmark, identify_landmarks};
+pub use posterior::{DecidingCandidate, Posterior};
+pub use variant::{Completeness, Variant, present_vessels};

@@ -1,4 +1,4 @@
-//! The variant of a circle whose topology is uncertain: each plausible topology has one, and their weights add up.
+//! The probability of each variant of a circle whose topology is uncertain, from the weights of sampled topologies.
 
 use std::collections::BTreeMap;
 
@@ -7,29 +7,29 @@ use super::variant::Variant;
 use crate::decision::Topologies;
 use crate::network::{Network, Origin};
 
-/// What the plausible topologies say of a circle, together: segments that come and go with one another are counted so.
+/// The probabilities of a circle's variants and segments, counted over whole topologies, so that dependence between segments is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
     /// The variants with their probability, the most probable first.
     pub variants: Vec<(Variant, f64)>,
-    /// Per segment of [`super::arteries::RING`] the probability that it is there.
+    /// For each segment of [`super::arteries::RING`] the probability that it is present.
     pub segments: [f64; 7],
-    /// Per side the probability of a posterior cerebral artery of fetal type.
+    /// For each side the probability of a posterior cerebral artery of fetal type.
     pub fetal: [f64; 2],
-    /// The candidates on which the most probable variant hangs, those that change its probability most first.
-    pub deciding: Vec<Deciding>,
-    /// The heaviest topology with the most probable variant, as whether it holds each vessel.
+    /// The candidates on which the most probable variant depends, those that change its probability most first.
+    pub deciding: Vec<DecidingCandidate>,
+    /// The topology of largest weight with the most probable variant: for each vessel whether the topology has it.
     pub topology: Vec<bool>,
     /// How many topologies were drawn.
     pub samples: u64,
 }
 
-/// A candidate and the most probable variant.
+/// A candidate on which the most probable variant depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Deciding {
+pub struct DecidingCandidate {
     /// The candidate's row.
     pub vessel: usize,
-    /// Its share of the topologies.
+    /// The share of topologies with it.
     pub probability: f64,
     /// The probability of the most probable variant among the topologies with it ...
     pub with: f64,
@@ -37,20 +37,20 @@ pub struct Deciding {
     pub without: f64,
 }
 
-impl Deciding {
-    /// How much of the variant's probability hangs on the candidate: the covariance of the two, |with - without| p (1 - p).
+impl DecidingCandidate {
+    /// How much the variant depends on the candidate: the covariance of the two, |with - without| p (1 - p).
     pub fn share(&self) -> f64 {
         (self.with - self.without).abs() * self.probability * (1.0 - self.probability)
     }
 }
 
-/// A candidate that moves the variant's probability by less decides nothing.
+/// A candidate below this covariance is not listed.
 const LEAST_SHARE: f64 = 1e-3;
 
 impl Posterior {
-    /// Counts the variants of topologies of `network`.
+    /// Counts the variants of sampled topologies of `network`.
     ///
-    /// A second channel is told from the observed vessels alone: two candidates across one gap are two guesses at one vessel.
+    /// Fenestrations come from the observed vessels alone: two candidates across one gap are two guesses at one vessel.
     pub fn of(circle: &Circle, network: &Network, topologies: &Topologies) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
         let each: Vec<Variant> = topologies
@@ -99,13 +99,13 @@ fn add<const N: usize>(sums: &mut [f64; N], there: &[bool; N], weight: f64) {
     }
 }
 
-/// A part of a whole; 0 of nothing.
+/// The ratio of a part to the whole; 0 if the whole is 0.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// The candidates on which the `best` variant hangs; `all` is the weight of all topologies.
-fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: &Variant, all: f64) -> Vec<Deciding> {
+/// The candidates on which the `best` variant depends; `all` is the weight of all topologies.
+fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: &Variant, all: f64) -> Vec<DecidingCandidate> {
     let of_best: f64 = topologies.weighted.iter().zip(each).filter(|(_, v)| *v == best).map(|((_, w), _)| w).sum();
     let of = |vessel: usize| {
         let (mut there, mut both) = (0.0, 0.0);
@@ -116,10 +116,10 @@ fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: 
             }
         }
         let without = share(of_best - both, all - there).clamp(0.0, 1.0);
-        Deciding { vessel, probability: share(there, all), with: share(both, there), without }
+        DecidingCandidate { vessel, probability: share(there, all), with: share(both, there), without }
     };
     let candidates = (0..network.vessel_count()).filter(|row| network.vessel(*row).origin == Origin::Candidate);
-    let mut deciding: Vec<Deciding> = candidates.map(of).filter(|d| d.share() >= LEAST_SHARE).collect();
+    let mut deciding: Vec<DecidingCandidate> = candidates.map(of).filter(|d| d.share() >= LEAST_SHARE).collect();
     deciding.sort_by(|a, b| b.share().total_cmp(&a.share()));
     deciding
 }

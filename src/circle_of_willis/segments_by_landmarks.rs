@@ -1,89 +1,91 @@
-//! The rules of presence where in- and outlets are known as nodes.
+//! Which segments are present where inlets and outlets are known as nodes.
 //!
-//! A segment is there when blood could run along it: L-A1 when the outlet of L-A2 reaches the trunk of the left carotid without the
-//! other carotid and the posterior arteries, and so on. What an outlet beyond the field of view would have told is told by the next
-//! landmark, or by the connection through both segments that meet there.
+//! A segment is present when blood could flow along it: L-A1 when the outlet of L-A2 reaches the left carotid without passing the right
+//! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
+//! connection through both segments that meet there.
 
 use super::arteries::{Artery, FENESTRATED, Side};
-use super::collaterals::Courses;
+use super::collaterals::ArteryVessels;
 use super::segments_by_labels::is_wider;
 use super::shortest_path::{Marks, Way, marks, shortest};
 use super::variant::Variant;
 use crate::network::Network;
 
-/// The longest second channel of a fenestration, m: the ring and other ways round are longer.
+/// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;
-/// How much of what follows PComm counts as P1 where its origin from the basilar artery is not known, m.
+/// The length of P1 from PComm on where its origin from the basilar artery is not known, m.
 const LENGTH_OF_P1: f64 = 0.01;
 
-/// Nodes of the arteries. Pairs are left, right.
+/// The nodes of the landmarks. Pairs are left, right.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Points {
-    /// Where the carotids come in.
+    /// Inlets of the carotids.
     pub ica: [Option<usize>; 2],
-    /// Where the middle cerebral arteries go out.
+    /// Outlets of M1.
     pub m1: [Option<usize>; 2],
-    /// Where A2 goes out, or else where it begins.
+    /// Outlets of A2, or where A2 begins.
     pub a2: [Option<usize>; 2],
-    /// Where P2 goes out, or else where it begins.
+    /// Outlets of P2, or where P2 begins.
     pub p2: [Option<usize>; 2],
     /// Bifurcations of the carotids.
     pub carotid: [Vec<usize>; 2],
-    /// Where the vertebral or basilar arteries come in.
+    /// Inlets of the vertebral or basilar arteries.
     pub feeders: Vec<usize>,
-    /// Where the basilar artery ends.
+    /// End of the basilar artery.
     pub tip: Option<usize>,
     /// Where PComm meets the posterior cerebral artery.
     pub posterior: [Option<usize>; 2],
     /// Where AComm meets the anterior cerebral artery.
     pub anterior: [Option<usize>; 2],
-    /// Where a third A2 goes out.
+    /// Outlet of a third A2.
     pub third: Option<usize>,
 }
 
-/// The ways of the seven segments that are there, in the order of [`super::arteries::RING`], and what they may not touch.
-struct Solver<'a, K> {
+/// The rules in the kept vessels of a network.
+struct Rules<'a, K> {
     network: &'a Network,
     points: &'a Points,
     kept: &'a K,
     /// The nodes along the carotids.
     trunk: [Vec<usize>; 2],
-    /// Whether a carotid leads from its inlet to its end.
-    whole: [bool; 2],
+    /// Whether each carotid is complete from its inlet to its end.
+    complete: [bool; 2],
 }
 
 impl Points {
-    /// The variant over the vessels that `kept` admits.
+    /// The variant in the vessels that `kept` selects.
     pub fn variant(&self, network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
-        let mut solver = Solver { network, points: self, kept, trunk: [Vec::new(), Vec::new()], whole: [false; 2] };
-        solver.find_trunks();
-        solver.variant()
+        Rules::new(network, self, kept).variant()
     }
 
-    /// Which vessels the arteries are, all vessels counted.
-    pub fn courses(&self, network: &Network) -> Courses {
-        let all = |_: usize| true;
-        let mut solver = Solver { network, points: self, kept: &all, trunk: [Vec::new(), Vec::new()], whole: [false; 2] };
-        solver.find_trunks();
-        solver.courses()
+    /// The vessels of each artery, when all vessels are present.
+    pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
+        Rules::new(network, self, &|_: usize| true).artery_vessels()
     }
 }
 
-impl<K: Fn(usize) -> bool> Solver<'_, K> {
-    fn way(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Way> {
+impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
+    fn new(network: &'a Network, points: &'a Points, kept: &'a K) -> Self {
+        let mut rules = Self { network, points, kept, trunk: [Vec::new(), Vec::new()], complete: [false; 2] };
+        rules.find_carotids();
+        rules
+    }
+
+    fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Way> {
         let set = |nodes: &[usize]| marks(self.network, nodes.iter().copied());
         let avoid: Marks = marks(self.network, avoid.iter().flat_map(|nodes| nodes.iter().copied()));
         shortest(self.network, [&set(from), &set(to), &avoid], self.kept, f64::INFINITY)
     }
 
-    /// The carotids, the shorter first: where one is interrupted, no detour through the other and the circle stands for it.
-    fn find_trunks(&mut self) {
+    /// Finds the carotids, the shorter first, so that a detour through the other carotid and the circle does not count as an interrupted
+    /// one.
+    fn find_carotids(&mut self) {
         let points = self.points;
         let ends = |s: usize| -> Vec<usize> { points.m1[s].map_or_else(|| points.carotid[s].clone(), |m1| vec![m1]) };
         let length = |way: &Way| way.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
         let find = |s: usize, avoid: &[usize]| {
-            let posterior: Vec<usize> = points.feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
-            self.way(&points.ica[s].into_iter().collect::<Vec<_>>(), &ends(s), &[avoid, &posterior])
+            let posterior = self.posterior_nodes(&points.feeders);
+            self.path(&points.ica[s].into_iter().collect::<Vec<_>>(), &ends(s), &[avoid, &posterior])
         };
         let free = [find(0, &[]), find(1, &[])];
         let lengths = free.each_ref().map(|way| way.as_ref().map_or(f64::INFINITY, length));
@@ -104,28 +106,20 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
                 self.trunk[s].extend(up_to_pcomm);
             }
         }
-        // Without anything known of its end, a carotid is there when a vessel starts at its inlet.
+        // A carotid whose end is not known is present when a vessel starts at its inlet.
         let starts = |s: usize| points.ica[s].is_some_and(|node| self.has_vessel(node));
-        self.whole = [0, 1].map(|s| match ends(s)[..] {
-            [] => starts(s),
-            _ => {
-                if s == first {
-                    free[first].is_some()
-                } else {
-                    other.is_some()
-                }
-            }
-        });
+        let found = |s: usize| if s == first { free[first].is_some() } else { other.is_some() };
+        self.complete = [0, 1].map(|s| if ends(s).is_empty() { starts(s) } else { found(s) });
     }
 
-    /// A carotid without a known end, as far as PComm leaves it: what P2 reaches first, of the way to A2, without the basilar artery.
+    /// A carotid without a known end, up to PComm: the first node that P2 reaches of the path to A2 without the basilar artery.
     fn up_to_pcomm(&self, s: usize) -> Vec<usize> {
         let (points, other) = (self.points, &self.trunk[1 - s]);
         let [Some(ica), Some(p2)] = [points.ica[s], points.p2[s]] else { return Vec::new() };
         let opposite: Vec<usize> = points.p2[1 - s].into_iter().collect();
         let a2: Vec<usize> = points.a2[s].or(points.a2[1 - s]).into_iter().collect();
-        let Some(carotid) = self.way(&[ica], &a2, &[other, &points.feeders, &opposite, &[p2]]) else { return Vec::new() };
-        let reached = self.way(&[p2], &carotid.nodes, &[other, &points.feeders, &opposite]);
+        let Some(carotid) = self.path(&[ica], &a2, &[other, &points.feeders, &opposite, &[p2]]) else { return Vec::new() };
+        let reached = self.path(&[p2], &carotid.nodes, &[other, &points.feeders, &opposite]);
         let end = reached.and_then(|way| way.nodes.last().copied());
         let cut = end.and_then(|end| carotid.nodes.iter().position(|node| *node == end));
         cut.map_or_else(Vec::new, |cut| carotid.nodes[..=cut].to_vec())
@@ -140,23 +134,23 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let points = self.points;
         let feeders = self.feeders();
         let mut variant =
-            Variant { ica: self.whole, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
-        let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
+            Variant { ica: self.complete, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
+        let posterior = self.posterior_nodes(&feeders);
         let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior);
         let [p1, pcomm] = self.posterior_segments(&feeders);
         for side in Side::BOTH {
-            variant.set(Artery::A1(side), a1[side.row()].is_some());
-            variant.set(Artery::P1(side), p1[side.row()].is_some());
-            variant.set(Artery::PComm(side), pcomm[side.row()].is_some());
+            variant.set(Artery::A1(side), a1[side.index()].is_some());
+            variant.set(Artery::P1(side), p1[side.index()].is_some());
+            variant.set(Artery::PComm(side), pcomm[side.index()].is_some());
         }
         variant.set(Artery::AComm, acomm.is_some());
         let [left, right] = &self.trunk;
         let a2: Vec<usize> = points.a2.into_iter().flatten().collect();
-        variant.third_a2 = points.third.is_some_and(|third| self.way(&[third], &a2, &[left, right, &posterior]).is_some());
+        variant.third_a2 = points.third.is_some_and(|third| self.path(&[third], &a2, &[left, right, &posterior]).is_some());
         let p1 = self.proper_p1(p1, &pcomm);
         for side in Side::BOTH {
-            let s = side.row();
+            let s = side.index();
             let proper = |p1: &Way| pcomm[s].as_ref().map(|way| beyond(way, p1, points.posterior[s]));
             let wider = || {
                 p1[s].as_ref().is_some_and(|(full, p1)| {
@@ -171,8 +165,8 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let blocked = marks(self.network, self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
             let way = match segment {
-                Artery::A1(side) => a1_proper[side.row()].as_ref(),
-                Artery::P1(side) => p1[side.row()].as_ref().map(|(_, proper)| proper),
+                Artery::A1(side) => a1_proper[side.index()].as_ref(),
+                Artery::P1(side) => p1[side.index()].as_ref().map(|(_, proper)| proper),
                 _ => acomm.as_ref(),
             };
             variant.fenestration[row] = way.is_some_and(|way| self.has_second_channel(way, &blocked));
@@ -180,19 +174,25 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         variant
     }
 
+    /// The feeders and the outlets of P2.
+    fn posterior_nodes(&self, feeders: &[usize]) -> Vec<usize> {
+        feeders.iter().copied().chain(self.points.p2.into_iter().flatten()).collect()
+    }
+
+    /// The inlets of the posterior circulation, or the end of the basilar artery.
     fn feeders(&self) -> Vec<usize> {
         let points = self.points;
         if points.feeders.is_empty() { points.tip.into_iter().collect() } else { points.feeders.clone() }
     }
 
-    fn courses(&self) -> Courses {
+    fn artery_vessels(&self) -> ArteryVessels {
         let points = self.points;
         let feeders = self.feeders();
-        let posterior: Vec<usize> = feeders.iter().copied().chain(points.p2.into_iter().flatten()).collect();
+        let posterior = self.posterior_nodes(&feeders);
         let touches = |row: &usize, nodes: &[usize]| self.network.ends(*row).iter().any(|node| nodes.contains(node));
         let at = |nodes: &[usize]| (0..self.network.vessel_count()).filter(|row| touches(row, nodes)).collect::<Vec<usize>>();
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
-        // A way to the trunk ends with the segment that leaves it.
+        // The last vessel of a path to a carotid belongs to the segment that leaves the carotid.
         let last = |way: Option<Way>| way.and_then(|way| way.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
         let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior).map(|way| between(&way, &a1).vessels).unwrap_or_default();
@@ -201,7 +201,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
         let [[l_a2, r_a2], [l_m1, r_m1], [l_p2, r_p2]] = [points.a2, points.m1, points.p2].map(|pair| pair.map(one));
-        Courses {
+        ArteryVessels {
             feeders: [one(points.ica[0]), one(points.ica[1]), at(&feeders)],
             segments: [l_a1, r_a1, acomm, l_p1, r_p1, l_pcomm, r_pcomm],
             territories: [l_a2, r_a2, l_m1, r_m1, l_p2, r_p2],
@@ -209,21 +209,21 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     }
 
     fn a1(&self, side: Side, posterior: &[usize]) -> Option<Way> {
-        let (s, o) = (side.row(), side.other().row());
+        let (s, o) = (side.index(), side.other().index());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
         match self.points.a2[s].or(self.points.a2[o]) {
-            Some(a2) => self.way(&[a2], own, &[other, posterior]),
-            None => self.way(other, own, &[other, posterior]),
+            Some(a2) => self.path(&[a2], own, &[other, posterior]),
+            None => self.path(other, own, &[other, posterior]),
         }
     }
 
     fn acomm(&self, posterior: &[usize]) -> Option<Way> {
         let [left, right] = &self.trunk;
         match self.points.a2 {
-            [Some(a), Some(b)] => self.way(&[a], &[b], &[left, right, posterior]),
-            [Some(a), None] => self.way(&[a], right, &[left, posterior]),
-            [None, Some(b)] => self.way(&[b], left, &[right, posterior]),
-            [None, None] => self.way(left, right, &[posterior]),
+            [Some(a), Some(b)] => self.path(&[a], &[b], &[left, right, posterior]),
+            [Some(a), None] => self.path(&[a], right, &[left, posterior]),
+            [None, Some(b)] => self.path(&[b], left, &[right, posterior]),
+            [None, None] => self.path(left, right, &[posterior]),
         }
     }
 
@@ -231,21 +231,21 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Way>; 2]; 2] {
         let [left, right] = &self.trunk;
         let both = Side::BOTH.map(|side| {
-            let (s, o) = (side.row(), side.other().row());
+            let (s, o) = (side.index(), side.other().index());
             let opposite: Vec<usize> = self.points.p2[o].into_iter().collect();
             let Some(p2) = self.points.p2[s] else {
-                let through = self.way(feeders, &self.trunk[s], &[&self.trunk[o], &opposite]);
+                let through = self.path(feeders, &self.trunk[s], &[&self.trunk[o], &opposite]);
                 return (through.clone(), through);
             };
             let sources = if feeders.is_empty() { &opposite } else { feeders };
-            let p1 = self.way(&[p2], sources, &[left, right, &opposite]);
-            (p1, self.way(&[p2], &self.trunk[s], &[&self.trunk[o], &opposite, feeders]))
+            let p1 = self.path(&[p2], sources, &[left, right, &opposite]);
+            (p1, self.path(&[p2], &self.trunk[s], &[&self.trunk[o], &opposite, feeders]))
         });
         let [(p1_left, pcomm_left), (p1_right, pcomm_right)] = both;
         [[p1_left, p1_right], [pcomm_left, pcomm_right]]
     }
 
-    /// Per side the way of P1 from the outlet of P2, and P1 itself: from PComm to the end of the basilar artery.
+    /// For each side the path from the outlet of P2 to the basilar artery, and P1 itself: from PComm to the end of the basilar artery.
     fn proper_p1(&self, p1: [Option<Way>; 2], pcomm: &[Option<Way>; 2]) -> [Option<(Way, Way)>; 2] {
         let empty = Way::default();
         let tip = self.points.tip.map(|node| Way { nodes: vec![node], vessels: Vec::new() });
@@ -262,7 +262,7 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
         p1.map(|full| Some((full?, proper.next().flatten()?)))
     }
 
-    /// Whether a second, short way leaves a segment and comes back to it.
+    /// Whether a second, short path leaves a segment and returns to it.
     fn has_second_channel(&self, way: &Way, blocked: &Marks) -> bool {
         let off = |vessel: usize| (self.kept)(vessel) && !way.vessels.contains(&vessel);
         (0..way.nodes.len().saturating_sub(1)).any(|at| {
@@ -273,13 +273,13 @@ impl<K: Fn(usize) -> bool> Solver<'_, K> {
     }
 }
 
-/// What is left of the way from A2 to A2 between the two A1.
+/// The part of the path from A2 to A2 between the two A1.
 fn between(acomm: &Way, a1: &[Option<Way>; 2]) -> Way {
     let way = a1[0].as_ref().map_or_else(|| acomm.clone(), |left| acomm.after(left));
     a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right))
 }
 
-/// What is left of a way from its junction on: a landmark, or where it leaves the other way from the same outlet.
+/// The part of a path beyond its junction: a landmark, or where it leaves the other path from the same outlet.
 fn beyond(way: &Way, other: &Way, junction: Option<usize>) -> Way {
     let landmark = junction.filter(|node| way.nodes.contains(node));
     landmark.map_or_else(|| way.after(other), |node| way.after(&Way { nodes: vec![node], vessels: Vec::new() }))

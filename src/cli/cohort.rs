@@ -10,10 +10,11 @@ use std::thread;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
-use willis::internals::circle_of_willis::MM_AWAY;
+use willis::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use willis::internals::io::{checksum_of_file, companion_files};
 use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
-use willis::internals::output::in_progress::InProgress;
+use willis::internals::output::InProgress;
+use willis::internals::output::{read_json, write_json};
 use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
 use willis::internals::output::{read_json, write_json};
 use willis::internals::pipeline::RunOptions;
@@ -191,7 +192,7 @@ impl Cohort<'_> {
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
         let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
         // Where the landmarks of each lie is said nowhere but there.
-        say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(MM_AWAY))), "subject");
+        say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
         self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
         match rows.iter().filter(|row| row.figures.is_err()).count() {

@@ -10,7 +10,7 @@ use serde_json::Value;
 use willis::error::{Error, Fault, Result};
 use willis::internals::io::write_csv;
 use willis::internals::output::atomic::{StagedFolder, write_file};
-use willis::internals::output::in_progress::write_error;
+use willis::internals::output::write_error;
 use willis::internals::output::names::AGREEMENT;
 use willis::internals::pipeline::{RunOptions, blocks_of, samples_of};
 use willis::internals::report::cohort::{Figures, infer_figures};

@@ -33,11 +33,20 @@ impl<'a> PressureSolver<'a> {
     ///
     /// More vessels than indices can count.
     pub fn new(circuit: &'a Circuit) -> Result<Self> {
-        let solver = match StarMesh::compile(circuit, LANES_LIMIT) {
-            Some(program) => Solver::Mesh(Box::new(program)),
-            None => Solver::Gradients(Box::new(ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?)),
-        };
-        Ok(Self { circuit, solver })
+        match StarMesh::compile(circuit, LANES_LIMIT) {
+            Some(program) => Ok(Self { circuit, solver: Solver::Mesh(Box::new(program)) }),
+            None => Self::iterative(circuit),
+        }
+    }
+
+    /// Compiles a circuit that is known to be too large for elimination.
+    ///
+    /// # Errors
+    ///
+    /// More vessels than indices can count.
+    pub fn iterative(circuit: &'a Circuit) -> Result<Self> {
+        let program = ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?;
+        Ok(Self { circuit, solver: Solver::Gradients(Box::new(program)) })
     }
 
     /// The pressure of every node with the vessels `open`, Pa above the circuit's level, from which drops are taken without a loss;

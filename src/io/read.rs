@@ -50,7 +50,7 @@ pub struct ReadOptions {
     /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array
     /// with "area" in its name holds areas.
     pub radius_array: Option<String>,
-    /// How a vessel gets its single radius from the radii along it.
+    /// Which radius stands for a vessel.
     #[serde(rename = "radius")]
     pub radius_rule: RadiusRule,
     /// The radius of vessels that have none, m, positive; without it such a vessel is an error.
@@ -95,7 +95,7 @@ impl ReadOptions {
     }
 
     /// Whether vessels may lack any radius.
-    pub(crate) fn radius_optional(&self) -> bool {
+    pub fn is_radius_optional(&self) -> bool {
         self.default_radius.is_some()
     }
 }

@@ -1,5 +1,5 @@
-//! Hypertension: the pressure in a vessel over its cross-section, its distribution over vessels and instances, and the risk
-//! area above a threshold (Moriconi et al. 2019).
+//! Hypertension: the pressure in a vessel divided by its cross-section, the distribution of that over vessels and instances, and
+//! the share above a threshold of risk (Moriconi et al. 2019).
 
 use std::f64::consts::PI;
 
@@ -7,15 +7,15 @@ use super::run::Modulation;
 use crate::support::gamma::{Gamma, GammaFit};
 use crate::support::statistics::quantile;
 
-/// Bins of equal width of a histogram.
+/// The bins of equal width in a histogram.
 pub const BINS: usize = 50;
-/// They reach up to this quantile; one more bin holds the rest.
+/// The bins end at this quantile; one more bin holds the rest.
 const COVERED: f64 = 0.99;
-/// The threshold of risk is this quantile over the unperturbed vessels.
+/// The threshold of risk is this quantile of the unperturbed vessels.
 const RISK_QUANTILE: f64 = 0.95;
 
-/// The hypertension force of a vessel, Pa/m²: mean of the pressures (Pa) at its two ends over its cross-section π r², r (m)
-/// where it is narrowest. The paper calls it a force; a thin vessel under pressure has a large one. NaN without pressures.
+/// The hypertension force of a vessel, Pa/m²: the mean of the pressures (Pa) at its two ends divided by its cross-section π r², with
+/// the radius r (m) where it is narrowest. The paper calls it a force; it is large in a thin vessel. NaN without pressures.
 pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
     match ends {
         [Some(a), Some(b)] => f64::midpoint(a, b) / (PI * radius * radius),
@@ -23,15 +23,14 @@ pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
     }
 }
 
-/// The threshold of risk where none is given: the 95th percentile of the forces of the unperturbed vessels, Pa/m²; NaN
-/// without any.
+/// The default threshold of risk: the 95th percentile of the forces of the unperturbed vessels, Pa/m²; NaN without any force.
 fn risk_threshold(unperturbed: &[f64]) -> f64 {
     let defined: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
     quantile(&defined, RISK_QUANTILE).unwrap_or(f64::NAN)
 }
 
-/// The edges of the bins that all `classes` of forces share, rising from 0: 50 of equal width up to the largest of the
-/// classes' 99th percentiles, then one up to the largest force. Empty without a positive force.
+/// The edges of the bins that all `classes` of forces share, rising from 0: 50 bins of equal width end at the largest 99th
+/// percentile of the classes, and one more ends at the largest force. Empty without a positive force.
 fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
     let (mut covered, mut most) = (0.0_f64, 0.0_f64);
     for forces in classes {
@@ -49,7 +48,7 @@ fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64>
     edges
 }
 
-/// The forces over which a gamma distribution is fitted.
+/// The forces to which a gamma distribution is fitted.
 fn positive(forces: &[f64]) -> Vec<f64> {
     forces.iter().copied().filter(|f| *f > 0.0).collect()
 }
@@ -57,10 +56,10 @@ fn positive(forces: &[f64]) -> Vec<f64> {
 /// How the forces of a class are distributed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypertension {
-    /// Per bin how many positive forces lie in it, its upper edge included.
+    /// The number of positive forces in each bin; a bin includes its upper edge.
     pub counts: Vec<u64>,
-    /// The gamma distribution of the positive forces; `None` when they do not differ. Its standard errors take them as
-    /// independent draws, which the vessels of one network are not: they are lower bounds.
+    /// The gamma distribution fitted to the positive forces; `None` when these are all equal. Its standard errors assume independent
+    /// draws, which the vessels of one network are not, so they are lower bounds.
     pub fit: Option<GammaFit>,
     /// The Kolmogorov-Smirnov distance between the positive forces and the fit; NaN without one.
     pub distance: f64,
@@ -68,7 +67,7 @@ pub struct Hypertension {
     pub without_force: f64,
     /// The share of all forces above the threshold.
     pub above: f64,
-    /// The same share by the fit: its survival function times the share of positive forces; NaN without a fit.
+    /// The same share according to the fit: its survival function times the share of positive forces; NaN without a fit.
     pub above_by_fit: f64,
 }
 
@@ -98,10 +97,10 @@ impl Hypertension {
     }
 }
 
-/// The hypertension of every class over the same bins and above the same threshold.
+/// The hypertension of every class, with the same bins and the same threshold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HypertensionByClass {
-    /// Above this a vessel is at risk, Pa/m²; NaN when no vessel has a pressure.
+    /// A vessel above this force is at risk, Pa/m²; NaN when no vessel has a pressure.
     pub threshold: f64,
     /// The edges of the bins, Pa/m².
     pub edges: Vec<f64>,
@@ -112,7 +111,8 @@ pub struct HypertensionByClass {
 }
 
 impl HypertensionByClass {
-    /// Looks at all vessels and instances. Without a `threshold` (Pa/m²) it is the 95th percentile over the unperturbed vessels.
+    /// The hypertension of all vessels and instances. The default `threshold` (Pa/m²) is the 95th percentile of the unperturbed
+    /// vessels.
     pub fn of(modulation: &Modulation, threshold: Option<f64>) -> Self {
         let at_rest = &modulation.unperturbed.force;
         let forces = || modulation.classes.iter().map(|(_, instances)| &instances.force[..]);

@@ -1,11 +1,11 @@
-//! The instances of one class: what flows in each, instance by instance.
+//! The instances of one class: the pressures, flows and other figures of each.
 
 use super::hypertension::force;
 use crate::flow::state::State;
 use crate::flow::{Factors, Tube};
 use crate::support::Distribution;
 
-/// The figures of the instances of a class. A table holds one row an instance, and in it one figure a node or vessel.
+/// The figures of the instances of a class. A table has one row per instance; a row has one figure per node or vessel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Instances {
     /// By node, Pa; NaN in floating components.
@@ -18,15 +18,15 @@ pub struct Instances {
     pub resilience: Vec<f64>,
     /// Hypertension force by vessel, Pa/m²; NaN in floating components.
     pub force: Vec<f64>,
-    /// By what the resistance of each vessel was multiplied.
+    /// The factor that multiplied the resistance, by vessel.
     pub resistance_factor: Vec<f64>,
-    /// By what the radius of each vessel was multiplied.
+    /// The factor that multiplied the radius, by vessel.
     pub radius_factor: Vec<f64>,
-    /// By what the length of each vessel was multiplied.
+    /// The factor that multiplied the length, by vessel.
     pub length_factor: Vec<f64>,
     /// ρ_G by instance, W/m³.
     pub network_resilience: Vec<f64>,
-    /// What flows in through the nodes with a boundary condition, by instance, m³/s.
+    /// The total inflow through the nodes with a boundary condition, by instance, m³/s.
     pub inflow: Vec<f64>,
 }
 
@@ -47,17 +47,15 @@ impl Instances {
 
     /// Adds the instances of a later block.
     pub fn append(&mut self, mut later: Self) {
-        let Self { pressure, drop, flow, resilience, force, resistance_factor, radius_factor, length_factor, .. } = &mut later;
-        self.pressure.append(pressure);
-        self.drop.append(drop);
-        self.flow.append(flow);
-        self.resilience.append(resilience);
-        self.force.append(force);
-        self.resistance_factor.append(resistance_factor);
-        self.radius_factor.append(radius_factor);
-        self.length_factor.append(length_factor);
-        self.network_resilience.append(&mut later.network_resilience);
-        self.inflow.append(&mut later.inflow);
+        for (table, later) in self.tables().into_iter().zip(later.tables()) {
+            table.append(later);
+        }
+    }
+
+    fn tables(&mut self) -> [&mut Vec<f64>; 10] {
+        let Self { pressure, drop, flow, resilience, force, .. } = self;
+        let Self { resistance_factor, radius_factor, length_factor, network_resilience, inflow, .. } = self;
+        [pressure, drop, flow, resilience, force, resistance_factor, radius_factor, length_factor, network_resilience, inflow]
     }
 
     /// How many instances there are.
@@ -65,20 +63,20 @@ impl Instances {
         self.inflow.len()
     }
 
-    /// The distribution over the instances of one column of a table with `width` figures an instance, each put into a `unit`.
+    /// The distribution of one column of a table with `width` figures per instance, over the instances; `unit` converts each figure.
     pub fn column(table: &[f64], width: usize, at: usize, unit: impl Fn(f64) -> f64) -> Distribution {
         Distribution::of(table.iter().skip(at).step_by(width).map(|x| unit(*x)).collect())
     }
 
-    /// Per instance of a table with `width` figures an instance, the mean of `figure` over those at the places that `counts`;
-    /// figures that are no number are left out.
+    /// For each instance of a table with `width` figures per instance, the mean of `figure` over the columns that `counts` selects;
+    /// NaN figures are left out.
     pub fn means(table: &[f64], width: usize, counts: &[bool], figure: impl Fn(f64) -> f64) -> Vec<f64> {
         let mean = |row: &[f64]| mean_of(row.iter().zip(counts).filter(|(_, counts)| **counts).map(|(x, _)| figure(*x)));
         table.chunks_exact(width).map(mean).collect()
     }
 }
 
-/// The mean of the figures that are numbers; NaN when none is.
+/// The mean without NaN figures; NaN when all are.
 fn mean_of(figures: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = figures.filter(|x| !x.is_nan()).fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
     sum / n

@@ -1,15 +1,12 @@
 //! Resistance modulation: how pressures, flows and resilience respond when the resistances of the vessels vary at random
 //! within classes of growing size (Moriconi et al. 2019).
 
-mod class;
 mod hypertension;
 mod instances;
 mod options;
 mod run;
-mod solver;
 
-pub use class::{Class, Reading};
 pub use hypertension::{BINS, Hypertension, HypertensionByClass};
 pub use instances::Instances;
-pub use options::ModulationOptions;
+pub use options::{Class, ModulationOptions, Reading};
 pub use run::{Modulation, modulate};

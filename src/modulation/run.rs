@@ -1,23 +1,29 @@
-//! The modulation run: fixed blocks of instances over the worker threads, each drawn from a stream of its own.
+//! The modulation run: the worker threads share fixed blocks of instances, and each block has its own stream of random numbers.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::class::Class;
 use super::instances::Instances;
-use super::options::ModulationOptions;
-use super::solver::{LANES, Memory, Solver};
+use super::options::{Class, ModulationOptions};
 use crate::error::{Error, Result};
+use crate::flow::batch::star_mesh::{StarMesh, Workspace};
 use crate::flow::circuit::conductances;
-use crate::flow::floating::drives_flow;
+use crate::flow::floating::{drives_flow, grounded, stranded};
+use crate::flow::pressures::{LANES_LIMIT, PressureSolver};
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Factors, Tube};
 use crate::network::Network;
 use crate::sampling::Progress;
 use crate::support::random;
 use crate::support::random::{BLOCK, stream};
+use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd};
+
+/// Instances solved side by side.
+const LANES: usize = 8;
 
 /// A network under modulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,18 +32,18 @@ pub struct Modulation {
     pub unperturbed: Instances,
     /// The instances of each class.
     pub classes: Vec<(Class, Instances)>,
-    /// The flow solver: `lanes` or `cholesky`.
+    /// The flow solver: `lanes` or `gradients`.
     pub solver: &'static str,
 }
 
 /// Draws and solves the instances of every class.
 ///
-/// Instance i of a class depends on the seed, the place of the class among the classes, and i alone; a vessel's draws do not
-/// depend on which other vessels are modulated.
+/// Instance i of a class depends only on the seed, on the position of the class among the classes, and on i. What a vessel draws
+/// does not depend on which other vessels are modulated.
 ///
 /// # Errors
 ///
-/// A parameter or a vessel out of its range, boundary conditions that drive no flow, a breakdown of the solver, or a stop by `progress`.
+/// An option out of its range, boundary conditions that drive no flow, a breakdown of the solver, or a stop by `progress`.
 pub fn modulate(
     network: &Network,
     boundary: &Boundary,
@@ -51,18 +57,18 @@ pub fn modulate(
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
     unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);
-    let job = Job { network, boundary, params, tubes: &tubes, circuit: &circuit, solver: Solver::new(&circuit)? };
+    let job = Job::new(network, boundary, params, &tubes, &circuit);
 
     let blocks = params.samples.div_ceil(BLOCK);
     let total = params.samples * params.classes.len() as u64;
     let stop = AtomicBool::new(false);
-    let heard = Mutex::new((0, progress));
-    let one_block = |memory: &mut Memory, task: u64| -> Result<Instances> {
+    let listener = Mutex::new((0, progress));
+    let solve_block = |memory: &mut Memory, task: u64| -> Result<Instances> {
         if stop.load(Ordering::Relaxed) {
             return Ok(Instances::default());
         }
         let instances = job.block((task / blocks) as usize, task % blocks, memory)?;
-        let (done, progress) = &mut *heard.lock().unwrap_or_else(PoisonError::into_inner);
+        let (done, progress) = &mut *listener.lock().unwrap_or_else(PoisonError::into_inner);
         *done += instances.count() as u64;
         if !progress.report(*done, total) {
             stop.store(true, Ordering::Relaxed);
@@ -70,8 +76,8 @@ pub fn modulate(
         Ok(instances)
     };
     let tasks = 0..blocks * params.classes.len() as u64;
-    let solved: Vec<Result<Instances>> = tasks.into_par_iter().map_init(|| job.solver.memory(), one_block).collect();
-    let done = heard.lock().unwrap_or_else(PoisonError::into_inner).0;
+    let solved: Vec<Result<Instances>> = tasks.into_par_iter().map_init(|| job.memory(), solve_block).collect();
+    let done = listener.lock().unwrap_or_else(PoisonError::into_inner).0;
     if done < total && stop.load(Ordering::Relaxed) {
         return Err(Error::Stopped { done, total });
     }
@@ -84,7 +90,8 @@ pub fn modulate(
         }
         classes.push((*class, instances));
     }
-    Ok(Modulation { unperturbed, classes, solver: job.solver.name() })
+    let solver = if job.star_mesh.is_some() { "lanes" } else { "gradients" };
+    Ok(Modulation { unperturbed, classes, solver })
 }
 
 /// What all blocks share.
@@ -94,36 +101,107 @@ struct Job<'a> {
     params: &'a ModulationOptions,
     tubes: &'a [Tube],
     circuit: &'a Circuit,
-    solver: Solver,
+    /// Solves instances side by side; `None` on circuits that are too large for it.
+    star_mesh: Option<StarMesh>,
+    instructions: InstructionSet,
+    /// For each node whether it is connected to a boundary condition. Modulation opens and closes no vessel, so this and the next hold
+    /// for all instances.
+    grounded: Vec<bool>,
+    /// The nodes whose injected flow cannot leave.
+    stranded: Vec<(usize, u64)>,
 }
 
-impl Job<'_> {
-    /// One block of a class, shorter when it is the last one.
+/// The memory of one worker.
+struct Memory {
+    conductance: Vec<Lanes<LANES>>,
+    mesh: Option<Workspace<LANES>>,
+}
+
+impl<'a> Job<'a> {
+    fn new(
+        network: &'a Network,
+        boundary: &'a Boundary,
+        params: &'a ModulationOptions,
+        tubes: &'a [Tube],
+        circuit: &'a Circuit,
+    ) -> Self {
+        let open = |vessel: usize| circuit.conductance[vessel] > 0.0;
+        let masks: Vec<u64> = (0..tubes.len()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
+        let star_mesh = StarMesh::compile(circuit, LANES_LIMIT);
+        let (grounded, stranded) = (grounded(circuit, open), stranded(circuit, &masks, LANES));
+        let instructions = InstructionSet::detect();
+        Self { network, boundary, params, tubes, circuit, star_mesh, instructions, grounded, stranded }
+    }
+
+    fn memory(&self) -> Memory {
+        Memory { conductance: Vec::new(), mesh: self.star_mesh.as_ref().map(StarMesh::workspace) }
+    }
+
+    /// One block of a class; the last one may be shorter.
     fn block(&self, class: usize, block: u64, memory: &mut Memory) -> Result<Instances> {
-        let ModulationOptions { classes, samples, seed, reading, vessels, viscosity } = self.params;
+        let ModulationOptions { classes, samples, seed, reading, vessels, .. } = self.params;
         let mut rng = stream(*seed, random::modulation(class, block));
-        let modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
+        let is_modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
         let mut instances = Instances::default();
         let mut left = (samples - block * BLOCK).min(BLOCK) as usize;
         while left > 0 {
             let group = left.min(LANES);
             left -= group;
-            let (mut factors, mut tubes, mut conductance) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut factors, mut tubes) = (Vec::new(), Vec::new());
             for _ in 0..group {
                 let drawn = (0..self.tubes.len()).map(|_| reading.draw(classes[class], &mut rng)).enumerate();
-                let drawn: Vec<Factors> = drawn.map(|(row, f)| if modulated(row) { f } else { Factors::ONE }).collect();
-                let changed: Vec<Tube> = drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect();
-                conductance.push(conductances(self.network, &changed)?);
+                let drawn: Vec<Factors> = drawn.map(|(row, f)| if is_modulated(row) { f } else { Factors::ONE }).collect();
+                tubes.push(drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect::<Vec<Tube>>());
                 factors.push(drawn);
-                tubes.push(changed);
             }
-            self.solver.solve(&conductance, memory)?;
-            for (lane, (tubes, factors)) in tubes.iter().zip(&factors).enumerate() {
-                let above_level = self.solver.above_level(lane, memory);
-                let state = State::at_pressures(self.circuit, self.boundary, tubes, *viscosity, &above_level);
-                instances.push(&state, tubes, factors, &self.circuit.ends);
+            let states = self.states(&tubes, memory)?;
+            for ((state, tubes), factors) in states.iter().zip(&tubes).zip(&factors) {
+                instances.push(state, tubes, factors, &self.circuit.ends);
             }
         }
         Ok(instances)
+    }
+
+    /// Solves up to [`LANES`] instances.
+    fn states(&self, instances: &[Vec<Tube>], memory: &mut Memory) -> Result<Vec<State>> {
+        let (Some(mesh), Some(work)) = (&self.star_mesh, &mut memory.mesh) else {
+            let solve = |tubes: &Vec<Tube>| {
+                let circuit = Circuit::of_tubes(self.network, self.boundary, tubes)?;
+                let above_level = PressureSolver::iterative(&circuit)?.above_level(|row| tubes[row].is_open())?;
+                Ok(self.state(tubes, &above_level))
+            };
+            return instances.iter().map(solve).collect();
+        };
+        let each: Vec<Vec<f64>> = instances.iter().map(|tubes| conductances(self.network, tubes)).collect::<Result<_>>()?;
+        let lanes = |vessel| Lanes(std::array::from_fn(|lane| each.get(lane).map_or(0.0, |conductance| conductance[vessel])));
+        memory.conductance.clear();
+        memory.conductance.extend((0..self.tubes.len()).map(lanes));
+        self.instructions.run(SideBySide { mesh, conductance: &memory.conductance, stranded: &self.stranded, work });
+        let above_level = |node: usize, lane: usize| self.grounded[node].then(|| work.pressure[mesh.slot(node)][lane]);
+        let state = |(lane, tubes): (usize, &Vec<Tube>)| {
+            self.state(tubes, &(0..self.grounded.len()).map(|node| above_level(node, lane)).collect::<Vec<_>>())
+        };
+        Ok(instances.iter().enumerate().map(state).collect())
+    }
+
+    fn state(&self, tubes: &[Tube], above_level: &[Option<f64>]) -> State {
+        State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, above_level)
+    }
+}
+
+/// A group of instances for the vector kernel.
+struct SideBySide<'a> {
+    mesh: &'a StarMesh,
+    conductance: &'a [Lanes<LANES>],
+    stranded: &'a [(usize, u64)],
+    work: &'a mut Workspace<LANES>,
+}
+
+impl Kernel for SideBySide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.mesh.solve_with(simd, self.conductance, self.stranded, self.work);
     }
 }

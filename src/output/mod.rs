@@ -2,13 +2,13 @@
 
 pub mod atomic;
 mod files;
-pub mod in_progress;
+mod in_progress;
 pub mod names;
 mod ownership;
 pub mod partial_run;
 
 pub use atomic::{StagedFile, StagedFolder};
 pub use files::{read_json, write_json, write_record};
-pub use in_progress::{InProgress, final_path};
+pub use in_progress::{InProgress, final_path, write_error};
 pub use ownership::is_cohort_file;
 pub use partial_run::{read_part, write_part};

@@ -1,4 +1,4 @@
-//! The published network of the Circle of Willis and the arteries that feed it, as one table.
+//! The published network of the Circle of Willis and its feeding arteries, as one table.
 //!
 //! Alastruey, Parker, Peiró, Byrd, Sherwin, *Modelling the circle of Willis to assess the effects of anatomical
 //! variations and occlusions on cerebral flows*, J Biomech 40:1794-1805 (2007), table 1: 33 vessels between 30 nodes,
@@ -10,7 +10,7 @@ use crate::support::geometry::Point;
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// The customary name with its side; the middle cerebral artery as a whole is called M1.
+    /// The usual name with its side. The whole middle cerebral artery is called M1.
     pub label: &'static str,
     /// The table's numbers of the two nodes, counted from 1.
     pub nodes: [usize; 2],
@@ -18,7 +18,7 @@ pub struct Row {
     pub length: f64,
     /// Radius, m.
     pub radius: f64,
-    /// Peripheral resistance at the second node, Pa s/m³, where the vessel ends there.
+    /// Peripheral resistance at the second node, Pa s/m³, if the vessel ends there.
     pub terminal: Option<f64>,
 }
 
@@ -107,12 +107,12 @@ const POSITIONS: [Point; NODES] = [
     [14.0, -74.0, 206.5],  // 30 end of the right posterior cerebral
 ];
 
-/// The position (m) of a node by the table's number, counted from 1.
+/// The position (m) of a node by its number in the table, from 1.
 pub(crate) fn position(number: usize) -> Point {
     POSITIONS[number - 1].map(crate::network::units::metres)
 }
 
-/// How a vessel of the table bows out between its nodes.
+/// How a vessel of the table curves between its nodes.
 pub(crate) fn bow(label: &str) -> Bow {
     let (mirror, name) = match label.split_once('-') {
         Some(("L", name)) => (-1.0, name),

@@ -1,42 +1,42 @@
-//! Twelve arterial trees that fill a brain's volume: recursive bisection of space, radii by Murray's law.
+//! Twelve arterial trees that fill the volume of a brain, by recursive bisection of space and Murray's law.
 
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
-use super::circle::make_inlet;
-use super::straight_vessels::{Large, add_node};
+use super::large::Large;
 use super::tree::make_terminal;
+use super::{add_node, make_inlet};
 use crate::error::Result;
-use crate::network::{Network, Node, Role};
+use crate::network::Network;
 use crate::support::geometry::{Point, distance, lerp};
 use crate::support::random;
 use crate::support::random::stream;
 
-/// Territories along each axis: as many as two for each of the six cerebral arteries.
+/// Territories along each axis: in all two for each of the six cerebral arteries.
 const TERRITORIES: [usize; 3] = [3, 2, 2];
-/// The sides of the box that they share, m: 1.2 L, the volume of a brain.
+/// The sides of the box that the territories fill, m: 1.2 L, the volume of a brain.
 const BOX: [f64; 3] = [0.138, 0.110, 0.080];
-/// The radius of every root, m: that of A2, the mean of the three cerebral arteries in [`super::alastruey`].
+/// The radius of every root, m: that of A2, the middle one of the three cerebral arteries in [`super::alastruey`].
 const ROOT_RADIUS: f64 = 0.0012;
-/// The share of a territory's volume that its first part may take, in the mean half: uniform.
+/// The share of a territory's volume that its first half gets: uniform, with mean 1/2.
 const CUT: std::ops::Range<f64> = 0.35..0.65;
 /// How far a node may lie from the middle of its territory, in sides of the territory: uniform.
-const STRAY: f64 = 0.08;
-/// How far the flow of a part may lie from its share of the volume: uniform.
+const JITTER: f64 = 0.08;
+/// How much the flow of a half may differ from its share of the volume: uniform.
 const UNEVEN: f64 = 0.2;
-/// How far a joint lies beside the straight line, in lengths of its branch: normal, along each axis.
+/// How far a point between two vessels of a branch lies off the straight line, in lengths of the branch: normal, along each axis.
 const BEND: f64 = 0.05;
 
-/// Exactly `edges` vessels in 12 trees, each from the surface of the box into a territory of its own.
+/// Exactly `edges` vessels in 12 trees. Each tree grows from the surface of the box into a territory of its own.
 ///
-/// A territory with more than one leaf is cut across its longest side; a branch runs to about the middle of each part, where
-/// it branches in turn. Volume goes by leaves, so these fill space evenly. At a branching
-/// r₀³ = r₁³ + r₂³, in proportion to the parts' volumes within a fifth. A branch is one to three vessels in series, two in the mean.
+/// A territory with more than one leaf is cut across its longest side. A branch runs to about the middle of each half and branches
+/// there. A half has as much volume as it has leaves, so that leaves fill space evenly. At a branching r₀³ = r₁³ + r₂³, where r³ is
+/// in proportion to the volume, within a fifth. A branch is one to three vessels in series, two in the mean.
 ///
 /// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::tree::branching_tree`] gives it.
 /// There are 12 nodes more than vessels, a quarter of them outlets; all have degree 1 to 3. Ids are numbers from 1, vessels have no
-/// labels. A surrogate with the size and the graph of the arteries of a brain, not their courses.
+/// labels. The phantom has the size and the graph of the arteries of a brain, not their courses.
 ///
 /// # Errors
 ///
@@ -52,19 +52,19 @@ pub fn arterial(params: &Large) -> Result<Network> {
     for tree in 0..trees {
         let first = territory(&mut network, tree, leaves / trees + usize::from(tree < leaves % trees));
         let mut open = vec![first];
-        while let Some(part) = open.pop() {
-            let tip = part.grow(&mut network, usize::from(vessels.next().unwrap_or(1)), params, &mut rng);
-            if part.leaves == 1 {
-                make_terminal(&mut network, tip, part.radius);
+        while let Some(territory) = open.pop() {
+            let tip = territory.grow(&mut network, usize::from(vessels.next().unwrap_or(1)), params, &mut rng);
+            if territory.leaves == 1 {
+                make_terminal(&mut network, tip, territory.radius);
             } else {
-                open.extend(part.halves(tip, &mut rng));
+                open.extend(territory.halves(tip, &mut rng));
             }
         }
     }
     Ok(network)
 }
 
-/// How many vessels each branch has: equally often one, two and three, but for what the sum asks for.
+/// How many vessels each branch has: one, two and three equally often, adjusted to give the requested sum.
 fn vessels_of_branches(branches: usize, vessels: usize, rng: &mut impl Rng) -> Vec<u8> {
     let mut of: Vec<u8> = (0..branches).map(|branch| [1, 2, 3][branch % 3]).collect();
     let mut sum = of.iter().map(|n| usize::from(*n)).sum::<usize>();
@@ -79,52 +79,52 @@ fn vessels_of_branches(branches: usize, vessels: usize, rng: &mut impl Rng) -> V
     of
 }
 
-/// The territory of a tree, with its root in the middle of the side that lies on the surface of the box.
-fn territory(network: &mut Network, tree: usize, leaves: usize) -> Part {
+/// The territory of a tree. The root is in the middle of the side on the surface of the box.
+fn territory(network: &mut Network, tree: usize, leaves: usize) -> Territory {
     let cell = [tree % TERRITORIES[0], tree / TERRITORIES[0] % TERRITORIES[1], tree / (TERRITORIES[0] * TERRITORIES[1])];
     let side = [0, 1, 2].map(|axis| BOX[axis] / TERRITORIES[axis] as f64);
     let low = [0, 1, 2].map(|axis| cell[axis] as f64 * side[axis]);
     let high = [0, 1, 2].map(|axis| low[axis] + side[axis]);
     let mut root = lerp(low, high, 0.5);
     root[2] = if cell[2] == 0 { low[2] } else { high[2] };
-    let from = add_node(network, Node { position: Some(root), ..Node::default() });
+    let from = add_node(network, root, None);
     make_inlet(network, from);
-    Part { from, low, high, leaves, radius: ROOT_RADIUS }
+    Territory { from, low, high, leaves, radius: ROOT_RADIUS }
 }
 
-/// A part of a territory that a branch is about to reach.
-struct Part {
+/// A box that a branch will reach, and the branch.
+struct Territory {
     /// The node where the branch begins.
     from: usize,
-    /// Its corners, m.
+    /// The corners of the box, m.
     low: Point,
     high: Point,
+    /// How many leaves it gets.
     leaves: usize,
-    /// That of the branch, m.
+    /// The radius of the branch, m.
     radius: f64,
 }
 
-impl Part {
+impl Territory {
     /// Adds the branch and returns its last node.
     fn grow(&self, network: &mut Network, vessels: usize, params: &Large, rng: &mut impl Rng) -> usize {
         let start = network.node(self.from).position.unwrap_or_default();
         let middle = lerp(self.low, self.high, 0.5);
-        let tip = [0, 1, 2].map(|axis| middle[axis] + (self.high[axis] - self.low[axis]) * rng.random_range(-STRAY..STRAY));
+        let tip = [0, 1, 2].map(|axis| middle[axis] + (self.high[axis] - self.low[axis]) * rng.random_range(-JITTER..JITTER));
         let length = distance(start, tip);
         let mut before = self.from;
         for vessel in 1..=vessels {
             let on_line = lerp(start, tip, vessel as f64 / vessels as f64);
             let beside = on_line.map(|x| x + BEND * length * rng.sample::<f64, _>(StandardNormal));
             let position = if vessel == vessels { tip } else { beside };
-            let node = Node { position: Some(position), role: Some(Role::Inner), ..Node::default() };
-            let next = add_node(network, node);
+            let next = add_node(network, position, None);
             params.add_vessel(network, [before, next], self.radius);
             before = next;
         }
         before
     }
 
-    /// The two parts on the sides of a cut across the longest side, to be reached from `tip`; the second is grown first.
+    /// Its two halves, on either side of a cut across the longest side, with branches from `tip`. The second half grows first.
     fn halves(&self, tip: usize, rng: &mut impl Rng) -> [Self; 2] {
         let wanted = self.leaves as f64 * rng.random_range(CUT);
         let first = (wanted.round() as usize).clamp(1, self.leaves - 1);

@@ -1,13 +1,13 @@
-//! A smooth course of a given length between two points: sine waves in a plane that holds the chord.
+//! A smooth curve of a given length between two points: a sine wave in a plane through the chord.
 
 use std::f64::consts::PI;
 
 use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
 
-/// The side to which a vessel bows out, and how often it swings.
+/// The side to which a vessel curves, and how often it swings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bow {
-    /// The direction of the first swing; its part along the chord does not count.
+    /// The direction of the first swing; only its part across the chord counts.
     pub side: [f64; 3],
     /// Half waves between the two ends, at least 1.
     pub swings: u32,
@@ -15,13 +15,13 @@ pub struct Bow {
 
 /// Points at equal steps of about `spacing` (m) from `a` to `b` along a polyline of arc length `length` (m).
 ///
-/// p(s) = a + s (b - a) + h sin(kπs) n, with n the unit vector of the bow's side across the chord and k its swings.
-/// The length grows with the amplitude h, which bisection finds to the last bit for the polyline itself, not for the
-/// curve that it samples. There are at least four steps a swing, so that the wave can be seen.
+/// p(s) = a + s (b - a) + h sin(kπs) n, where n is the unit vector of the bow's side across the chord and k the number of swings.
+/// The length grows with the amplitude h. Bisection finds h to the last bit, for the length of the polyline, not of the smooth curve.
+/// Each swing has at least four steps, which keeps the shape of the wave.
 ///
 /// # Panics
 ///
-/// When `length` is below the distance between the ends, or the bow's side is along the chord.
+/// When `length` is below the distance between the ends, or when the bow's side points along the chord.
 pub fn course(a: Point, b: Point, length: f64, bow: Bow, spacing: f64) -> Vec<Point> {
     let chord = distance(a, b);
     assert!(length >= chord, "a course of {length} m cannot span {chord} m");

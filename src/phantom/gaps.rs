@@ -1,27 +1,26 @@
-//! Gaps and nothing else: the middle of some vessels is missing, everything else stands as it is.
+//! Gaps as the only damage: the middle of some vessels is missing, everything else is complete and exact.
 
 use rand::seq::index;
 
-use super::breaks::Breaks;
-use super::damage::Sampled;
+use super::damage::{Breaks, SampledVessel};
 use super::extraction::extract;
-use super::straight_vessels::add_node;
 use super::truth::{Break, BreakKind, Truth};
+use super::{add_node, check_positions, check_range};
 use crate::candidates::search::join_nearest;
 use crate::error::{Error, Result};
 use crate::network::centerlines::Centerlines;
-use crate::network::{Network, Node, Origin, PathPoint, Role, Vessel, fragments};
+use crate::network::{Network, Origin, PathPoint, Role, Vessel, fragments};
 use crate::support::random;
 use crate::support::random::stream;
 
-/// Which vessels are interrupted, and how finely the others are drawn.
+/// How many vessels are interrupted, and the distance of centerline points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gaps {
-    /// The share of the vessels that lose about their middle third, 0 to 1: exactly so many, to rounding.
+    /// The share of the vessels that lose about their middle third, 0 to 1. Their number is exact, to rounding.
     pub share: f64,
-    /// The seed; that of the anatomy may be the same.
+    /// The seed; it may equal that of the anatomy.
     pub seed: u64,
-    /// Distance of centerline points, m, positive; none for two points a vessel, four where it is interrupted.
+    /// Distance between centerline points, m, positive; `None` gives a vessel two points, an interrupted one four.
     pub spacing: Option<f64>,
 }
 
@@ -32,12 +31,8 @@ impl Gaps {
     ///
     /// A share out of its range, a node without position.
     fn choose(&self, network: &Network) -> Result<Vec<usize>> {
-        if !(0.0..=1.0).contains(&self.share) {
-            return Err(Error::parameter("share", self.share, "expected 0 to 1"));
-        }
-        if let Some(node) = network.nodes().find(|node| node.position.is_none()) {
-            return Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
-        }
+        check_range("share", self.share, 0.0, 1.0)?;
+        check_positions(network)?;
         let count = (self.share * network.vessel_count() as f64).round() as usize;
         let mut rows = index::sample(&mut stream(self.seed, random::GAPS), network.vessel_count(), count).into_vec();
         rows.sort_unstable();
@@ -45,9 +40,9 @@ impl Gaps {
     }
 
     /// A vessel at equal steps, without its middle third where it is interrupted.
-    fn sampled(&self, network: &Network, row: usize, interrupted: bool) -> Sampled {
+    fn sampled(&self, network: &Network, row: usize, interrupted: bool) -> SampledVessel {
         let steps = |length: f64| self.spacing.map_or(1.0, |spacing| (length / spacing).round()).max(1.0) as usize;
-        let mut vessel = Sampled::at(network, row, |length| steps(length).max(if interrupted { 3 } else { 1 }));
+        let mut vessel = SampledVessel::at(network, row, |length| steps(length).max(if interrupted { 3 } else { 1 }));
         if interrupted {
             let (last, third) = (vessel.last(), (vessel.last() as f64 / 3.0).round() as usize);
             vessel.pieces = vec![[0, third], [last - third, last]];
@@ -56,7 +51,7 @@ impl Gaps {
     }
 }
 
-/// The centerlines of a network with gaps, and the answer. Points are numbered as [`super::extraction::break_up`] numbers them.
+/// The centerlines of a network with gaps, and the true answer. Points are numbered as by [`super::extraction::break_up`].
 ///
 /// # Errors
 ///
@@ -67,17 +62,17 @@ pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)>
         .map(|row| gaps.sampled(network, row, interrupted.next_if_eq(&row).is_some()))
         .collect::<Vec<_>>();
     let params = Breaks { jitter: 0.0, radius_noise: 0.0, radius_bias: 0.0, spurious: 0.0, ..Breaks::default() };
-    // The order of fragments and points is drawn after the gaps.
+    // The random order of fragments and points uses a later part of the stream than the gaps.
     let mut rng = stream(gaps.seed, random::GAPS);
     rng.set_word_pos(1 << 40);
     Ok(extract(network, &vessels, &params, &mut rng))
 }
 
-/// The same gaps in a graph that candidates make over-connected: the `k` nearest nodes of both loose ends of every gap.
+/// The same gaps in a graph that is over-connected: candidates join both loose ends of every gap to their `k` nearest nodes.
 ///
-/// The nodes keep their rows, ids and conditions; the loose ends follow, two a gap, with the next numbers as ids. An interrupted
-/// vessel is two, in its place. Candidates come last ([`join_nearest`]). The ids of the answer are those of the nodes,
-/// which have to be numbers from 1 on in their order, as those of the large phantoms are.
+/// The nodes keep their rows, ids and conditions. The loose ends follow, two per gap, with the next numbers as ids. Two vessels replace
+/// an interrupted one. Candidates come last ([`join_nearest`]). The ids in the answer are those of the nodes, which must be the numbers
+/// from 1 in order, as in the large phantoms.
 ///
 /// # Errors
 ///
@@ -90,16 +85,16 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
     let mut truth = Truth {
         vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),
         inlets: (1..).zip(network.nodes()).filter(|(_, n)| n.role == Some(Role::Inlet)).map(|(id, _)| id).collect(),
-        points: of_widest(&network),
+        points: widest_vessels(&network),
         ..Truth::default()
     };
     let (complete, mut graph) = (network.node_count(), Network::new());
-    let drawn: Vec<Sampled> = chosen.iter().map(|row| gaps.sampled(&network, *row, true)).collect();
+    let sampled: Vec<SampledVessel> = chosen.iter().map(|row| gaps.sampled(&network, *row, true)).collect();
     let (nodes, vessels) = network.into_parts();
     for node in nodes {
         graph.add_node(node);
     }
-    let mut interrupted = chosen.into_iter().zip(drawn).peekable();
+    let mut interrupted = chosen.into_iter().zip(sampled).peekable();
     for (row, (ends, vessel)) in vessels.enumerate() {
         let Some((_, sampled)) = interrupted.next_if(|(next, _)| *next == row) else {
             graph.add_vessel(ends, vessel);
@@ -109,10 +104,7 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
         let loose = [near[1], far[0]].map(|at| {
             let (position, radius) = sampled.points[at];
             truth.points.push(Some(row));
-            add_node(
-                &mut graph,
-                Node { position: Some(position), radius: Some(radius), role: Some(Role::Inner), ..Node::default() },
-            )
+            add_node(&mut graph, position, Some(radius))
         });
         for (ends, piece) in [([ends[0], loose[0]], near), ([loose[1], ends[1]], far)] {
             let points = || sampled.points[piece[0]..=piece[1]].iter();
@@ -131,12 +123,12 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
     Ok((graph, truth))
 }
 
-/// Per node the row of its widest vessel.
-fn of_widest(network: &Network) -> Vec<Option<usize>> {
+/// For each node the row of its widest vessel.
+fn widest_vessels(network: &Network) -> Vec<Option<usize>> {
     let mut widest: Vec<Option<usize>> = vec![None; network.node_count()];
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         for end in ends {
-            if widest[end].is_none_or(|standing| vessel.radius > network.vessel(standing).radius) {
+            if widest[end].is_none_or(|widest| vessel.radius > network.vessel(widest).radius) {
                 widest[end] = Some(row);
             }
         }

@@ -1,4 +1,4 @@
-//! The phantoms by name.
+//! The kinds of phantoms by name, and the network of each.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,14 +7,14 @@ use super::arterial::arterial;
 use super::capillary::capillary;
 use super::circle::{cerebral, circle_of_willis};
 use super::gaps::Gaps;
-use super::straight_vessels::{EDGES, Large};
+use super::large::{EDGES, Large};
 use super::tree::{Tree, branching_tree};
 use crate::error::{Error, Result};
 use crate::network::Network;
 use crate::network::units::{metres, millimetres};
 use crate::support::suggestions::did_you_mean;
 
-/// The distance of centerline points where none is asked for, m.
+/// The default distance between centerline points, m.
 const SPACING: f64 = 0.0005;
 
 /// Which test anatomy.
@@ -32,15 +32,15 @@ pub enum Kind {
     Capillary,
 }
 
-/// What a phantom is made by.
+/// The options of a phantom.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recipe {
-    /// Distance of centerline points, m, from 0.01 to 10 mm; none for 0.5 mm, and for vessels known by their two nodes alone where
-    /// the kind has any size.
+    /// Distance between centerline points, m, from 0.01 to 10 mm. The default is 0.5 mm; kinds of any size then have no points between
+    /// their nodes.
     pub spacing: Option<f64>,
-    /// How many vessels, 100 to 10 000 000: what the kinds of any size need, and the others do not take.
+    /// How many vessels, 100 to 10 000 000. Kinds of any size require it, the others refuse it.
     pub edges: Option<usize>,
-    /// The seed of the anatomy, for kinds of any size; the others are always the same.
+    /// The seed of the anatomy of kinds of any size. The others are always the same.
     pub seed: u64,
 }
 
@@ -48,7 +48,7 @@ impl Kind {
     /// Every kind.
     pub const ALL: [Self; 5] = [Self::CircleOfWillis, Self::Cerebral, Self::Tree, Self::Arterial, Self::Capillary];
 
-    /// The word on the command line.
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::CircleOfWillis => "circle-of-willis",
@@ -59,12 +59,12 @@ impl Kind {
         }
     }
 
-    /// Whether it has as many vessels as one asks for; it is drawn by its seed then.
+    /// Whether the caller chooses the number of vessels. The anatomy is random then.
     pub fn has_any_size(self) -> bool {
         matches!(self, Self::Arterial | Self::Capillary)
     }
 
-    /// The gaps that break a kind of any size: in 2.5 % of the arteries, 2 % of the capillaries; none for the others, which
+    /// The gaps that break a kind of any size: in 2.5 % of the arteries, 2 % of the capillaries. `None` for the other kinds, which
     /// [`super::extraction::break_up`] breaks.
     pub fn gaps(self, recipe: &Recipe) -> Option<Gaps> {
         let share = match self {
@@ -79,7 +79,7 @@ impl Kind {
     ///
     /// # Errors
     ///
-    /// A field of the recipe out of its range, a number of vessels missing or not taken.
+    /// A field of the recipe out of its range; a number of vessels missing or refused.
     pub fn network(self, recipe: &Recipe) -> Result<Network> {
         let spacing = recipe.spacing.unwrap_or(SPACING);
         if !(metres(0.01)..=metres(10.0)).contains(&spacing) {

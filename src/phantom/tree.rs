@@ -2,27 +2,27 @@
 
 use rand::RngExt;
 
-use super::circle::make_inlet;
 use super::curve::{Bow, course};
-use crate::error::{Error, Result};
+use super::{add_curved_vessel, add_node, check_length, check_range, make_inlet};
+use crate::error::Result;
 use crate::network::units::{cubic_metres_per_second, metres};
-use crate::network::{Condition, INLET_PRESSURE, Network, Node, PathPoint, RadiusRule, Role, Vessel};
-use crate::support::geometry::{Point, cross, dot, sub, unit};
+use crate::network::{Condition, INLET_PRESSURE, Network, Role};
+use crate::support::geometry::{cross, dot, sub, unit};
 use crate::support::random;
 use crate::support::random::stream;
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree {
-    /// Times that every vessel branches in two, 0 to 16: 2^(g + 1) - 1 vessels.
+    /// Generations of branching g, 0 to 16: the tree has 2^(g + 1) - 1 vessels.
     pub generations: u32,
     /// Radius of the first vessel, m, positive.
     pub radius: f64,
     /// Length over radius of every vessel, 4 to 1000.
     pub slenderness: f64,
-    /// How unlike two daughters may be, 0 (twins) to 0.9: one of them takes a share of r³ uniform in (1 ± asymmetry) / 2.
+    /// How unlike two daughters may be, 0 (equal) to 0.9: the wider takes a share of r³ between 1/2 and (1 + asymmetry) / 2.
     pub asymmetry: f64,
-    /// Distance of centerline points, m, positive.
+    /// Distance between centerline points, m, positive.
     pub spacing: f64,
     /// The seed.
     pub seed: u64,
@@ -41,34 +41,25 @@ impl Tree {
     ///
     /// Names the field, its value and its range.
     pub fn validate(&self) -> Result<()> {
-        let length = |x: f64| x.is_finite() && x > 0.0;
-        if self.generations > 16 {
-            return Err(Error::parameter("generations", self.generations, "expected 0 to 16"));
-        }
-        for (name, value, good, range) in [
-            ("radius", self.radius, length(self.radius), "expected a positive length, m"),
-            ("slenderness", self.slenderness, (4.0..=1000.0).contains(&self.slenderness), "expected 4 to 1000"),
-            ("asymmetry", self.asymmetry, (0.0..=0.9).contains(&self.asymmetry), "expected 0 to 0.9"),
-            ("spacing", self.spacing, length(self.spacing), "expected a positive length, m"),
-        ] {
-            if !good {
-                return Err(Error::parameter(name, value, range));
-            }
-        }
-        Ok(())
+        check_range("generations", self.generations, 0, 16)?;
+        check_length("radius", self.radius)?;
+        check_range("slenderness", self.slenderness, 4.0, 1000.0)?;
+        check_range("asymmetry", self.asymmetry, 0.0, 0.9)?;
+        check_length("spacing", self.spacing)
     }
 }
 
 /// Arc length over chord of a tree's vessels.
 const TORTUOSITY: f64 = 1.03;
-/// Flow through the first vessel of the default radius at Murray's law, mL/min: about that of an internal carotid.
+/// Flow through a vessel of 2 mm radius, mL/min: about that of an internal carotid. Murray's law gives that of other radii.
 const FLOW_AT_2_MM: f64 = 250.0;
 
-/// A tree that starts upwards from the origin, every branching turned by a right angle against the one before.
+/// A tree that grows upwards from the origin. The plane of each branching is at a right angle to the one before.
 ///
 /// At a branching r₀³ = r₁³ + r₂³, and the daughters leave at Murray's angles, cos θ₁ = (r₀⁴ + r₁⁴ - r₂⁴) / (2 r₀² r₁²).
 /// The root is an inlet at 100 mmHg, and the ends carry terminal resistances in proportion to 1/r³, as Murray's
-/// flow Q ~ r³ asks for. Labels tell the way (`T`, `T.1`, `T.1.2`, ...; 1 the wider). Distant branches of a large tree may touch.
+/// flow Q ~ r³ requires. Labels give the path from the root (`T`, `T.1`, `T.1.2`, ...; 1 is the wider daughter). Distant branches of
+/// a large tree may touch.
 ///
 /// # Errors
 ///
@@ -77,9 +68,9 @@ pub fn branching_tree(params: &Tree) -> Result<Network> {
     params.validate()?;
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
-    let root = add_node(&mut network, [0.0; 3], params.radius);
+    let root = add_node(&mut network, [0.0; 3], Some(params.radius));
     make_inlet(&mut network, root);
-    let first = Shoot {
+    let first = Branch {
         from: root,
         along: [0.0, 0.0, 1.0],
         side: [1.0, 0.0, 0.0],
@@ -87,20 +78,20 @@ pub fn branching_tree(params: &Tree) -> Result<Network> {
         label: "T".into(),
         generation: 0,
     };
-    let mut shoots = std::collections::VecDeque::from([first]);
-    while let Some(shoot) = shoots.pop_front() {
-        let tip = shoot.grow(&mut network, params);
-        if shoot.generation == params.generations {
-            make_terminal(&mut network, tip, shoot.radius);
+    let mut branches = std::collections::VecDeque::from([first]);
+    while let Some(branch) = branches.pop_front() {
+        let tip = branch.grow(&mut network, params);
+        if branch.generation == params.generations {
+            make_terminal(&mut network, tip, branch.radius);
         } else {
             let share = 0.5 * (1.0 + params.asymmetry * rng.random::<f64>());
-            shoots.extend(shoot.daughters(tip, share));
+            branches.extend(branch.daughters(tip, share));
         }
     }
     Ok(network)
 }
 
-/// Makes a node an outlet with the terminal resistance of a vessel of this radius (m): Murray's flow at 100 mmHg.
+/// Makes a node an outlet of a vessel of this radius (m). Its terminal resistance gives Murray's flow at 100 mmHg.
 pub(crate) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
     let node = network.node_mut(row);
@@ -108,8 +99,8 @@ pub(crate) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     node.condition = Some(Condition::Resistance { resistance: INLET_PRESSURE / flow, venous: 0.0 });
 }
 
-/// A vessel about to be added: where from, which way, and the side to which it will branch.
-struct Shoot {
+/// A vessel that the tree will get: its first node, its direction, and the direction in which it will branch.
+struct Branch {
     from: usize,
     along: [f64; 3],
     side: [f64; 3],
@@ -118,17 +109,15 @@ struct Shoot {
     generation: u32,
 }
 
-impl Shoot {
+impl Branch {
     /// Adds the vessel and its far node, whose row is returned.
     fn grow(&self, network: &mut Network, params: &Tree) -> usize {
         let length = self.radius * params.slenderness;
         let start = network.node(self.from).position.unwrap_or_default();
         let end = [0, 1, 2].map(|axis| start[axis] + self.along[axis] * length / TORTUOSITY);
-        let tip = add_node(network, end, self.radius);
+        let tip = add_node(network, end, Some(self.radius));
         let points = course(start, end, length, Bow { side: self.side, swings: 1 }, params.spacing);
-        let path = points.into_iter().map(|position| PathPoint { position, radius: self.radius, id: None }).collect();
-        let along = Vessel::along(path, RadiusRule::Mean);
-        network.add_vessel([self.from, tip], Vessel { length, radius: self.radius, label: self.label.clone(), ..along });
+        add_curved_vessel(network, [self.from, tip], points, length, self.radius, &self.label);
         tip
     }
 
@@ -147,9 +136,4 @@ impl Shoot {
             Self { from: tip, along, side, radius, label, generation: self.generation + 1 }
         })
     }
-}
-
-fn add_node(network: &mut Network, position: Point, radius: f64) -> usize {
-    let id = (network.node_count() + 1).to_string();
-    network.add_node(Node { id, position: Some(position), radius: Some(radius), role: Some(Role::Inner), ..Node::default() })
 }

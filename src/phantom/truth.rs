@@ -1,4 +1,4 @@
-//! The landmarks that a person would set on an extraction: where the arteries that it shows come in and go out.
+//! The true answer to an extraction, and the landmarks that a person would set on it.
 
 use std::io::{self, Write};
 
@@ -8,7 +8,8 @@ use crate::network::Network;
 use crate::network::units::millimetres;
 use crate::support::geometry::Point;
 
-/// The labelled free ends of a complete network, but for vessels that its extraction lost: label and true position, m, in node order.
+/// The labelled free ends of a complete network, except those of vessels that the extraction lost: label and true position, m, in
+/// node order.
 pub fn landmarks<'a>(network: &'a Network, truth: &Truth) -> Vec<(&'a str, Point)> {
     let degree = network.degrees(|_| true);
     let mut found: Vec<(usize, &str, Point)> = Vec::new();
@@ -26,39 +27,39 @@ pub fn landmarks<'a>(network: &'a Network, truth: &Truth) -> Vec<(&'a str, Point
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BreakKind {
-    /// Next to a junction: the first id is the junction's point, the second the vessel's loose end.
+    /// Next to a junction: the first id is the point of the junction, the second the loose end of the vessel.
     Junction,
-    /// Midway: both ids are loose ends.
+    /// Along the vessel: both ids are loose ends.
     Vessel,
 }
 
-/// A missing stretch that a right bridge spans.
+/// A missing stretch that a correct connection closes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Break {
-    /// The ids of the points on its two sides.
+    /// The ids of the points at its two ends.
     pub ids: [u64; 2],
-    /// Next to a junction or midway.
+    /// Next to a junction or along the vessel.
     pub kind: BreakKind,
     /// The row of the vessel in the complete network.
     pub vessel: usize,
-    /// Where the stretch begins and ends, m of arc length from the vessel's first node.
+    /// The arc lengths from the first node of the vessel at which the stretch begins and ends, m.
     pub stretch: [f64; 2],
 }
 
-/// The answer to an extraction.
+/// The true answer to an extraction.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Truth {
     /// The labels of the complete network's vessels by row.
     pub vessels: Vec<String>,
-    /// The rows of the vessels that are missing altogether.
+    /// The rows of the vessels that are missing completely.
     pub lost: Vec<usize>,
     /// The ids of the points at the inlets.
     pub inlets: Vec<u64>,
-    /// Per fragment (the strand of its points) whether it is spurious.
+    /// For each fragment (the strand of its points) whether it is spurious.
     pub spurious: Vec<bool>,
-    /// The missing stretches between points that are there, in order of vessel and arc length.
+    /// The missing stretches between two points of the extraction, in order of vessel and arc length.
     pub breaks: Vec<Break>,
-    /// Per point the row of its vessel, none where it is spurious; at a junction that of the widest.
+    /// For each point the row of its vessel (at a junction the widest), `None` where it is spurious.
     pub points: Vec<Option<usize>>,
 }
 
@@ -102,11 +103,11 @@ impl Truth {
     /// | key | what |
     /// |---|---|
     /// | `vessels` | labels of the complete network's vessels; rows below count from 0 in this list |
-    /// | `lost_vessels` | rows of vessels missing altogether |
+    /// | `lost_vessels` | rows of vessels that are missing completely |
     /// | `inlets` | point ids of the inlets |
-    /// | `fragments` | a `{fragment, spurious}` each; fragments count from 0 in the order of their first point |
-    /// | `breaks` | a `{ids, kind, vessel, label, from_mm, to_mm, gap_mm}` each: the two point ids that a right bridge joins, `junction` or `vessel`, row and label of the vessel, arc length from its first node at which the stretch begins and ends, its length |
-    /// | `points` | per point, in order of id from 1, the row of its vessel or `null` where it is spurious |
+    /// | `fragments` | one `{fragment, spurious}` each; fragments count from 0 in the order of their first points |
+    /// | `breaks` | one `{ids, kind, vessel, label, from_mm, to_mm, gap_mm}` each: the two point ids that a correct connection joins, `junction` or `vessel`, row and label of the vessel, arc length from its first node at which the stretch begins and ends, its length |
+    /// | `points` | for each point, in order of id from 1, the row of its vessel, or `null` where it is spurious |
     ///
     /// # Errors
     ///

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::circle_of_willis::{Circle, Collateral, Posterior, Scheme, collaterals, identify};
+use crate::circle_of_willis::{Circle, Collateral, Posterior, LabelScheme, collaterals, identify_landmarks};
 use crate::decision::{Draw, KnownEnds, Topologies};
 use crate::error::Result;
 use crate::flow::boundary::stated;
@@ -24,7 +24,7 @@ pub enum ArterySource {
     #[default]
     AnyLabels,
     /// By labels of this kind.
-    Labels(Scheme),
+    Labels(LabelScheme),
     /// By a CSV file of landmarks: `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input.
     Landmarks(PathBuf),
 }
@@ -41,7 +41,7 @@ impl ArterySource {
             Self::Labels(scheme) => *scheme,
             Self::AnyLabels => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
-                Scheme::of(labels).map_err(|fault| fault.in_file(input))?
+                LabelScheme::of(labels).map_err(|fault| fault.in_file(input))?
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
@@ -51,7 +51,7 @@ impl ArterySource {
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
     let bytes = bytes_of(file)?;
-    let landmarks = read_landmarks(&bytes, scale).and_then(identify).map_err(|fault| fault.in_file(file))?;
+    let landmarks = read_landmarks(&bytes, scale).and_then(identify_landmarks).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
     let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
     Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes })

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::arteries::FoundArteries;
 use super::{ArterySource, Input};
-use crate::circle_of_willis::{Collateral, Posterior, Variant, counted};
+use crate::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary::stated;
@@ -69,7 +69,7 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         notes.push(how);
         (posterior.topology.clone(), posterior.best(), Some(posterior))
     } else {
-        let (kept, note) = counted(network);
+        let (kept, note) = present_vessels(network);
         notes.extend(note.map(str::to_owned));
         let variant = found.circle.variant(network, |row| kept[row]);
         (kept, variant, None)

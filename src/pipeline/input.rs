@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::stored_run::StoredRun;
-use crate::circle_of_willis::divide;
+use crate::circle_of_willis::split_where_labels_change;
 use crate::error::{Error, Result};
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
 use crate::network::centerlines::Centerlines;
@@ -131,7 +131,7 @@ impl Input {
     /// The vessels, divided where their labels change along the centerlines.
     pub(crate) fn divided_by_labels(&self) -> Network {
         match &self.lines {
-            Some(lines) => divide(&self.network, lines, self.options.radius_rule),
+            Some(lines) => split_where_labels_change(&self.network, lines, self.options.radius_rule),
             None => self.network.clone(),
         }
     }

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::figures::convergence::convergence;
 use super::figures::heat_map::{Matrix, heat_map};
-use super::page::lists::Figure;
-use super::page::{infer_page, write_page};
+use super::page::{Picture, infer_page, write_page};
 use super::record::Summary;
 use crate::decision::{Decision, ExpectedErrors, Keep, Topology, threshold};
 use crate::error::{Error, Result};
@@ -15,8 +14,8 @@ use crate::io::{
 };
 use crate::network::{Condition, Network, Role, fragments};
 use crate::output::atomic::write_file;
-use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
+use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
 use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
@@ -180,11 +179,11 @@ fn topology(
     Ok(nodes)
 }
 
-fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Figure>> {
+fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Picture>> {
     let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix }, outcome.weight)?;
     matrix.write(folder, dpi)?;
     let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
-    let matrix = Figure::new("Likelihood matrix", says, &matrix)?;
+    let matrix = Picture::new("Likelihood matrix", says, &matrix)?;
 
     let result = outcome.result;
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
@@ -202,7 +201,7 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
         "The mean contribution per sample of every uncertain vessel against the number of samples; \
          lines that are still moving at the right end call for more samples."
     };
-    Ok(vec![matrix, Figure::new("Convergence", says, &traces)?])
+    Ok(vec![matrix, Picture::new("Convergence", says, &traces)?])
 }
 
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.

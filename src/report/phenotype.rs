@@ -1,11 +1,11 @@
-//! The output folder of a classification: the phenotype as JSON and as a row of a table, and how it was found.
+//! The output of a classification: phenotype.json, phenotype.csv, collateral.csv and the record.
 
 use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::record::Provenance;
-use crate::circle_of_willis::{Artery, Collateral, Deciding, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
+use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
 use crate::io::{Column, write_csv};
 use crate::network::Network;
@@ -14,27 +14,27 @@ use crate::output::atomic::write_file;
 use crate::output::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
 use crate::output::write_json;
 
-/// A classification and everything its files are made of.
+/// A classification with everything that its files need.
 #[derive(Debug)]
 pub struct Classified<'a> {
     /// The vessels.
     pub network: &'a Network,
-    /// How many of them counted.
+    /// How many of them count as present.
     pub counted: usize,
-    /// What they make, as [`phenotype_json`] says it.
+    /// The phenotype as by [`phenotype_json`].
     pub phenotype: &'a Value,
-    /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
+    /// How the arteries were found: `names`, `icafe`, `topcow` or `landmarks`.
     pub known_by: &'a str,
-    /// Path and SHA-256 of the landmarks, where they were given.
+    /// Path and SHA-256 of the landmarks, or null.
     pub landmarks: Value,
-    /// What it makes of the loss of each feeder, as [`collateral_json`] says it; null where no blood can flow.
+    /// The collateral flow as by [`collateral_json`], or null where no blood can flow.
     pub collateral: Value,
-    /// What a person should know about where the arteries are.
+    /// Notes about where the arteries are.
     pub notes: &'a [String],
 }
 
-/// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), and beside it the same
-/// by name, in words and by segment; of uncertain topologies the most probable variant, and beside it the probabilities.
+/// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
+/// and segments. Where topologies are uncertain it is the most probable variant, with probabilities.
 pub fn phenotype_json(network: &Network, variant: &Variant, posterior: Option<&Posterior>) -> Value {
     let mut phenotype = anatomy_json(variant);
     if let Some(posterior) = posterior {
@@ -43,13 +43,13 @@ pub fn phenotype_json(network: &Network, variant: &Variant, posterior: Option<&P
     phenotype
 }
 
-/// How many variants and candidates are told of one by one.
-const TOLD: usize = 10;
+/// How many variants and candidates are listed.
+const MOST_LISTED: usize = 10;
 
 fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     let variant =
         |(variant, p): &(Variant, f64)| json!({ "variant": variant.name(), "words": variant.words(), "probability": p });
-    let deciding = |d: &Deciding| {
+    let deciding = |d: &DecidingCandidate| {
         let [a, b] = network.ends(d.vessel);
         json!({
             "edge": d.vessel, "node_a": a, "node_b": b, "id_a": network.node(a).id, "id_b": network.node(b).id,
@@ -63,8 +63,8 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
         "margin": posterior.margin(),
         "segments": segments,
         "fetal": { "L-PCA": posterior.fetal[0], "R-PCA": posterior.fetal[1] },
-        "variants": posterior.variants.iter().take(TOLD).map(variant).collect::<Vec<_>>(),
-        "deciding": posterior.deciding.iter().take(TOLD).map(deciding).collect::<Vec<_>>(),
+        "variants": posterior.variants.iter().take(MOST_LISTED).map(variant).collect::<Vec<_>>(),
+        "deciding": posterior.deciding.iter().take(MOST_LISTED).map(deciding).collect::<Vec<_>>(),
         "topologies": posterior.samples,
     })
 }
@@ -74,7 +74,7 @@ fn anatomy_json(variant: &Variant) -> Value {
     let has = |artery| variant.has(artery);
     let [left, right] = Side::BOTH;
     let mut segments = serde_json::Map::new();
-    for (artery, present) in rows(variant) {
+    for (artery, present) in presence(variant) {
         segments.insert(artery.to_string(), json!(present));
     }
     let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
@@ -97,21 +97,21 @@ fn anatomy_json(variant: &Variant) -> Value {
     })
 }
 
-/// The segments of the ring and the arteries that feed it, with whether they are there.
-fn rows(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
+/// The segments of the ring and the feeding arteries, with whether each is present.
+fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
     let feeders =
         [(Artery::Ica(Side::Left), variant.ica[0]), (Artery::Ica(Side::Right), variant.ica[1]), (Artery::Ba, variant.ba)];
     RING.into_iter().zip(variant.present).chain(feeders)
 }
 
-/// The columns of phenotype.csv, of one row.
+/// The columns of phenotype.csv, which has one row.
 fn phenotype_columns(subject: &str, variant: &Variant, posterior: Option<&Posterior>) -> Vec<Column> {
     let text = |name: &'static str, text: &str| Column::text(name, [text.to_owned()].into_iter());
     let flag = |name: String, flag: bool| Column::whole(name, [usize::from(flag)].into_iter());
     let share = |name: String, share: f64| Column::real(name, [share].into_iter());
     let mut columns =
         vec![text("subject", subject), text("variant", &variant.name()), text("completeness", variant.completeness().name())];
-    columns.extend(rows(variant).map(|(artery, present)| flag(artery.to_string(), present)));
+    columns.extend(presence(variant).map(|(artery, present)| flag(artery.to_string(), present)));
     let [left, right] = variant.fetal;
     let others = [("fetal_L-PCA", left), ("fetal_R-PCA", right), ("third_A2", variant.third_a2)];
     columns.extend(others.map(|(name, is)| flag(name.to_owned(), is)));
@@ -160,8 +160,7 @@ pub fn write_phenotype(
     write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &columns))
 }
 
-/// What the circle makes of the loss of each feeder: per feeder the artery that takes over, per territory the share of its flow that is
-/// left.
+/// For each feeder that is closed the artery that takes over and, for each territory, the share of its flow that is left.
 pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     let each = |collateral: &Collateral| {
         let shares = TERRITORIES.iter().zip(collateral.residual());
@@ -172,7 +171,7 @@ pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     Value::Object(collaterals.iter().map(each).collect())
 }
 
-/// Writes collateral.csv: the flow in every segment and territory with all feeders and without each of them.
+/// Writes collateral.csv: the flow in every segment and territory, with all feeders and without each of them.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! run.json of a forward simulation: how it was made, ρ_G, the inflow, and what a perturbation changed.
+//! The output folder of a forward simulation: its record, tables, picture and page.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,13 +8,12 @@ use serde_json::{Value, json};
 
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
-use super::page::lists::Figure;
-use super::page::{simulation_page, write_page};
+use super::page::{Picture, simulation_page, write_page};
 use super::record::{Provenance, conditions, outlets_found};
 use crate::error::Result;
 use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{Column, axis, write_csv, write_vtp};
+use crate::io::{Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, write_csv, write_vtp};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Network, RadiusRule, Role};
 use crate::output::atomic::write_file;
@@ -22,10 +21,10 @@ use crate::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
 use crate::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
 
-/// Collaterals that are named: those of the largest gain of flow.
+/// How many collaterals are listed, those of the largest gain of flow.
 pub const MOST_COLLATERALS: usize = 5;
 
-/// Everything that run.json of a simulation holds.
+/// The content of run.json of a simulation.
 #[derive(Debug, Clone, Serialize)]
 pub struct FlowRecord {
     willis: &'static str,
@@ -127,25 +126,18 @@ fn collateral(network: &Network, c: &FlowChange) -> Value {
     })
 }
 
-/// What ends the header of a figure of the perturbed network.
+/// How the column names of the perturbed network end.
 pub const PERTURBED: &str = "_perturbed";
 
 /// The columns of nodes.csv.
 pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
-    let place = |of_axis: usize| network.nodes().map(move |n| axis(n.position, of_axis));
-    let pressure = |name, state: &State| Column::real(name, state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)));
-    let mut columns = vec![
-        Column::whole("node", 0..network.node_count()),
-        Column::text("id", network.nodes().map(|n| n.id.clone())),
-        Column::real("x_mm", place(0)),
-        Column::real("y_mm", place(1)),
-        Column::real("z_mm", place(2)),
-        Column::text("label", network.nodes().map(|n| n.label.clone())),
-        Column::text("role", boundary.roles.iter().map(|r| r.name().to_owned())),
-        pressure("pressure_mmHg", &result.unperturbed),
-    ];
-    columns.extend(result.perturbed.as_ref().map(|state| pressure("pressure_mmHg_perturbed", state)));
+    let mut columns =
+        super::inference::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
+    columns.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
+    let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
+    let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
+    columns.extend(perturbed);
     columns.extend(condition_columns(network, boundary));
     columns
 }
@@ -153,7 +145,8 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
 /// The columns of edges.csv.
 pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let (network, result) = (simulated.network, simulated.result);
-    let mut columns = places(network);
+    let mut columns = vessel_columns_of_graph(network);
+    columns.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     columns.extend(flow_columns(&result.unperturbed, ""));
     if let Some(perturbed) = &result.perturbed {
         columns.extend(flow_columns(perturbed, PERTURBED));
@@ -163,19 +156,7 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     columns
 }
 
-fn places(network: &Network) -> Vec<Column> {
-    let vessels = || network.vessels();
-    vec![
-        Column::whole("edge", 0..network.vessel_count()),
-        Column::whole("node_a", vessels().map(|(ends, _)| ends[0])),
-        Column::whole("node_b", vessels().map(|(ends, _)| ends[1])),
-        Column::text("label", vessels().map(|(_, v)| v.label.clone())),
-        Column::real("length_mm", vessels().map(|(_, v)| millimetres(v.length))),
-        Column::real("radius_mm", vessels().map(|(_, v)| millimetres(v.radius))),
-    ]
-}
-
-/// What flow does in each vessel; `suffix` ends the headers.
+/// The columns of the flow in each vessel; `suffix` ends their names.
 fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
     let figure = |name: &str, of: fn(&VesselState) -> f64| Column::real(format!("{name}{suffix}"), state.vessels.iter().map(of));
     vec![
@@ -190,22 +171,22 @@ fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
     ]
 }
 
-/// A simulation and everything its files are made of.
+/// A simulation with everything that its files need.
 #[derive(Debug)]
 pub struct Simulated<'a> {
     /// The vessels.
     pub network: &'a Network,
     /// Their boundary conditions.
     pub boundary: &'a Boundary,
-    /// What was done to them.
+    /// The changes.
     pub perturbations: &'a [Perturbation],
-    /// The flow before and after.
+    /// The flow before and after the changes.
     pub result: &'a Simulation,
     /// Blood viscosity, Pa s.
     pub viscosity: f64,
 }
 
-/// Writes every file of a simulation into a folder and returns what a person should know about files left out.
+/// Writes every file of a simulation into a folder and returns notes about files that are left out.
 ///
 /// # Errors
 ///
@@ -223,25 +204,25 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     }
     let bars = flow_bars(&flows(simulated))?;
     bars.write(folder, dpi)?;
-    let says = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
-    let figures = vec![Figure::new("Flow", says, &bars)?];
+    let caption = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
+    let figures = vec![Picture::new("Flow", caption, &bars)?];
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 
-/// The flow of every vessel under its label; its row is added where it has none, or others have the same.
+/// The flow of every vessel by its label; where this is empty or not unique the name has the row.
 fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
-    let mut carried = BTreeMap::new();
+    let mut uses = BTreeMap::new();
     for (_, vessel) in simulated.network.vessels() {
-        *carried.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
+        *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
     }
     let result = simulated.result;
     let flow = |(row, (_, vessel)): (usize, (_, &crate::network::Vessel))| VesselFlow {
         name: match vessel.label.as_str() {
             "" => format!("edge {row}"),
-            label if carried[label] > 1 => format!("{label} (edge {row})"),
+            label if uses[label] > 1 => format!("{label} (edge {row})"),
             label => label.to_owned(),
         },
         unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),

@@ -1,8 +1,4 @@
-//! Forward simulation: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
-
-mod flow_changes;
-
-pub use flow_changes::{FlowChange, gains, reversals, rounding};
+//! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
 
 use crate::error::{Error, Result};
 use crate::flow::floating::drives_flow;
@@ -13,7 +9,7 @@ use crate::network::Network;
 use crate::network::units::millimetres;
 use crate::perturbation::stenosis::Stenosis;
 
-/// What is done to a vessel.
+/// How a vessel is changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// It is narrowed.
@@ -24,20 +20,20 @@ pub enum Change {
     Tortuosity(f64),
 }
 
-/// A change of one vessel. A stretch of stenosis keeps its length in a vessel that is lengthened too; a vessel that is
-/// occluded is closed whatever else is done to it.
+/// A change of one vessel. A stenosis over a stretch keeps its length when the vessel is also lengthened. An occluded vessel is closed
+/// whatever other changes it has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Perturbation {
     /// The vessel's row.
     pub vessel: usize,
-    /// What is done to it.
+    /// Its change.
     pub change: Change,
 }
 
-/// The flow before and after.
+/// The flow before and after the changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulation {
-    /// The network as it is.
+    /// The network without changes.
     pub unperturbed: State,
     /// The network with all its perturbations; `None` without any.
     pub perturbed: Option<State>,
@@ -54,12 +50,12 @@ impl Change {
     }
 }
 
-/// Solves a network as it is, and with all `perturbations` at once. `viscosity` in Pa s.
+/// Solves a network without and with all `perturbations` together. `viscosity` in Pa s.
 ///
 /// # Errors
 ///
-/// A viscosity that is not positive; no two boundary conditions between which blood could flow; a perturbation that is out of
-/// its range or comes twice on one vessel; a vessel whose conductance no double can hold; a breakdown of the solver.
+/// A viscosity that is not positive; boundary conditions that drive no flow; a perturbation out of its range, or two of a kind on one
+/// vessel; a conductance that no double can hold; a breakdown of the solver.
 pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturbations: &[Perturbation]) -> Result<Simulation> {
     check_viscosity(viscosity)?;
     let at_rest = Tube::at_rest(network, viscosity);
@@ -76,7 +72,7 @@ pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturba
 ///
 /// # Errors
 ///
-/// A perturbation that is out of its range, or comes twice on one vessel.
+/// A perturbation out of its range, or two of a kind on one vessel.
 pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbation]) -> Result<Vec<Tube>> {
     let mut tubes = at_rest.to_vec();
     let mut lengths: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.length).collect();
@@ -122,4 +118,68 @@ fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> 
         )),
         _ => Ok(()),
     }
+}
+
+/// Flows and gains up to this share of the total inflow count as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The flow (m³/s) up to which flows and gains between two states count as rounding.
+pub fn rounding(before: &State, after: &State) -> f64 {
+    ROUNDING * before.inflow.max(after.inflow)
+}
+
+/// The flow before and after in a vessel that is not perturbed itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowChange {
+    /// The vessel's row.
+    pub vessel: usize,
+    /// Q before, m³/s.
+    pub before: f64,
+    /// Q after, m³/s.
+    pub after: f64,
+}
+
+impl FlowChange {
+    /// The gain of flow, |Q after| - |Q before|, m³/s.
+    pub fn gain(&self) -> f64 {
+        self.after.abs() - self.before.abs()
+    }
+
+    /// Whether the flow changed its direction.
+    pub fn is_reversed(&self) -> bool {
+        self.before * self.after < 0.0
+    }
+}
+
+/// The vessels that gain flow, |Q after| > |Q before|, without being perturbed themselves; the largest gain first.
+pub fn gains(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    largest_first(untouched(before, after, perturbations).filter(|c| c.gain() > cut), FlowChange::gain)
+}
+
+/// The vessels whose flow changes its direction without being perturbed themselves; the largest flow after it first.
+pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    let turned = |c: &FlowChange| c.is_reversed() && c.before.abs() > cut && c.after.abs() > cut;
+    largest_first(untouched(before, after, perturbations).filter(turned), |c| c.after.abs())
+}
+
+/// The largest figure first. Figures are compared in single precision, so that rounding does not change the order of equal vessels.
+fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&FlowChange) -> f64) -> Vec<FlowChange> {
+    let mut changes: Vec<FlowChange> = changes.collect();
+    changes.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
+    changes
+}
+
+fn untouched<'a>(
+    before: &'a State,
+    after: &'a State,
+    perturbations: &'a [Perturbation],
+) -> impl Iterator<Item = FlowChange> + 'a {
+    let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
+    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| FlowChange {
+        vessel,
+        before: b.flow,
+        after: a.flow,
+    })
 }

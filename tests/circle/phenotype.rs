@@ -9,7 +9,8 @@ use willis::error::Fault;
 use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
 use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{
-    Artery, Circle, Completeness, Landmark, RING, Scheme, Variant, artery, divide, identify,
+    Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, identify_landmarks,
+    split_where_labels_change,
 };
 use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_landmarks};
 use willis::internals::network::WELD_TOLERANCE;
@@ -116,11 +117,11 @@ fn landmarks(ends: &[(&str, &str)]) -> String {
 }
 
 fn marked(landmarks: &str) -> Result<Vec<Landmark>, Fault> {
-    read_landmarks(landmarks.as_bytes(), &Scale::default()).and_then(identify)
+    read_landmarks(landmarks.as_bytes(), &Scale::default()).and_then(identify_landmarks)
 }
 
 fn by_labels(network: &Network) -> Variant {
-    Circle::labelled(network, Scheme::Names).expect("a circle").0.variant(network, |_| true)
+    Circle::labelled(network, LabelScheme::Names).expect("a circle").0.variant(network, |_| true)
 }
 
 fn by_landmarks(network: &Network, ends: &[(&str, &str)]) -> Variant {
@@ -159,7 +160,7 @@ fn absent_segments_are_missing_and_no_others() {
 #[test]
 fn vessels_that_are_not_kept_are_not_there() {
     let whole = network(&CIRCLE);
-    let (labelled, _) = Circle::labelled(&whole, Scheme::Names).expect("a circle");
+    let (labelled, _) = Circle::labelled(&whole, LabelScheme::Names).expect("a circle");
     let (placed, _) = Circle::at(&whole, &marked(&landmarks(&ENDS)).expect("landmarks")).expect("a circle");
     for segment in RING {
         let kept = |row: usize| whole.vessel(row).label != segment.to_string();
@@ -347,12 +348,12 @@ fn spellings_mean_arteries() {
         ("L-BA", None),
     ];
     for (label, expected) in names {
-        assert_eq!(artery(label, Scheme::Names), expected, "{label}");
-        assert_eq!(artery(&label.to_uppercase(), Scheme::Names), expected, "{label}");
+        assert_eq!(artery_of_label(label, LabelScheme::Names), expected, "{label}");
+        assert_eq!(artery_of_label(&label.to_uppercase(), LabelScheme::Names), expected, "{label}");
     }
     for artery_of in [Ica, M1, A1, A2, P1, P2, PComm, Va, Mca, Aca, Pca] {
         for side in [L, R] {
-            assert_eq!(artery(&artery_of(side).to_string(), Scheme::Names), Some(artery_of(side)));
+            assert_eq!(artery_of_label(&artery_of(side).to_string(), LabelScheme::Names), Some(artery_of(side)));
         }
     }
 }
@@ -385,7 +386,7 @@ fn codes_mean_arteries() {
         PComm(R),
     ];
     for (row, expected) in icafe.into_iter().enumerate() {
-        assert_eq!(artery(&(row + 1).to_string(), Scheme::ICafe), Some(expected));
+        assert_eq!(artery_of_label(&(row + 1).to_string(), LabelScheme::ICafe), Some(expected));
     }
     let topcow = [
         (1, Ba),
@@ -403,18 +404,22 @@ fn codes_mean_arteries() {
         (15, ThirdA2),
     ];
     for (code, expected) in topcow {
-        assert_eq!(artery(&code.to_string(), Scheme::TopCow), Some(expected));
+        assert_eq!(artery_of_label(&code.to_string(), LabelScheme::TopCow), Some(expected));
     }
-    for (code, scheme) in
-        [("0", Scheme::ICafe), ("23", Scheme::ICafe), ("0", Scheme::TopCow), ("13", Scheme::TopCow), ("16", Scheme::TopCow)]
-    {
-        assert_eq!(artery(code, scheme), None, "{code}");
+    for (code, scheme) in [
+        ("0", LabelScheme::ICafe),
+        ("23", LabelScheme::ICafe),
+        ("0", LabelScheme::TopCow),
+        ("13", LabelScheme::TopCow),
+        ("16", LabelScheme::TopCow),
+    ] {
+        assert_eq!(artery_of_label(code, scheme), None, "{code}");
     }
-    assert_eq!(Scheme::of(["1", "2", "16", "0", ""]), Ok(Scheme::ICafe));
-    assert_eq!(Scheme::of(["L-ICA", "7", ""]), Ok(Scheme::Names));
-    let ambiguous = Scheme::of(["1", "10", "2"]).unwrap_err();
+    assert_eq!(LabelScheme::of(["1", "2", "16", "0", ""]), Ok(LabelScheme::ICafe));
+    assert_eq!(LabelScheme::of(["L-ICA", "7", ""]), Ok(LabelScheme::Names));
+    let ambiguous = LabelScheme::of(["1", "10", "2"]).unwrap_err();
     assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("--labels icafe|topcow"), "{ambiguous:?}");
-    assert!(Scheme::of(["1", "99"]).is_err());
+    assert!(LabelScheme::of(["1", "99"]).is_err());
 }
 
 fn shipped() -> Vec<PathBuf> {
@@ -525,9 +530,9 @@ fn landmarks_are_refused_with_their_line() {
     refused("label,x_mm,y_mm\nL-ICA,1,2\n", &["f:1", "columns label,x_mm,y_mm", "a column z_mm or z"]);
     refused("label,x_mm,y_mm,z_mm\n", &["no landmark"]);
     let nothing = network(&[("lt", "lm", "L-M1", 1.0)]);
-    let fault = Circle::labelled(&nothing, Scheme::Names).expect_err("no inlet");
+    let fault = Circle::labelled(&nothing, LabelScheme::Names).expect_err("no inlet");
     assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("--landmarks"), "{fault:?}");
-    assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), Scheme::TopCow).is_err());
+    assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), LabelScheme::TopCow).is_err());
 }
 
 /// As other tables: any of three delimiters, quotes, a mark at the beginning, further columns, empty rows, comments; in the unit of the
@@ -561,8 +566,8 @@ fn exchanged_sides_are_told() {
     for row in 0..wrong.vessel_count() {
         wrong.vessel_mut(row).label = swap(&right.vessel(row).label);
     }
-    assert!(!warned(&Circle::labelled(&right, Scheme::Names).unwrap().1));
-    assert!(warned(&Circle::labelled(&wrong, Scheme::Names).unwrap().1));
+    assert!(!warned(&Circle::labelled(&right, LabelScheme::Names).unwrap().1));
+    assert!(warned(&Circle::labelled(&wrong, LabelScheme::Names).unwrap().1));
     let names: Vec<(String, &str)> = ENDS.into_iter().map(|(label, id)| (swap(label), id)).collect();
     let swapped: Vec<(&str, &str)> = names.iter().map(|(label, id)| (label.as_str(), *id)).collect();
     for (ends, exchanged) in [(&ENDS[..], false), (&swapped[..], true)] {
@@ -634,8 +639,8 @@ fn real_tracings_have_the_segments_of_their_tables() {
         let Content::Centerlines(mut lines) = document.content else { panic!("no centerlines") };
         lines.weld(WELD_TOLERANCE);
         let network = contract(&lines, RadiusRule::Mean, Some(0.001)).unwrap().network;
-        let network = divide(&network, &lines, RadiusRule::Mean);
-        let (circle, _) = Circle::labelled(&network, Scheme::Names).unwrap();
+        let network = split_where_labels_change(&network, &lines, RadiusRule::Mean);
+        let (circle, _) = Circle::labelled(&network, LabelScheme::Names).unwrap();
         let variant = circle.variant(&network, |_| true);
         let types = types(patient);
         for (segment, code) in RING.into_iter().zip([7, 8, 11, 17, 18, 21, 22]) {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
-use willis::internals::circle_of_willis::{Artery, Circle, Posterior, RING, Scheme, Side, Variant, collaterals};
+use willis::internals::circle_of_willis::{Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, collaterals};
 use willis::internals::decision::{Draw, KnownEnds, Topologies};
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
@@ -60,7 +60,7 @@ fn broken(breaks: &[(&str, f64)], astray: Option<(&str, f64)>) -> Network {
 }
 
 fn posterior(network: &Network, samples: u64) -> Posterior {
-    let circle = Circle::labelled(network, Scheme::Names).unwrap().0;
+    let circle = Circle::labelled(network, LabelScheme::Names).unwrap().0;
     let mut known = vec![false; network.node_count()];
     circle.ends(network).into_iter().for_each(|node| known[node] = true);
     let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground).unwrap();
@@ -113,7 +113,7 @@ fn variants_have_the_probability_of_their_topologies() {
 #[test]
 fn no_probability_passes_one() {
     let network = broken(&[("L-A1", 3.0)], None);
-    let circle = Circle::labelled(&network, Scheme::Names).unwrap().0;
+    let circle = Circle::labelled(&network, LabelScheme::Names).unwrap().0;
     let shares = [0.56, 0.32, 0.06, 0.06];
     assert!(shares.iter().sum::<f64>() > 1.0);
     let holds = |lost: usize| (0..network.vessel_count()).map(|row| row != lost).collect();
@@ -152,7 +152,7 @@ fn what_excludes_one_another_is_counted_together() {
 #[test]
 fn a_lost_carotid_leaves_what_the_circle_brings() {
     let all = |network: &Network| {
-        let circle = Circle::labelled(network, Scheme::Names).unwrap().0;
+        let circle = Circle::labelled(network, LabelScheme::Names).unwrap().0;
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground).unwrap();
         collaterals(&circle, network, |_| true, &boundary, 3.5e-3).unwrap()
     };

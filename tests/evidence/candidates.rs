@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::draw::Draw;
 use crate::vessels;
-use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, build};
+use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 use willis::internals::support::geometry::{Point, distance};
@@ -91,7 +91,7 @@ fn each(check: impl Fn(&Network, &CandidateOptions, &Network)) {
             for (k, max_gap, max_radius, radius) in
                 [(6, None, None, CandidateRadius::Min), (2, Some(5e-3), Some(7e-4), CandidateRadius::Mean)]
             {
-                let params = CandidateOptions { k, max_gap, attach, radius, max_radius, ..CandidateOptions::default() };
+                let params = CandidateOptions { k: Some(k), max_gap, attach, radius, max_radius, ..CandidateOptions::default() };
                 check(&network, &params, &build(&network, &params).unwrap());
             }
         }

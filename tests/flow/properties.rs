@@ -172,7 +172,7 @@ proptest! {
     fn candidates_turn_with_the_fragments(fragments in fragments(), axes in Just([0, 1, 2]).prop_shuffle(), mirror in 0..8_u8, k in 1..5_usize) {
         let sign = |axis: usize| if mirror >> axis & 1 == 1 { -1.0 } else { 1.0 };
         let turn = |p: Point| [0, 1, 2].map(|axis| sign(axis) * p[axes[axis]]);
-        let rules = Rules { k, ..Rules::default() };
+        let rules = Rules { k: Some(k), ..Rules::default() };
         let turned: Vec<Vec<_>> = fragments.iter().map(|line| line.iter().map(|(p, r)| (turn(*p), *r)).collect()).collect();
         let [one, other] = [&fragments, &turned].map(|fragments| build(&observed(fragments), &rules).unwrap());
         prop_assert_eq!(joined(&one, turn), joined(&other, |p| p));
@@ -182,7 +182,7 @@ proptest! {
     /// ends of one fragment.
     #[test]
     fn candidates_do_not_go_by_the_order_of_fragments(fragments in fragments(), k in 1..5_usize) {
-        let rules = Rules { k, attach: Attach::Ends, ..Rules::default() };
+        let rules = Rules { k: Some(k), attach: Attach::Ends, ..Rules::default() };
         let reversed: Vec<_> = fragments.iter().rev().cloned().collect();
         let graph = build(&observed(&fragments), &rules).unwrap();
         prop_assert_eq!(joined(&graph, |p| p), joined(&build(&observed(&reversed), &rules).unwrap(), |p| p));

@@ -1,7 +1,7 @@
 //! `--landmarks` and `--labels`: where the arteries of a Circle of Willis are in an input.
 
 use std::path::{Path, PathBuf};
-use willis::{ArterySource, Scheme};
+use willis::{ArterySource, LabelScheme};
 
 use clap::Args;
 
@@ -15,9 +15,9 @@ pub struct ArteryArgs {
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     landmarks: Option<PathBuf>,
     /// What the labels are [default: names; numbers where only one list has them]
-    #[arg(long, conflicts_with = "landmarks", value_parser = words::<Scheme>(&[("names", "Names of arteries, as L-A1, \"A1 left\", ACoA"),
+    #[arg(long, conflicts_with = "landmarks", value_parser = words::<LabelScheme>(&[("names", "Names of arteries, as L-A1, \"A1 left\", ACoA"),
         ("icafe", "The numbers of iCafe's VesselType"), ("topcow", "The numbers of the TopCoW challenge")]))]
-    labels: Option<Scheme>,
+    labels: Option<LabelScheme>,
 }
 
 impl ArteryArgs {

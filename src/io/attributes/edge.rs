@@ -54,7 +54,7 @@ pub(in crate::io) fn vessels(
                 if let (Some(p), Some(q)) = (a.radius, b.radius) {
                     from_nodes += 1;
                     p.min(q)
-                } else if options.radius_optional() {
+                } else if options.is_radius_optional() {
                     f64::NAN
                 } else {
                     let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";

@@ -46,7 +46,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
-        if !options.radius_optional() && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
+        if !options.is_radius_optional() && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
             let (line, _) = object.field("PointDim").unwrap_or((object.line, ""));
             let found = format!("{} has no radius", object.name());
             return Err(Fault::line(line, found, "expected a column r in PointDim, or give --default-radius"));

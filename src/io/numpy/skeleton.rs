@@ -42,7 +42,7 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 /// A broken archive, another kind of `.npz` (a sparse matrix), Python objects, an array that is missing or whose shape or
 /// type is another, a row that `coords` lacks, a position that is not finite.
 pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
-    let (scale, radius_optional) = (&options.scale, options.radius_optional());
+    let (scale, radius_optional) = (&options.scale, options.is_radius_optional());
     let room = UnpackLimit::of(bytes.len(), options.max_input);
     let mut archive = Archive::open(bytes, &room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {

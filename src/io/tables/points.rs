@@ -40,7 +40,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };
-    if radius.is_none() && !options.radius_optional() {
+    if radius.is_none() && !options.is_radius_optional() {
         return Err(Fault::line(header, "no column radius", "expected one, or give --default-radius"));
     }
     let mut lines = Centerlines::default();

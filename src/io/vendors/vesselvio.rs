@@ -59,7 +59,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     let what = "VesselVio's table of edges";
     let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);
-    if radius.is_none() && vertices.radii.is_none() && !options.radius_optional() {
+    if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
         let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";
         return Err(Fault::line(rows.header_line(), "no radius", accepted));
     }
@@ -88,7 +88,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let ends = linked(&row, ends, vertices.positions.len())?;
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
         let size = options.scale.length(row.real(radius)?);
-        if !is_radius(size) && !options.radius_optional() {
+        if !is_radius(size) && !options.is_radius_optional() {
             let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
             return Err(fault(found, "expected a positive number, or give --default-radius"));
         }

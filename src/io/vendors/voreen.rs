@@ -59,7 +59,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
     let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
     let length = rows.column(&["length"], what)?;
     let (area, radius) = (rows.find(&["avgCrossSection"]), rows.find(&["avgRadiusAvg"]));
-    if area.is_none() && radius.is_none() && !options.radius_optional() {
+    if area.is_none() && radius.is_none() && !options.is_radius_optional() {
         rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;
     }
     let (id, label) = (rows.find(&["id"]), rows.find(&["label"]));
@@ -88,7 +88,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
                 from_radius += 1;
                 options.scale.length(radius)
             }
-            (None, None) if options.radius_optional() => f64::NAN,
+            (None, None) if options.is_radius_optional() => f64::NAN,
             (None, None) => {
                 let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give --default-radius";
                 return Err(fault("no valid radius".to_owned(), accepted));

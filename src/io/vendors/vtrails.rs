@@ -45,7 +45,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
     }
     let fields = file.group(STRUCT).map_err(broken)?;
     let paths = fields.dataset(FIELD).map_err(|_| Fault::item(STRUCT, format!("no {FIELD}"), "expected a file of VTrails"))?;
-    if !read.radius_optional() {
+    if !read.is_radius_optional() {
         return Err(Fault::file("VTrails' trees have no radii", "give --default-radius"));
     }
     let mut lines = Centerlines::default();

@@ -1,20 +1,20 @@
-//! Ticks and what they say; those of counts, and of a logarithmic axis.
+//! The ranges of axes and their ticks: counts, logarithmic and linear axes.
 
-/// The text at a tick: `text`, then a raised exponent.
+/// The text at a tick: `text`, then an exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
-    /// What stands on the line.
+    /// The text on the line.
     pub text: String,
-    /// What is raised after it.
+    /// The exponent after it.
     pub exponent: String,
 }
 
 /// A tick in the coordinate of its axis (the value, or its log10).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Where.
+    /// The position.
     pub at: f64,
-    /// What it says.
+    /// The text.
     pub label: Label,
 }
 
@@ -24,12 +24,12 @@ impl Label {
         Self { text: text.into(), exponent: String::new() }
     }
 
-    /// This label after a sign.
+    /// This label with a sign before it.
     pub fn after(self, sign: &str) -> Self {
         Self { text: format!("{sign} {}", self.text), ..self }
     }
 
-    /// Ten to an exponent, after what it is multiplied by.
+    /// A power of ten after a factor.
     pub fn power(prefix: &str, exponent: i32) -> Self {
         Self { text: format!("{prefix}10"), exponent: exponent.to_string().replace('-', "\u{2212}") }
     }
@@ -46,11 +46,11 @@ pub struct LogRange {
     pub clipped: bool,
 }
 
-/// Decades below the largest value that an axis shows; what is smaller is rounding or as good as none.
+/// How many decades below the largest value an axis shows. Smaller values are rounding or practically zero.
 const DECADES: f64 = 12.0;
 
 impl LogRange {
-    /// The range of the positive ones among `values`, at least one decade and at most [`DECADES`] from the largest down.
+    /// The range of the positive `values`: at least one decade, and at most [`DECADES`] below the largest.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (low, high) =
             values.into_iter().filter(|v| *v > 0.0).fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
@@ -65,10 +65,10 @@ impl LogRange {
         })
     }
 
-    /// With a little air at each end, except below values that were left out.
+    /// The range with a margin at each end, but none where smaller values were left out.
     pub fn padded(self) -> Self {
-        let air = (self.high - self.low) * 0.04;
-        Self { low: if self.clipped { self.low } else { self.low - air }, high: self.high + air, ..self }
+        let margin = (self.high - self.low) * 0.04;
+        Self { low: if self.clipped { self.low } else { self.low - margin }, high: self.high + margin, ..self }
     }
 
     /// The share of the range below `value`; negative below the range, which zero always is.
@@ -81,7 +81,7 @@ impl LogRange {
         (log - self.low) / (self.high - self.low)
     }
 
-    /// Powers of ten, or 1-2-5 steps where fewer than three powers are in the range.
+    /// Ticks at powers of ten, or in 1-2-5 steps where the range has fewer than three powers.
     pub fn ticks(&self) -> Vec<Tick> {
         let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
         if last - first >= 2 {
@@ -109,7 +109,7 @@ impl LogRange {
     }
 }
 
-/// Ticks at whole numbers from 0 to `last`, a step of 1, 2 or 5 times a power of ten apart, at most `most` beside 0.
+/// Ticks at whole numbers from 0 to `last`, in steps of 1, 2 or 5 times a power of ten; at most `most` after 0.
 pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
     let mut step = 1_u64;
     for factor in [2, 5, 10].into_iter().cycle() {
@@ -121,7 +121,7 @@ pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
     (0..=last / step).map(|k| Tick { at: (k * step) as f64, label: count(k * step) }).collect()
 }
 
-/// A whole number with commas between its thousands, or as a power of ten where that would be too wide.
+/// A whole number with commas between thousands, or as a power of ten where that would be too wide.
 fn count(n: u64) -> Label {
     const WIDEST: u64 = 1_000_000;
     match format!("{n:e}").split_once('e') {
@@ -130,7 +130,7 @@ fn count(n: u64) -> Label {
     }
 }
 
-/// A whole number with commas between its thousands from five digits up.
+/// A whole number with commas between thousands from five digits on.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
@@ -195,15 +195,15 @@ pub struct LinearRange {
 }
 
 impl LinearRange {
-    /// The range of the finite ones among `values` with a little air at each end; `None` without any.
+    /// The range of the finite `values` with a margin at each end; `None` without any.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let finite = values.into_iter().filter(|v| v.is_finite());
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         if low > high {
             return None;
         }
-        let air = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-6);
-        Some(Self { low: low - air, high: high + air })
+        let margin = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-6);
+        Some(Self { low: low - margin, high: high + margin })
     }
 
     /// The share of the range below `value`.
@@ -211,7 +211,7 @@ impl LinearRange {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Ticks a step of 1, 2 or 5 times a power of ten apart, at most `most` (two or more) of them.
+    /// Ticks in steps of 1, 2 or 5 times a power of ten, at most `most` (two or more).
     pub fn ticks(&self, most: usize) -> Vec<Tick> {
         let rough = (self.high - self.low) / (most as f64 - 1.0);
         let power = rough.log10().floor() as i32;
@@ -224,7 +224,7 @@ impl LinearRange {
     }
 }
 
-/// `k` times ten to the `power`, written out where that is short.
+/// `k` times ten to the `power`, in full where that is short.
 fn multiple(k: i64, power: i32) -> Label {
     let sign = if k < 0 { "\u{2212}" } else { "" };
     let digits = k.unsigned_abs();

@@ -1,4 +1,4 @@
-//! A page of dots, drawn by plotters, averaged into the pixels of a PNG.
+//! A bitmap page: dots drawn by plotters, averaged into the pixels of a PNG.
 
 use std::fmt::Display;
 
@@ -11,28 +11,28 @@ use super::font::FAMILY;
 
 const METRES_PER_INCH: f64 = 0.0254;
 
-/// A page of a size in pixels, each of which is a square of dots.
-pub struct Dots {
+/// A bitmap page. Each pixel is a square of dots.
+pub struct Bitmap {
     pixels: [u32; 2],
-    /// Dots along a pixel's side.
+    /// Dots along the side of a pixel.
     fine: u32,
     rgb: Vec<u8>,
 }
 
-impl Dots {
+impl Bitmap {
     /// A white page.
     pub fn new(pixels: [u32; 2], fine: u32) -> Self {
         let dots = pixels.map(|p| (p * fine) as usize);
         Self { pixels, fine, rgb: PAPER.repeat(dots[0] * dots[1]) }
     }
 
-    /// The PNG file, 8-bit RGB, with its resolution.
+    /// The PNG file: 8-bit RGB, with the resolution.
     pub fn png(&self, dpi: u32) -> Result<Vec<u8>, String> {
         let per_metre = (f64::from(dpi) / METRES_PER_INCH).round() as u32;
         png(self.pixels, &self.averaged(), Some(per_metre))
     }
 
-    /// Each pixel as the mean of its dots.
+    /// The pixels, each the mean of its dots.
     fn averaged(&self) -> Vec<u8> {
         let [width, height] = self.pixels.map(|p| p as usize);
         let fine = self.fine as usize;
@@ -61,7 +61,7 @@ impl Dots {
     }
 }
 
-impl Page for Dots {
+impl Page for Bitmap {
     fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String> {
         self.draw(|page| page.draw_rect(from, to, &ink(rgb, 1.0), true))
     }

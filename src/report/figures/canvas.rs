@@ -1,9 +1,9 @@
-//! What the figures draw on: lines, boxes and text in points, on a page of dots or of curves.
+//! The drawing surface of the figures: lines, boxes, text and ticks in points, on a bitmap or an SVG page.
 
 use std::io;
 
 use super::axis::Label;
-use super::colour::{INK, Rgb};
+use super::colour::{GRID, INK, Rgb};
 use super::font;
 use crate::error::{Error, Result};
 
@@ -15,6 +15,10 @@ pub const TEXT: f64 = 10.0;
 pub const TITLE: f64 = 12.0;
 /// Width of axes and ticks, points.
 pub const HAIR: f64 = 0.6;
+/// Length of a tick, points.
+pub const TICK: f64 = 4.0;
+/// Height of the middle of a title, points.
+const TITLE_HEIGHT: f64 = 15.0;
 /// Height of the digits as a share of the text's.
 const DIGIT: f64 = 0.6;
 /// Height of an exponent as a share of the text's.
@@ -25,23 +29,23 @@ const LIFT: f64 = 0.3;
 /// A place on the page, points from its upper left corner.
 pub type Place = [f64; 2];
 
-/// Where text lies from its place, in reading direction.
+/// Which point of the text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Align {
-    /// The text begins there.
+    /// Its beginning.
     Begin,
-    /// The text's middle is there.
+    /// Its middle.
     Middle,
-    /// The text ends there.
+    /// Its end.
     End,
 }
 
-/// Which way text runs.
+/// The direction of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Run {
     /// From left to right.
     Right,
-    /// From below upwards.
+    /// Upwards.
     Up,
 }
 
@@ -62,7 +66,7 @@ impl Image {
         Self { side, rgb: rgb.repeat(side * side) }
     }
 
-    /// Fills whole pixels: `corner` (x, y), `size` (width, height).
+    /// Fills pixels: `corner` (x, y), `size` (width, height).
     pub fn fill(&mut self, corner: [usize; 2], size: [usize; 2], rgb: Rgb) {
         for row in corner[1]..corner[1] + size[1] {
             let start = (row * self.side + corner[0]) * 3;
@@ -73,21 +77,21 @@ impl Image {
     }
 }
 
-/// What marks become.
+/// A kind of page: a bitmap or SVG.
 ///
-/// The last three say whether they drew anything; a page that knows no such thing leaves it to lines and rectangles.
+/// The last three functions return whether they drew anything. Where a page does not support them, lines and rectangles do the work.
 pub trait Page {
     /// Fills a rectangle.
     fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String>;
-    /// A line along two dots or more.
+    /// A line through two or more dots.
     fn path(&mut self, dots: &[Dot], width: u32, rgb: Rgb, opacity: f64) -> Result<(), String>;
-    /// A line of text with its base line half its size below the place.
+    /// A line of text, with its base line half of its size below the place.
     fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String>;
     /// The outline of a rectangle.
     fn frame(&mut self, _from: Dot, _to: Dot, _width: u32) -> Result<bool, String> {
         Ok(false)
     }
-    /// Colours that run into each other from below upwards.
+    /// A colour gradient from bottom to top.
     fn ramp(&mut self, _from: Dot, _to: Dot, _stops: &[Rgb]) -> Result<bool, String> {
         Ok(false)
     }
@@ -97,12 +101,12 @@ pub trait Page {
     }
 }
 
-/// A page in points (1/72 inch), whatever its dots per inch.
+/// A page whose unit is the point (1/72 inch), at any resolution.
 pub struct Sheet<'a> {
     page: &'a mut dyn Page,
     name: &'static str,
     dpi: u32,
-    /// Dots along a pixel's side.
+    /// Dots along the side of a pixel.
     fine: u32,
 }
 
@@ -112,32 +116,32 @@ impl<'a> Sheet<'a> {
         Self { page, name, dpi, fine }
     }
 
-    /// Whole pixels nearest to a length in points.
+    /// The number of pixels nearest to a length in points.
     pub fn pixels(&self, points: f64) -> usize {
         (points * f64::from(self.dpi) / POINTS_PER_INCH).round() as usize
     }
 
-    /// The points of a length in pixels.
+    /// A length in pixels in points.
     pub fn points(&self, pixels: usize) -> f64 {
         pixels as f64 * POINTS_PER_INCH / f64::from(self.dpi)
     }
 
-    /// Fills whole pixels: `corner` (x, y), `size` (width, height), both in pixels.
+    /// Fills pixels: `corner` (x, y), `size` (width, height), both in pixels.
     pub fn fill(&mut self, corner: [usize; 2], size: [usize; 2], rgb: Rgb) -> Result<()> {
         let [from, to] = self.whole(corner, size);
-        self.done(|page| page.rectangle(from, to, rgb))
+        self.draw(|page| page.rectangle(from, to, rgb))
     }
 
-    /// Fills whole pixels with colours that run into each other from below upwards; false where a page cannot.
+    /// Fills pixels with a colour gradient from bottom to top; false where the page does not support it.
     pub fn ramp(&mut self, corner: [usize; 2], size: [usize; 2], stops: &[Rgb]) -> Result<bool> {
         let [from, to] = self.whole(corner, size);
-        self.done(|page| page.ramp(from, to, stops))
+        self.draw(|page| page.ramp(from, to, stops))
     }
 
-    /// Puts an image on whole pixels; false where a page has dots of its own.
+    /// Draws an image on pixels; false where the page does not support it.
     pub fn image(&mut self, corner: [usize; 2], size: [usize; 2], image: &dyn Fn() -> Image) -> Result<bool> {
         let [from, to] = self.whole(corner, size);
-        self.done(|page| page.image(from, to, image))
+        self.draw(|page| page.image(from, to, image))
     }
 
     /// A line along `path`, `width` points wide, `opacity` in (0, 1].
@@ -148,10 +152,10 @@ impl<'a> Sheet<'a> {
             return Ok(());
         }
         let width = self.stroke(width);
-        self.done(|page| page.path(&dots, width, rgb, opacity))
+        self.draw(|page| page.path(&dots, width, rgb, opacity))
     }
 
-    /// A straight line of dashes 4 points long, 3 apart.
+    /// A straight dashed line: dashes of 4 points, gaps of 3.
     pub fn dashes(&mut self, [from, to]: [Place; 2], width: f64, rgb: Rgb) -> Result<()> {
         const DASH: f64 = 4.0;
         const STEP: f64 = 7.0;
@@ -164,17 +168,17 @@ impl<'a> Sheet<'a> {
         Ok(())
     }
 
-    /// Fills a rectangle of any place and size (width, height), points.
+    /// Fills a rectangle of any corner and size (width, height), points.
     pub fn rectangle(&mut self, corner: Place, size: [f64; 2], rgb: Rgb) -> Result<()> {
         let (from, to) = (self.dot(corner), self.dot([corner[0] + size[0], corner[1] + size[1]]));
-        self.done(|page| page.rectangle(from, to, rgb))
+        self.draw(|page| page.rectangle(from, to, rgb))
     }
 
-    /// A box around `corner` and `size` (width, height).
+    /// The outline of a rectangle of a corner and size (width, height).
     pub fn frame(&mut self, [left, top]: Place, [width, height]: [f64; 2]) -> Result<()> {
         let (right, bottom) = (left + width, top + height);
         let (from, to, hair) = (self.dot([left, top]), self.dot([right, bottom]), self.stroke(HAIR));
-        if self.done(|page| page.frame(from, to, hair))? {
+        if self.draw(|page| page.frame(from, to, hair))? {
             return Ok(());
         }
         for (from, to) in [
@@ -184,6 +188,41 @@ impl<'a> Sheet<'a> {
             ([right, top], [right, bottom]),
         ] {
             self.line([from, to], HAIR, INK, 1.0)?;
+        }
+        Ok(())
+    }
+
+    /// The title of a figure, around `x`.
+    pub fn title(&mut self, text: &str, x: f64) -> Result<()> {
+        self.text(&Label::plain(text), [x, TITLE_HEIGHT], TITLE, Align::Middle, Run::Right)
+    }
+
+    /// Plain text.
+    pub fn plain(&mut self, text: &str, place: Place, align: Align) -> Result<()> {
+        self.text(&Label::plain(text), place, TEXT, align, Run::Right)
+    }
+
+    /// Plain text that runs upwards, around `place`.
+    pub fn upright(&mut self, text: &str, place: Place) -> Result<()> {
+        self.text(&Label::plain(text), place, TEXT, Align::Middle, Run::Up)
+    }
+
+    /// Ticks at heights left of the axes, with grid lines between `left` and `right`.
+    pub fn ticks_left(&mut self, [left, right]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) -> Result<()> {
+        for (y, label) in ticks {
+            self.line([[left, y], [right, y]], HAIR, GRID, 1.0)?;
+            self.line([[left - TICK, y], [left, y]], HAIR, INK, 1.0)?;
+            self.text(&label, [left - TICK - 3.0, y], TEXT, Align::End, Run::Right)?;
+        }
+        Ok(())
+    }
+
+    /// Ticks below the axes, with grid lines between `top` and `bottom`.
+    pub fn ticks_below(&mut self, [top, bottom]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) -> Result<()> {
+        for (x, label) in ticks {
+            self.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
+            self.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
+            self.text(&label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
         }
         Ok(())
     }
@@ -208,7 +247,7 @@ impl<'a> Sheet<'a> {
                 Run::Right => (at.0 + along, at.1 + across),
                 Run::Up => (at.0 + across, at.1 - along),
             };
-            self.done(|page| page.text(text, size, at, run))?;
+            self.draw(|page| page.text(text, size, at, run))?;
         }
         Ok(())
     }
@@ -227,12 +266,12 @@ impl<'a> Sheet<'a> {
         (x, y)
     }
 
-    /// A line's width in dots.
+    /// The width of a line in dots.
     fn stroke(&self, points: f64) -> u32 {
         (self.dots_in(points).round() as u32).max(1)
     }
 
-    /// The corners of whole pixels.
+    /// The corners of pixels, in dots.
     fn whole(&self, corner: [usize; 2], size: [usize; 2]) -> [Dot; 2] {
         let dot = |pixel: usize| (pixel * self.fine as usize) as i32;
         [(dot(corner[0]), dot(corner[1])), (dot(corner[0] + size[0]), dot(corner[1] + size[1]))]
@@ -242,7 +281,7 @@ impl<'a> Sheet<'a> {
         font::width(text, size).ok_or_else(|| self.failure("the built-in font cannot be read"))
     }
 
-    fn done<T>(&mut self, mark: impl FnOnce(&mut dyn Page) -> Result<T, String>) -> Result<T> {
+    fn draw<T>(&mut self, mark: impl FnOnce(&mut dyn Page) -> Result<T, String>) -> Result<T> {
         mark(self.page).map_err(|reason| self.failure(reason))
     }
 

@@ -1,4 +1,4 @@
-//! The colours of the pictures, told apart with any colour vision and in grey print.
+//! The colours of the pictures, which differ for any colour vision and in grey print.
 
 /// Red, green and blue, 0 to 255 (sRGB).
 pub type Rgb = [u8; 3];
@@ -6,17 +6,17 @@ pub type Rgb = [u8; 3];
 /// The colour of a zero in the heat map.
 pub const ZERO: Rgb = [0xf4, 0xf4, 0xf4];
 
-/// Vessels that stay (Okabe & Ito's blue).
+/// Kept vessels (Okabe & Ito's blue).
 pub const KEPT: Rgb = [0x00, 0x72, 0xb2];
-/// Vessels that go (Okabe & Ito's vermilion).
+/// Pruned vessels (Okabe & Ito's vermilion).
 pub const PRUNED: Rgb = [0xd5, 0x5e, 0x00];
-/// Flow in the network as it is (Okabe & Ito's blue).
+/// Flow in the unperturbed network (Okabe & Ito's blue).
 pub const UNPERTURBED: Rgb = KEPT;
 /// Flow in the perturbed network (Okabe & Ito's orange, lighter than the blue in grey print).
 pub const PERTURBED: Rgb = [0xe6, 0x9f, 0x00];
-/// What is shown of every vessel or node (Okabe & Ito's sky blue).
+/// Figures of every vessel or node (Okabe & Ito's sky blue).
 pub const EACH: Rgb = [0x56, 0xb4, 0xe9];
-/// What is shown of the network as a whole (Okabe & Ito's orange).
+/// Figures of the whole network (Okabe & Ito's orange).
 pub const WHOLE: Rgb = [0xe6, 0x9f, 0x00];
 /// Text, axes and the threshold.
 pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
@@ -25,7 +25,7 @@ pub const GRID: Rgb = [0xe4, 0xe4, 0xe4];
 /// The page.
 pub const PAPER: Rgb = [0xff, 0xff, 0xff];
 
-/// viridis without its lightest ninth, from light to dark at equal steps.
+/// The colour map viridis without its lightest ninth, from light to dark in equal steps.
 pub const MAP: [Rgb; 9] = [
     [0xb4, 0xde, 0x2c],
     [0x6d, 0xcd, 0x59],
@@ -40,9 +40,9 @@ pub const MAP: [Rgb; 9] = [
 
 /// The colour of the share `t` in [0, 1] of the scale: light green is the lowest, dark violet the highest.
 ///
-/// The map is viridis (Smith & van der Walt 2015), which is perceptually uniform, turned round so that the largest
-/// values stand out most on a light page, and without its lightest ninth, which a light page would hide. Values outside
-/// [0, 1] take the nearer end; NaN takes the lowest colour.
+/// The map is viridis (Smith & van der Walt 2015), which is perceptually uniform. It is reversed, so that the largest values are the most
+/// visible on a light page, and has no lightest ninth, which would be invisible there. Values outside [0, 1] take the nearer end; NaN
+/// takes the lowest colour.
 pub fn colour(t: f64) -> Rgb {
     let steps = MAP.len() - 1;
     let place = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) * steps as f64 };

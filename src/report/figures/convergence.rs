@@ -1,8 +1,8 @@
 //! The convergence of the likelihood: mean contribution per sample against the number of samples.
 
 use super::axis::{Label, LogRange, count_ticks, grouped};
-use super::canvas::{Align, HAIR, Place, Run, Sheet, TEXT, TITLE};
-use super::colour::{GRID, INK, KEPT, PAPER, PRUNED, Rgb};
+use super::canvas::{Align, Place, Sheet, TEXT, TICK};
+use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
 use crate::error::{Error, Result};
 use crate::output::names::CONVERGENCE_PICTURE;
@@ -11,34 +11,30 @@ use crate::sampling::Weight;
 const INCHES: [f64; 2] = [6.4, 4.6];
 /// Left, top, right and bottom of the axes, points.
 const BOX: [f64; 4] = [62.0, 50.0, 440.0, 284.0];
-/// Height of the title's middle, points.
-const TOP: f64 = 15.0;
-const TICK: f64 = 4.0;
 /// Height of the legend's middle, points.
 const LEGEND: f64 = 36.0;
 /// Height of the line of zeros, points.
 const ZERO: f64 = BOX[3] - 5.0;
-/// Between that line and the lowest positive value, points.
+/// The distance between that line and the lowest positive value, points.
 const GAP: f64 = 16.0;
 
-/// More curves than this no one can tell apart.
+/// The largest number of curves; more cannot be distinguished.
 const MOST_CURVES: usize = 2000;
 
-/// The thinnest, thickest and threshold line, points.
+/// The width of the thinnest and thickest curve and of the threshold, points.
 const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 
 /// Draws the mean contribution per sample, L/n, of every uncertain vessel against the number of samples n, on a
 /// logarithmic axis, 6.4 by 4.6 inches.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
-/// - `series`: a row a vessel, with L/n at each checkpoint, finite and not negative. Of more than 2,000 every so many is drawn.
+/// - `series`: for each vessel L/n at each checkpoint, finite and not negative. Of more than 2,000 only a regular selection is drawn.
 /// - `threshold`: the threshold on L/n at each checkpoint; NaN where there is none.
-/// - `kept`: for each vessel whether it stays.
-/// - `weight`: what L adds up, which says its unit.
+/// - `kept`: for each vessel whether it is kept.
+/// - `weight`: what L adds up, from which its unit follows.
 ///
-/// Zeros, and what is more than twelve decades below the largest value, lie on a line of their own below the smallest
-/// positive value and are not joined to it. A single checkpoint is drawn as dashes. Without a vessel, a checkpoint or a
-/// positive value the picture says so.
+/// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
+/// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value says so.
 ///
 /// # Errors
 ///
@@ -56,8 +52,7 @@ pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept
 fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], name: &str) -> Result<()> {
     let [left, top, right, bottom] = BOX;
     let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-    let title = Label::plain("Convergence of the likelihood of uncertain vessels");
-    sheet.text(&title, [middle[0], TOP], TITLE, Align::Middle, Run::Right)?;
+    sheet.title("Convergence of the likelihood of uncertain vessels", middle[0])?;
 
     let values = || series.iter().flatten().chain(threshold).copied();
     let range = if series.is_empty() { None } else { LogRange::of(values()) };
@@ -68,17 +63,17 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
             _ => "no contribution above zero",
         };
         sheet.frame([left, top], [right - left, bottom - top])?;
-        sheet.text(&Label::plain(note), middle, TEXT, Align::Middle, Run::Right)?;
+        sheet.plain(note, middle, Align::Middle)?;
         return Ok(());
     };
 
     let lowest = values().fold(f64::INFINITY, f64::min);
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
     axes.ticks(sheet, name)?;
-    // A few edges are drawn thick and dense, thousands thin and clear.
-    let crowd = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
-    let width = WIDTH[0] + crowd * (WIDTH[1] - WIDTH[0]);
-    let opacity = 0.05 + 0.85 * crowd.powf(0.7);
+    // A few curves are thick and opaque, thousands thin and transparent.
+    let sparse = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
+    let width = WIDTH[0] + sparse * (WIDTH[1] - WIDTH[0]);
+    let opacity = 0.05 + 0.85 * sparse.powf(0.7);
     for (values, kept) in series.iter().zip(kept).step_by(series.len().div_ceil(MOST_CURVES)) {
         axes.curve(sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
     }
@@ -121,7 +116,7 @@ fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[boo
     }
 }
 
-/// Where numbers of samples and contributions lie on the page.
+/// The positions of numbers of samples and contributions on the page.
 struct Axes {
     last: u64,
     range: LogRange,
@@ -131,7 +126,7 @@ struct Axes {
 
 impl Axes {
     fn x(&self, samples: f64) -> f64 {
-        // A little air after the last checkpoint.
+        // A small margin after the last checkpoint.
         BOX[0] + (BOX[2] - BOX[0]) * samples / (self.last as f64 * 1.02)
     }
 
@@ -142,28 +137,20 @@ impl Axes {
 
     fn ticks(&self, sheet: &mut Sheet<'_>, name: &str) -> Result<()> {
         let [left, top, right, bottom] = BOX;
-        for tick in count_ticks(self.last, 6) {
-            let x = self.x(tick.at);
-            sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
-            sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
-            sheet.text(&tick.label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
-        }
+        let counts = count_ticks(self.last, 6).into_iter();
+        sheet.ticks_below([top, bottom], counts.map(|tick| (self.x(tick.at), tick.label)))?;
         let powers = self.range.ticks();
         let lowest = powers.first().filter(|_| self.range.clipped);
         let below = lowest.map_or_else(|| Label::plain("0"), |tick| tick.label.clone().after("<"));
         let zeros = self.zeros.then_some((ZERO, below));
         let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
-        for (y, label) in powers.chain(zeros) {
-            sheet.line([[left, y], [right, y]], HAIR, GRID, 1.0)?;
-            sheet.line([[left - TICK, y], [left, y]], HAIR, INK, 1.0)?;
-            sheet.text(&label, [left - TICK - 3.0, y], TEXT, Align::End, Run::Right)?;
-        }
+        sheet.ticks_left([left, right], powers.chain(zeros))?;
         let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-        sheet.text(&Label::plain("number of samples, n"), [middle[0], bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
-        sheet.text(&Label::plain(name), [10.0, middle[1]], TEXT, Align::Middle, Run::Up)
+        sheet.plain("number of samples, n", [middle[0], bottom + TICK + 25.0], Align::Middle)?;
+        sheet.upright(name, [10.0, middle[1]])
     }
 
-    /// A curve over the checkpoints with gaps at NaN and between zero and more; a checkpoint on its own is a dash.
+    /// A curve over the checkpoints, interrupted at NaN and between zero and positive values. A single checkpoint is a dash.
     fn curve(&self, sheet: &mut Sheet<'_>, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
         let shares: Vec<_> = samples.iter().zip(values).map(|(n, v)| (*n, self.range.share(*v))).collect();
         let joined = |a: f64, b: f64| (a < 0.0) == (b < 0.0) && a.is_nan() == b.is_nan();
@@ -179,7 +166,7 @@ impl Axes {
     }
 }
 
-/// Keys in a row between the title and the axes.
+/// The legend, in a row between the title and the axes.
 fn legend(sheet: &mut Sheet<'_>, keys: &[(String, f64, Rgb)]) -> Result<()> {
     const KEY: f64 = 20.0;
     const SPACE: f64 = 5.0;
@@ -192,7 +179,7 @@ fn legend(sheet: &mut Sheet<'_>, keys: &[(String, f64, Rgb)]) -> Result<()> {
     let mut x = f64::midpoint(BOX[0], BOX[2]) - whole / 2.0;
     for ((text, width, rgb), wide) in keys.iter().zip(widths) {
         sheet.line([[x, LEGEND], [x + KEY, LEGEND]], width.max(1.5), *rgb, 1.0)?;
-        sheet.text(&Label::plain(text), [x + KEY + SPACE, LEGEND], TEXT, Align::Begin, Run::Right)?;
+        sheet.plain(text, [x + KEY + SPACE, LEGEND], Align::Begin)?;
         x += wide + APART;
     }
     Ok(())

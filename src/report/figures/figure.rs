@@ -1,24 +1,24 @@
-//! One figure, drawn by the same code as PNG at any resolution and as SVG.
+//! One figure, which the same code draws as PNG at any resolution and as SVG.
 
 use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use super::bitmap::Dots;
+use super::bitmap::Bitmap;
 use super::canvas::Sheet;
 use super::font;
-use super::svg::Drawing;
+use super::svg::SvgPage;
 use crate::error::{Error, Result};
 use crate::output::atomic::write_file;
 
-/// Pixels per inch where nobody says otherwise.
+/// The default resolution, pixels per inch.
 pub const DEFAULT_DPI: u32 = 150;
 
 const DPI: RangeInclusive<u32> = 36..=1200;
-/// plotters sets glyphs and corners on whole dots: a page is drawn at least this fine (dots per inch) and averaged down.
+/// The lowest resolution of drawing, dots per inch. Plotters puts glyphs and corners on whole dots, which are then averaged to pixels.
 const FINEST: u32 = 600;
 
-/// Refuses a resolution that no picture can have.
+/// Refuses a resolution out of its range.
 ///
 /// # Errors
 ///
@@ -30,7 +30,7 @@ pub fn check_dpi(dpi: u32) -> Result<()> {
 
 type Draw = dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync;
 
-/// A picture that can be made as often and in whatever form it is wanted.
+/// A figure that can be drawn in any format.
 pub struct Figure {
     name: &'static str,
     inches: [f64; 2],
@@ -47,7 +47,7 @@ impl Figure {
         Self { name, inches, draw: Box::new(draw) }
     }
 
-    /// What its files are called, without their endings.
+    /// The name of its files, without the endings.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -61,23 +61,23 @@ impl Figure {
         check_dpi(dpi)?;
         let fine = FINEST.div_ceil(dpi);
         let pixels = self.inches.map(|length| (length * f64::from(dpi)).round() as u32);
-        let mut dots = Dots::new(pixels, fine);
-        self.on(&mut Sheet::new(&mut dots, self.name, dpi, fine))?;
-        dots.png(dpi).map_err(|error| self.failure(&error))
+        let mut bitmap = Bitmap::new(pixels, fine);
+        self.on(&mut Sheet::new(&mut bitmap, self.name, dpi, fine))?;
+        bitmap.png(dpi).map_err(|error| self.failure(&error))
     }
 
-    /// The SVG file: curves and filled shapes alone, text among them, so that it looks the same without any font installed
-    /// and refers to nothing outside itself. Its ids begin with the figure's name, so that several fit in one page.
+    /// The SVG file. It has only curves and filled shapes, for text too, so that it looks the same without any font and refers to no
+    /// other file. Its ids begin with the name of the figure, so that one page can hold several figures.
     ///
-    /// One unit is 1/100 point (1/7200 inch), and every place lies on a whole one.
+    /// One unit is 1/100 point (1/7200 inch); coordinates are whole numbers.
     ///
     /// # Errors
     ///
     /// When the built-in font cannot be read.
     pub fn svg(&self) -> Result<String> {
-        let mut drawing = Drawing::new(self.name);
-        self.on(&mut Sheet::new(&mut drawing, self.name, Drawing::DPI, 1))?;
-        Ok(drawing.svg(self.inches))
+        let mut page = SvgPage::new(self.name);
+        self.on(&mut Sheet::new(&mut page, self.name, SvgPage::DPI, 1))?;
+        Ok(page.svg(self.inches))
     }
 
     /// Writes NAME.png and NAME.svg into a folder.
@@ -92,7 +92,7 @@ impl Figure {
     }
 
     fn on(&self, sheet: &mut Sheet<'_>) -> Result<()> {
-        if !font::is_known() {
+        if !font::is_registered() {
             return Err(self.failure("the built-in font cannot be read"));
         }
         (self.draw)(sheet)

@@ -1,8 +1,8 @@
-//! The flows of a simulation as horizontal bars, each vessel's flow before a perturbation beside that after it.
+//! The flows of a simulation as horizontal bars: the flow of each vessel before and after a perturbation.
 
-use super::axis::{Label, LinearRange, Tick};
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
-use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::axis::{Label, LinearRange};
+use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TICK};
+use super::colour::{INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
 use crate::error::{Error, Result};
 use crate::output::names::FLOW_PICTURE;
@@ -16,31 +16,30 @@ const BOTTOM: f64 = 46.0;
 const BAR: f64 = 8.0;
 /// Between the bars of two vessels, points.
 const GAP: f64 = 7.0;
-const TICK: f64 = 4.0;
-/// Height of the figures at the bars, points.
+/// Height of the numbers at the bars, points.
 const FIGURE: f64 = 8.0;
-/// Room for a figure at the end of a bar, points.
+/// Space for a number at the end of a bar, points.
 const ROOM: f64 = 40.0;
-/// The widest name of a vessel; longer ones are cut, points.
+/// The largest width of a vessel's name, points. Longer names are cut.
 const NAME: f64 = 170.0;
-/// Vessels shown at the most.
+/// The largest number of vessels shown.
 const MOST: usize = 40;
-/// Where there is no flow at all the axis still has a range, mL/min.
+/// The range of the axis where no blood flows, mL/min.
 const NO_FLOW: f64 = 1.0;
 
 /// The flow of one vessel, mL/min.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VesselFlow {
-    /// What the vessel is called.
+    /// The name of the vessel.
     pub name: String,
-    /// Q in the network as it is.
+    /// Q in the unperturbed network.
     pub unperturbed: f64,
-    /// Q in the perturbed network, where there is one; positive in the same direction.
+    /// Q in the perturbed network, if there is one; positive in the same direction.
     pub perturbed: Option<f64>,
 }
 
 impl VesselFlow {
-    /// The flows along the direction that the blood has before the perturbation; without flow before, after it.
+    /// The flows, positive in the direction of the flow before the perturbation; if that is zero, after it.
     fn along(&self) -> (f64, Option<f64>) {
         let first = if self.unperturbed == 0.0 { self.perturbed.unwrap_or(0.0) } else { self.unperturbed };
         let sign = if first < 0.0 { -1.0 } else { 1.0 };
@@ -48,7 +47,7 @@ impl VesselFlow {
         (sign * self.unperturbed + 0.0, self.perturbed.map(|q| sign * q + 0.0))
     }
 
-    /// By what a vessel earns its place: its largest flow or its change of flow.
+    /// The rank of the vessel in the picture: its largest flow or its change of flow.
     fn rank(&self) -> f64 {
         let after = self.perturbed.unwrap_or(self.unperturbed);
         self.unperturbed.abs().max(after.abs()).max((after - self.unperturbed).abs())
@@ -58,8 +57,7 @@ impl VesselFlow {
 /// Draws the flow (mL/min) of the up to 40 vessels of largest flow or change of flow, the largest on top, 6.8 inches
 /// wide.
 ///
-/// A flow counts along the direction that the blood has in the unperturbed network, so that only a flow that has
-/// turned round lies left of zero.
+/// A flow is positive in its direction in the unperturbed network, so that only reversed flows lie left of zero.
 ///
 /// # Errors
 ///
@@ -69,7 +67,7 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
         return Err(Error::parameter(format!("flow of {}", f.name), f.unperturbed, "expected finite numbers of mL/min"));
     }
     let mut shown: Vec<&VesselFlow> = flows.iter().collect();
-    // By 24 bits, so that equal flows stay in their order whatever the last roundings are.
+    // In single precision, so that rounding does not change the order of equal flows.
     shown.sort_by(|a, b| (b.rank() as f32).total_cmp(&(a.rank() as f32)));
     shown.truncate(MOST);
     let shown: Vec<VesselFlow> = shown.into_iter().cloned().collect();
@@ -97,14 +95,14 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]:
     let axis = Axis::new(shown, [widest + 22.0, WIDTH - 14.0]);
     axis.draw(sheet, [top, bottom], pair)?;
     let middle = f64::midpoint(axis.span[0], axis.span[1]);
-    sheet.text(&Label::plain(title), [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
+    sheet.title(title, middle)?;
     if pair {
         legend(sheet, middle)?;
     }
     for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
         let above = top + GAP / 2.0 + each * row as f64;
         let centre = above + (each - GAP) / 2.0;
-        sheet.text(&Label::plain(name), [axis.span[0] - 8.0, centre], TEXT, Align::End, Run::Right)?;
+        sheet.plain(&name, [axis.span[0] - 8.0, centre], Align::End)?;
         let (before, after) = flow.along();
         axis.bar(sheet, above, before, UNPERTURBED)?;
         if let Some(after) = after {
@@ -115,10 +113,10 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]:
     sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
 }
 
-/// More letters than there is room for, however narrow.
+/// More letters than fit, even narrow ones.
 const MOST_LETTERS: usize = 200;
 
-/// A name with its middle left out where there is no room for it.
+/// A name without its middle where it is too long.
 fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
     let letters: Vec<char> = name.chars().collect();
     let shortened = |kept: usize| {
@@ -134,11 +132,11 @@ fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
     Ok(cut)
 }
 
-/// Where flows lie across the page.
+/// The positions of flows across the page.
 struct Axis {
     /// Left and right end, points.
     span: [f64; 2],
-    /// The flows at the ends of the bars furthest left and right, mL/min; zero lies between.
+    /// The smallest and largest flow, mL/min; zero lies between.
     range: LinearRange,
 }
 
@@ -156,16 +154,12 @@ impl Axis {
     }
 
     fn draw(&self, sheet: &mut Sheet<'_>, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
-        for Tick { at, label } in self.range.ticks(7) {
-            let x = self.x(at);
-            sheet.line([[x, top], [x, bottom]], HAIR, GRID, 1.0)?;
-            sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
-            sheet.text(&label, [x, bottom + TICK + 7.0], TEXT, Align::Middle, Run::Right)?;
-        }
+        let ticks = self.range.ticks(7).into_iter();
+        sheet.ticks_below([top, bottom], ticks.map(|tick| (self.x(tick.at), tick.label)))?;
         sheet.line([[self.span[0], bottom], [self.span[1], bottom]], HAIR, INK, 1.0)?;
         let name = if pair { "flow along its unperturbed direction (mL/min)" } else { "flow (mL/min)" };
         let middle = f64::midpoint(self.span[0], self.span[1]);
-        sheet.text(&Label::plain(name), [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)
+        sheet.plain(name, [middle, bottom + TICK + 25.0], Align::Middle)
     }
 
     fn bar(&self, sheet: &mut Sheet<'_>, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
@@ -178,7 +172,7 @@ impl Axis {
     }
 }
 
-/// A flow with three significant digits, more before the point and fewer as a power of ten.
+/// A flow with at least three significant digits, or two as a power of ten.
 fn figure(flow: f64) -> Label {
     let sign = if flow < 0.0 { "\u{2212}" } else { "" };
     let size = flow.abs();
@@ -191,14 +185,14 @@ fn figure(flow: f64) -> Label {
     Label::plain(format!("{sign}{size:.decimals$}"))
 }
 
-/// The two colours between the title and the bars.
+/// The legend, between the title and the bars.
 fn legend(sheet: &mut Sheet<'_>, middle: f64) -> Result<()> {
     const HEIGHT: f64 = 36.0;
     for (x, name, rgb) in [(middle - 84.0, "unperturbed", UNPERTURBED), (middle + 14.0, "perturbed", PERTURBED)] {
         let corner = [x, HEIGHT - BAR / 2.0].map(|p| sheet.pixels(p));
         let size = [14.0, BAR].map(|p| sheet.pixels(p));
         sheet.fill(corner, size, rgb)?;
-        sheet.text(&Label::plain(name), [x + 19.0, HEIGHT], TEXT, Align::Begin, Run::Right)?;
+        sheet.plain(name, [x + 19.0, HEIGHT], Align::Begin)?;
     }
     Ok(())
 }

@@ -1,22 +1,22 @@
-//! The embedded font: known to plotters by a name, and as outlines for pages that hold curves.
+//! The embedded font: registered with plotters, and as outlines for SVG.
 
 use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point};
 use plotters::style::{FontStyle, IntoFont, register_font};
 
-/// What plotters knows the font as.
+/// The name of the font in plotters.
 pub const FAMILY: &str = "willis";
 
-/// Makes the font known to plotters, once in the process; false when it cannot be read.
-pub fn is_known() -> bool {
+/// Registers the font with plotters, once per process; false when it cannot be read.
+pub fn is_registered() -> bool {
     static KNOWN: OnceLock<bool> = OnceLock::new();
     *KNOWN.get_or_init(|| register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok())
 }
 
 /// The width of a line of text of a size in dots; `None` when the font cannot be read.
 pub fn width(text: &str, size: f64) -> Option<f64> {
-    if !is_known() {
+    if !is_registered() {
         return None;
     }
     (FAMILY, size).into_font().box_size(text).ok().map(|(width, _)| f64::from(width))
@@ -27,11 +27,11 @@ fn font() -> Option<&'static FontRef<'static>> {
     FONT.get_or_init(|| FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).ok()).as_ref()
 }
 
-/// A piece of an outline: its control points, of which there are none, one or two, then its end. All points are (x, y) from
-/// the beginning of the base line, y downwards.
+/// A piece of an outline: no, one or two control points, then its end. Points are (x, y) from the beginning of the base line, with y
+/// downwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Piece {
-    /// A contour starts; the one before it is closed.
+    /// A new contour starts; the one before is closed.
     Start([f64; 2]),
     /// A straight line.
     Line([f64; 2]),
@@ -41,9 +41,9 @@ pub enum Piece {
     Cubic([[f64; 2]; 3]),
 }
 
-/// The outline of a line of text of a size in dots; nothing when the font cannot be read.
+/// The outline of a line of text of a size in dots; empty when the font cannot be read.
 ///
-/// The size is plotters' one: from the font's lowest descender to its highest ascender.
+/// As in plotters, the size is from the lowest descender of the font to its highest ascender.
 pub fn outline(text: &str, size: f64) -> Vec<Piece> {
     let Some(font) = font() else { return Vec::new() };
     let scale = size / f64::from(font.height_unscaled());

@@ -1,7 +1,7 @@
 //! The likelihood matrix L as a picture with logarithmic colours.
 
 use super::axis::{Label, LogRange, count_ticks, grouped};
-use super::canvas::{Align, HAIR, Image, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
+use super::canvas::{Align, HAIR, Image, POINTS_PER_INCH, Run, Sheet, TEXT, TICK, TITLE};
 use super::colour::{INK, MAP, Rgb, ZERO, colour};
 use super::figure::Figure;
 use crate::error::{Error, Result};
@@ -15,33 +15,31 @@ const CORNER: [f64; 2] = [54.0, 34.0];
 const SIDE: f64 = 318.0;
 /// Gap before the colour bar, and its width, points.
 const BAR: [f64; 2] = [18.0, 13.0];
-const TICK: f64 = 4.0;
-/// The smallest mark of a vessel, points: a lone vessel among thousands of nodes stays visible.
+/// The smallest mark of a vessel, points, so that a single vessel among thousands of nodes is visible.
 const MARK: f64 = 1.0;
-/// A pixel that no one sees, points.
-const UNSEEN: f64 = 0.05;
-/// Where a page would hold more rectangles than this it holds one image instead,
+/// The size of a pixel that is too small to see, points.
+const INVISIBLE: f64 = 0.05;
+/// The largest number of rectangles in an SVG; beyond it the matrix is one image.
 const RECTANGLES: usize = 4000;
-/// of about so many pixels a side: 600 per inch.
+/// The side of that image, pixels: about 600 per inch.
 const IMAGE: usize = 2650;
 
 /// A positive cell of the upper triangle, and its value.
 type Cell = ([usize; 2], f64);
 
-/// A symmetric matrix over the nodes, of which only the non-zero cells are given.
+/// A symmetric matrix over the nodes, by its non-zero cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Matrix<'a> {
     /// N, the number of rows and columns, at most 2³² - 1; rows are 0-based.
     pub nodes: usize,
-    /// One entry a vessel: its two nodes in either order, and its likelihood L, finite and not negative.
+    /// One entry per vessel: its two nodes in either order, and its likelihood L, finite and not negative.
     ///
-    /// Each vessel is given once, so that an entry stands for both its cells, (a, b) and (b, a). Entries of the same two
-    /// nodes add up, as parallel vessels do in the matrix.
+    /// An entry stands for both of its cells, (a, b) and (b, a). Entries of the same two nodes (parallel vessels) add up.
     pub entries: &'a [(u32, u32, f64)],
 }
 
 impl Matrix<'_> {
-    /// The positive cells of the upper triangle in rising order of their value.
+    /// The positive cells of the upper triangle, sorted by value.
     fn cells(&self) -> Result<Vec<Cell>> {
         if u32::try_from(self.nodes).is_err() {
             return Err(Error::parameter("nodes", self.nodes, format!("expected at most {}", u32::MAX)));
@@ -76,9 +74,9 @@ impl Matrix<'_> {
 /// Draws the likelihood matrix L, 6.4 by 5.6 inches; its unit is that of the `weight`.
 ///
 /// Row 0 is at the top, column 0 at the left. The colour is that of log10 L from the smallest to the largest positive
-/// value, over at least one decade and at most twelve: what is smaller takes the lowest colour, and the bar says `≤`. Zero
-/// is light grey ([`ZERO`]). A cell is at least 1 point wide; where cells share a pixel the largest is drawn,
-/// so that no vessel vanishes. In SVG more than 2000 vessels are one embedded image.
+/// value, over at least one decade and at most twelve. Smaller values take the lowest colour, and the bar has `≤`. Zero
+/// is light grey ([`ZERO`]). A cell is at least 1 point wide, and where cells share a pixel the largest value is drawn.
+/// In SVG more than 2000 vessels are one embedded image.
 ///
 /// # Errors
 ///
@@ -91,8 +89,8 @@ pub fn heat_map(matrix: &Matrix<'_>, weight: Weight) -> Result<Figure> {
 fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize, unit: &str) -> Result<()> {
     let range = LogRange::of(cells.iter().map(|cell| cell.1));
     let room = sheet.pixels(SIDE);
-    // Where no one sees a pixel, none is given up for equal cells.
-    let side = if sheet.points(1) < UNSEEN { room } else { even(room, nodes) };
+    // Cells need equal sizes only where pixels are visible.
+    let side = if sheet.points(1) < INVISIBLE { room } else { even(room, nodes) };
     let corner = CORNER.map(|c| sheet.pixels(c) + (room - side) / 2);
     sheet.fill(corner, [side, side], ZERO)?;
     if let Some(range) = range
@@ -114,16 +112,15 @@ fn draw(sheet: &mut Sheet<'_>, cells: &[Cell], nodes: usize, unit: &str) -> Resu
     if let Some(range) = range {
         return bar(sheet, range, unit);
     }
-    let note = Label::plain("no likelihood above zero");
-    sheet.text(&note, [middle, CORNER[1] + SIDE / 2.0], TEXT, Align::Middle, Run::Right)
+    sheet.plain("no likelihood above zero", [middle, CORNER[1] + SIDE / 2.0], Align::Middle)
 }
 
-/// The side of a matrix that has room for so many pixels: cells of four or more are all of one size.
+/// The side of a matrix in a space of `room` pixels. Cells of four or more pixels all get the same size.
 fn even(room: usize, nodes: usize) -> usize {
     if nodes > 0 && room / nodes >= 4 { room / nodes * nodes } else { room }
 }
 
-/// Corner, size and colour of both squares of every cell on a matrix of `side` pixels, no square less than `mark` wide.
+/// Corner, size and colour of both squares of every cell in a matrix of `side` pixels; a square is at least `mark` wide.
 fn squares(
     cells: &[Cell],
     nodes: usize,
@@ -142,7 +139,7 @@ fn squares(
     })
 }
 
-/// The matrix as an image, on a page that takes one.
+/// Draws the matrix as an image; false where the page does not support images.
 fn image(sheet: &mut Sheet<'_>, corner: [usize; 2], side: usize, cells: &[Cell], nodes: usize, range: LogRange) -> Result<bool> {
     let make = || {
         let pixels = even(IMAGE, nodes);
@@ -167,9 +164,8 @@ fn node_axes(sheet: &mut Sheet<'_>, [left, top]: [f64; 2], span: f64, nodes: usi
             sheet.text(&tick.label, [left - TICK - 3.0, top + at], TEXT, Align::End, Run::Right)?;
         }
     }
-    let name = Label::plain("node");
-    sheet.text(&name, [left + span / 2.0, bottom + TICK + 24.0], TEXT, Align::Middle, Run::Right)?;
-    sheet.text(&name, [9.0, top + span / 2.0], TEXT, Align::Middle, Run::Up)
+    sheet.plain("node", [left + span / 2.0, bottom + TICK + 24.0], Align::Middle)?;
+    sheet.upright("node", [9.0, top + span / 2.0])
 }
 
 fn bar(sheet: &mut Sheet<'_>, range: LogRange, unit: &str) -> Result<()> {
@@ -189,6 +185,5 @@ fn bar(sheet: &mut Sheet<'_>, range: LogRange, unit: &str) -> Result<()> {
         let label = if row == 0 && range.clipped { tick.label.after("\u{2264}") } else { tick.label };
         sheet.text(&label, [right + TICK + 3.0, y], TEXT, Align::Begin, Run::Right)?;
     }
-    let name = Label::plain(format!("L ({unit})"));
-    sheet.text(&name, [INCHES[0] * POINTS_PER_INCH - 9.0, top + height / 2.0], TEXT, Align::Middle, Run::Up)
+    sheet.upright(&format!("L ({unit})"), [INCHES[0] * POINTS_PER_INCH - 9.0, top + height / 2.0])
 }

@@ -1,8 +1,8 @@
-//! The distribution of hypertension forces: a histogram a class, with its gamma distribution and the threshold of risk.
+//! The distribution of hypertension forces: for each class a histogram, the fitted gamma distribution and the threshold of risk.
 
-use super::axis::{Label, LinearRange};
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Place, Run, Sheet, TEXT, TITLE};
-use super::colour::{EACH, GRID, INK, PRUNED};
+use super::axis::LinearRange;
+use super::canvas::{Align, HAIR, POINTS_PER_INCH, Place, Run, Sheet, TEXT, TICK};
+use super::colour::{EACH, INK, PRUNED};
 use super::figure::Figure;
 use super::modulation::{SIDES, TOP, WIDTH_INCHES};
 use crate::error::Result;
@@ -16,14 +16,13 @@ const GAP: f64 = 10.0;
 const EVERY: f64 = HEADING + HEIGHT + GAP;
 /// Below the last panel, points.
 const FOOT: f64 = 42.0;
-const TICK: f64 = 4.0;
-/// Points of a density's curve.
+/// Points of the curve of a density.
 const CURVE: usize = 400;
 
 /// The forces of one class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
-    /// What stands above the panel.
+    /// The text above the panel.
     pub heading: String,
     /// The density in each bin, mm²/mmHg.
     pub density: Vec<f64>,
@@ -34,9 +33,9 @@ pub struct Histogram {
 /// The forces of all classes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histograms {
-    /// The edges of the bins, mmHg/mm², rising from 0; none when there is no force.
+    /// The edges of the bins, mmHg/mm², rising from 0; empty when there is no force.
     pub edges: Vec<f64>,
-    /// Above this a vessel is at risk, mmHg/mm².
+    /// The force above which a vessel is at risk, mmHg/mm².
     pub threshold: f64,
     /// By class.
     pub classes: Vec<Histogram>,
@@ -51,14 +50,13 @@ pub fn hypertension(histograms: Histograms) -> Figure {
 fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
-    let title = Label::plain("Hypertension: pressure over cross-section, all vessels and instances");
-    sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
+    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", middle)?;
     let Some(last) = histograms.edges.last() else {
-        sheet.text(&Label::plain("no force above zero"), [middle, points / 2.0], TEXT, Align::Middle, Run::Right)?;
+        sheet.plain("no force above zero", [middle, points / 2.0], Align::Middle)?;
         return Ok(());
     };
     legend(sheet)?;
-    // The threshold is always on the page.
+    // The threshold is always visible.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
     let most = histograms.classes.iter().flat_map(|h| h.density.iter().copied()).fold(0.0, f64::max);
@@ -67,12 +65,8 @@ fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<(
         let top = TOP + EVERY * at as f64 + HEADING;
         let bottom = top + HEIGHT;
         let y = |density: f64| bottom - HEIGHT * up.share(density).min(1.0);
-        sheet.text(&Label::plain(&histogram.heading), [left, top - HEADING / 2.0], TEXT, Align::Begin, Run::Right)?;
-        for tick in up.ticks(5) {
-            sheet.line([[left, y(tick.at)], [right, y(tick.at)]], HAIR, GRID, 1.0)?;
-            sheet.line([[left - TICK, y(tick.at)], [left, y(tick.at)]], HAIR, INK, 1.0)?;
-            sheet.text(&tick.label, [left - TICK - 3.0, y(tick.at)], TEXT, Align::End, Run::Right)?;
-        }
+        sheet.plain(&histogram.heading, [left, top - HEADING / 2.0], Align::Begin)?;
+        sheet.ticks_left(SIDES, up.ticks(5).into_iter().map(|tick| (y(tick.at), tick.label)))?;
         for (edges, density) in histograms.edges.windows(2).zip(&histogram.density).filter(|(_, density)| **density > 0.0) {
             let (corner, size) = ([x(edges[0]), y(*density)], [x(edges[1]) - x(edges[0]), bottom - y(*density)]);
             sheet.rectangle(corner, size, EACH)?;
@@ -91,9 +85,8 @@ fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<(
         sheet.line([[x(tick.at), bottom], [x(tick.at), bottom + TICK]], HAIR, INK, 1.0)?;
         sheet.text(&tick.label, [x(tick.at), bottom + TICK + 8.0], TEXT, Align::Middle, Run::Right)?;
     }
-    let name = Label::plain("hypertension force (mmHg/mm\u{b2})");
-    sheet.text(&name, [middle, bottom + TICK + 25.0], TEXT, Align::Middle, Run::Right)?;
-    sheet.text(&Label::plain("density (mm\u{b2}/mmHg)"), [9.0, f64::midpoint(TOP, bottom)], TEXT, Align::Middle, Run::Up)
+    sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + 25.0], Align::Middle)?;
+    sheet.upright("density (mm\u{b2}/mmHg)", [9.0, f64::midpoint(TOP, bottom)])
 }
 
 fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
@@ -110,7 +103,7 @@ fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
             1 => sheet.line([[x, Y], [x + KEY, Y]], 1.6, PRUNED, 1.0)?,
             _ => sheet.dashes([[x, Y], [x + KEY, Y]], 1.2, INK)?,
         }
-        sheet.text(&Label::plain(text), [x + KEY + SPACE, Y], TEXT, Align::Begin, Run::Right)?;
+        sheet.plain(text, [x + KEY + SPACE, Y], Align::Begin)?;
         x += KEY + SPACE + sheet.text_width(text, TEXT)? + 20.0;
     }
     Ok(())

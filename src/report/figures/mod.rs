@@ -1,6 +1,6 @@
-//! The pictures of a run, as PNG and as SVG: the likelihood matrix and its convergence, the flows of a simulation.
+//! The pictures of a run as PNG and SVG: the likelihood matrix and its convergence, flows, responses to modulation, hypertension.
 //!
-//! The pictures need no font of the system, and the same input gives the same bytes.
+//! The pictures need no installed font, and the same input gives the same bytes.
 
 mod axis;
 mod bitmap;

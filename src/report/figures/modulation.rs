@@ -1,8 +1,8 @@
-//! The response to resistance modulation: per class a box for every vessel or node and one for the network as a whole.
+//! The response to resistance modulation: for each class a box over all vessels or nodes, and one for the whole network.
 
-use super::axis::{Label, LinearRange};
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TITLE};
-use super::colour::{EACH, GRID, INK, Rgb, WHOLE};
+use super::axis::LinearRange;
+use super::canvas::{Align, HAIR, POINTS_PER_INCH, Sheet, TEXT, TICK};
+use super::colour::{EACH, INK, Rgb, WHOLE};
 use super::figure::Figure;
 use crate::error::Result;
 use crate::output::names::MODULATION_PICTURE;
@@ -18,14 +18,13 @@ const HEIGHT: f64 = 132.0;
 const GAP: f64 = 14.0;
 /// Bottom of the last panel, points.
 const BOTTOM: f64 = TOP + 3.0 * HEIGHT + 2.0 * GAP;
-const TICK: f64 = 4.0;
 /// Height of a row of class names, width of a digit in them and room between two, points.
 const NAMES: [f64; 3] = [12.0, 5.3, 5.0];
 /// From the last row of names to the axis's own, and from there to the edge, points.
 const FOOT: [f64; 2] = [16.0, 14.0];
-/// Ticks of a panel at the most.
+/// The largest number of ticks of a panel.
 const TICKS: usize = 7;
-/// A box's width and the two boxes' distance from the class's middle, as shares of its room.
+/// The width of a box and the distance of the two boxes from the middle of their class, as shares of the width of the class.
 const BOX: f64 = 0.26;
 const ASIDE: f64 = 0.19;
 
@@ -34,27 +33,27 @@ const ASIDE: f64 = 0.19;
 pub struct Boxes {
     /// Over all vessels (or nodes) and instances.
     pub each: [f64; 5],
-    /// Of the network's own figure over the instances.
+    /// Over the instances, of the whole network.
     pub whole: [f64; 5],
 }
 
 /// One quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// The name of its axis, with its unit.
+    /// The name of its axis, with the unit.
     pub name: String,
-    /// Where nothing changes.
+    /// Its value without modulation.
     pub unchanged: f64,
     /// By class.
     pub boxes: Vec<Boxes>,
 }
 
-/// Draws a panel a quantity, one above the other, 6.4 inches wide.
+/// Draws one panel per quantity, one above the other, 6.4 inches wide.
 ///
 /// A box reaches from the first to the third quartile, its bar is the median, its whiskers reach from the 5th to the 95th
-/// percentile. A dashed line stands where nothing changes. Figures that are no number are left out.
+/// percentile. A dashed line marks the value without modulation. NaN values are left out.
 pub fn modulation(classes: Vec<String>, panels: [Panel; 3]) -> Figure {
-    // Names too long for the room of a class stand on several rows in turn.
+    // Names that are too wide for a class alternate between rows.
     let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
     let rows = ((digits * NAMES[1] + NAMES[2]) / room(&classes)).ceil().max(1.0) as usize;
     let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
@@ -70,8 +69,7 @@ fn room(classes: &[String]) -> f64 {
 fn draw(sheet: &mut Sheet<'_>, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) -> Result<()> {
     let ([left, right], room) = (SIDES, room(classes));
     let middle = f64::midpoint(left, right);
-    let title = Label::plain("Response to resistance modulation, against the unperturbed network");
-    sheet.text(&title, [middle, 15.0], TITLE, Align::Middle, Run::Right)?;
+    sheet.title("Response to resistance modulation, against the unperturbed network", middle)?;
     legend(sheet)?;
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
@@ -82,9 +80,9 @@ fn draw(sheet: &mut Sheet<'_>, classes: &[String], panels: &[Panel; 3], rows: us
     for (class, name) in classes.iter().enumerate() {
         let y = BOTTOM + TICK + NAMES[0] * ((class % rows) as f64 + 0.6);
         sheet.line([[at(class), BOTTOM], [at(class), BOTTOM + TICK]], HAIR, INK, 1.0)?;
-        sheet.text(&Label::plain(name), [at(class), y], TEXT, Align::Middle, Run::Right)?;
+        sheet.plain(name, [at(class), y], Align::Middle)?;
     }
-    sheet.text(&Label::plain("modulation u, by class"), [middle, foot], TEXT, Align::Middle, Run::Right)
+    sheet.plain("modulation u, by class", [middle, foot], Align::Middle)
 }
 
 /// One panel below `top`.
@@ -93,11 +91,7 @@ fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl 
     let figures = panel.boxes.iter().flat_map(|b| b.each.into_iter().chain(b.whole));
     if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
         let y = |value: f64| bottom - HEIGHT * range.share(value);
-        for tick in range.ticks(TICKS) {
-            sheet.line([[left, y(tick.at)], [right, y(tick.at)]], HAIR, GRID, 1.0)?;
-            sheet.line([[left - TICK, y(tick.at)], [left, y(tick.at)]], HAIR, INK, 1.0)?;
-            sheet.text(&tick.label, [left - TICK - 3.0, y(tick.at)], TEXT, Align::End, Run::Right)?;
-        }
+        sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)))?;
         sheet.dashes([[left, y(panel.unchanged)], [right, y(panel.unchanged)]], 1.0, INK)?;
         for (class, boxes) in panel.boxes.iter().enumerate() {
             for (quantiles, aside, rgb) in [(boxes.each, -ASIDE, EACH), (boxes.whole, ASIDE, WHOLE)] {
@@ -108,7 +102,7 @@ fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl 
         }
     }
     sheet.frame([left, top], [right - left, HEIGHT])?;
-    sheet.text(&Label::plain(&panel.name), [9.0, top + HEIGHT / 2.0], TEXT, Align::Middle, Run::Up)
+    sheet.upright(&panel.name, [9.0, top + HEIGHT / 2.0])
 }
 
 /// A box around x, with its quantiles at the heights `y`.
@@ -131,9 +125,9 @@ fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
     for (text, rgb) in [("every vessel (pressure: node)", EACH), ("whole network", WHOLE)] {
         sheet.rectangle([x, Y - KEY[1] / 2.0], KEY, rgb)?;
         sheet.frame([x, Y - KEY[1] / 2.0], KEY)?;
-        sheet.text(&Label::plain(text), [x + KEY[0] + 5.0, Y], TEXT, Align::Begin, Run::Right)?;
+        sheet.plain(text, [x + KEY[0] + 5.0, Y], Align::Begin)?;
         x += KEY[0] + 5.0 + sheet.text_width(text, TEXT)? + 20.0;
     }
     sheet.dashes([[x, Y], [x + 22.0, Y]], 1.0, INK)?;
-    sheet.text(&Label::plain("unperturbed"), [x + 27.0, Y], TEXT, Align::Begin, Run::Right)
+    sheet.plain("unperturbed", [x + 27.0, Y], Align::Begin)
 }

@@ -1,6 +1,6 @@
-//! A page of curves and filled shapes, handed over as SVG.
+//! An SVG page of curves and filled shapes.
 //!
-//! plotters' own SVG page knows whole pixels only and leaves text to the fonts of whoever looks at it.
+//! The SVG page of plotters is not used: it rounds to whole pixels, and its text depends on the fonts of the viewer.
 
 use std::fmt::Write;
 
@@ -13,13 +13,13 @@ use super::colour::{INK, Rgb};
 use super::font::{Piece, outline};
 use crate::io::escape;
 
-/// The elements so far. A dot is 1/100 point.
-pub struct Drawing {
+/// An SVG page. A dot is 1/100 point.
+pub struct SvgPage {
     name: &'static str,
     elements: String,
 }
 
-impl Drawing {
+impl SvgPage {
     /// Dots per inch.
     pub const DPI: u32 = 7200;
 
@@ -40,15 +40,15 @@ impl Drawing {
     }
 
     fn element(&mut self, text: std::fmt::Arguments<'_>) {
-        // A string takes everything.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.elements, "{text}");
     }
 }
 
-impl Page for Drawing {
+impl Page for SvgPage {
     fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String> {
         let ((x, y), (right, bottom)) = (from, to);
-        // Neighbours share an edge without a seam.
+        // Crisp edges leave no gap between neighbours.
         let rgb = hex(rgb);
         self.element(format_args!("<path fill=\"{rgb}\" shape-rendering=\"crispEdges\" d=\"M{x} {y}H{right}V{bottom}H{x}z\"/>"));
         Ok(())
@@ -69,7 +69,7 @@ impl Page for Drawing {
     }
 
     fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String> {
-        // As plotters does: the base line lies half the size below the place.
+        // As in plotters, the base line is half of the size below the place.
         let place = |[x, y]: [f64; 2]| {
             let y = y + size / 2.0;
             let (x, y) = match run {
@@ -88,8 +88,8 @@ impl Page for Drawing {
             }
         }
         if !d.text.is_empty() {
-            let (rgb, said, d) = (hex(INK), escape(text), d.text);
-            self.element(format_args!("<path fill=\"{rgb}\" aria-label=\"{said}\" d=\"{d}\"/>"));
+            let (rgb, label, d) = (hex(INK), escape(text), d.text);
+            self.element(format_args!("<path fill=\"{rgb}\" aria-label=\"{label}\" d=\"{d}\"/>"));
         }
         Ok(())
     }
@@ -113,7 +113,7 @@ impl Page for Drawing {
     fn image(&mut self, from: Dot, to: Dot, image: &dyn Fn() -> Image) -> Result<bool, String> {
         let image = image();
         let side = image.side as u32;
-        // The prefix is for programs older than SVG 2.
+        // Programs older than SVG 2 need the prefix.
         let file = png([side; 2], &image.rgb, None)?;
         let ((x, y), width, height, data) = (from, to.0 - from.0, to.1 - from.1, STANDARD.encode(file));
         self.element(format_args!(
@@ -124,7 +124,7 @@ impl Page for Drawing {
     }
 }
 
-/// The commands of a path: the first place of a contour as it stands, the others from the place before.
+/// The commands of a path. The first place of a contour is absolute, the others are relative to the one before.
 #[derive(Default)]
 struct Path {
     text: String,
@@ -134,7 +134,7 @@ struct Path {
 
 impl Path {
     fn go(&mut self, command: char, places: &[Dot]) {
-        // A command that goes on is not repeated; filled contours close by themselves.
+        // A repeated command is left out. Filled contours close automatically.
         if self.last != Some(command) || command == 'M' {
             self.text.push(command);
         } else {

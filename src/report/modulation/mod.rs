@@ -1,4 +1,4 @@
-//! The output folder of a resistance modulation.
+//! The output folder of a resistance modulation: tables, arrays, pictures, page and record.
 
 mod pictures;
 mod record;
@@ -6,8 +6,7 @@ mod tables;
 
 use std::path::Path;
 
-use super::page::lists::Figure;
-use super::page::{ModulationTables, modulation_page, write_page};
+use super::page::{ModulationTables, Picture, modulation_page, write_page};
 use super::record::Provenance;
 use crate::error::Result;
 use crate::flow::{Boundary, FoundOutlets};
@@ -19,34 +18,34 @@ use crate::output::atomic::write_file;
 use crate::output::names;
 use crate::output::write_record;
 
-/// A modulation and everything its files are made of.
+/// A modulation with everything that its files need.
 #[derive(Debug)]
 pub struct ModulationOutcome<'a> {
     /// The network.
     pub network: &'a Network,
     /// Its boundary conditions.
     pub boundary: &'a Boundary,
-    /// What outlets that were found are.
+    /// The condition of outlets without one.
     pub outlets: FoundOutlets,
-    /// Where the run comes from.
+    /// The command and input of the run.
     pub provenance: &'a Provenance,
-    /// How resistances were modulated.
+    /// The options of the modulation.
     pub params: &'a ModulationOptions,
-    /// What came out.
+    /// The instances.
     pub result: &'a Modulation,
-    /// How hypertension is distributed.
+    /// The distribution of hypertension.
     pub hypertension: &'a HypertensionByClass,
-    /// How long the solves took, s.
+    /// The time of the solves, s.
     pub seconds: f64,
 }
 
 impl ModulationOutcome<'_> {
-    /// What run.json holds.
+    /// The content of run.json.
     pub fn record(&self) -> impl serde::Serialize {
         record::Record::of(self)
     }
 
-    /// Per node whether its pressure is free to change.
+    /// For each node whether its pressure can change.
     fn free(&self) -> Vec<bool> {
         let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
         (0..self.network.node_count()).map(|node| !fixed(node)).collect()
@@ -58,7 +57,7 @@ impl ModulationOutcome<'_> {
     }
 }
 
-/// Writes every file of a modulation into a folder; `samples.npz` when `samples` is on.
+/// Writes every file of a modulation into a folder; samples.npz only if `samples` is true.
 ///
 /// # Errors
 ///
@@ -82,11 +81,11 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
         write_file(&folder.join(names::INSTANCES), |out| write_arrays(out, arrays(outcome)))?;
     }
     let mut figures = Vec::new();
-    for (title, says, picture) in
+    for (title, caption, picture) in
         [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
     {
         picture.write(folder, dpi)?;
-        figures.push(Figure::new(title, says, &picture)?);
+        figures.push(Picture::new(title, caption, &picture)?);
     }
     let record = record::Record::of(outcome);
     write_record(folder, &record)?;
@@ -97,8 +96,8 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
 const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";
 const HYPERTENSION: &str = "Histograms of the hypertension force by class, with the gamma distributions fitted to them.";
 
-/// The arrays of samples.npz: `classes` (class x low, high), then per class, counted from 1, those of its instances, and
-/// those of the one unperturbed instance.
+/// The arrays of samples.npz: `classes` (class x low, high), those of the unperturbed instance, then those of each class, numbered
+/// from 1.
 fn arrays<'a>(outcome: &'a ModulationOutcome<'_>) -> impl Iterator<Item = NamedArray> + 'a {
     let classes = &outcome.result.classes;
     let bounds = classes.iter().flat_map(|(class, _)| [class.low, class.high]).collect();
@@ -128,7 +127,7 @@ fn of_instances(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances
     ]
 }
 
-/// By what the figures of every vessel were multiplied.
+/// The factors of every vessel.
 fn of_factors(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
     let shape = vec![instances.count(), outcome.network.vessel_count()];
     let array = |name, table: &[f64]| NamedArray { name: format!("{of}_{name}"), shape: shape.clone(), values: table.to_vec() };

@@ -1,4 +1,4 @@
-//! What the pictures of a resistance modulation show.
+//! The pictures of a resistance modulation: their boxes and histograms from the instances.
 
 use super::ModulationOutcome;
 use crate::modulation::{BINS, Class, Hypertension, Instances};
@@ -9,12 +9,12 @@ use crate::report::figures::modulation::{Boxes, Panel};
 use crate::support::Distribution;
 use crate::support::gamma::Gamma;
 
-/// A class as the pictures write it.
+/// The name of a class in the pictures.
 fn name(class: Class) -> String {
     format!("{}\u{2013}{}", class.low, class.high)
 }
 
-/// modulation: the change of pressure, and flow and resilience over those of the unperturbed network.
+/// The picture `modulation`: change of pressure, and flow and resilience divided by those of the unperturbed network.
 pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
     let (rest, classes) = (&outcome.result.unperturbed, &outcome.result.classes);
     let free = outcome.free();
@@ -42,12 +42,12 @@ pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
     crate::report::figures::modulation::modulation(names, panels)
 }
 
-/// A figure over that of the unperturbed network; none where nothing flows at rest.
+/// A figure divided by that of the unperturbed network; `None` where that is zero.
 fn ratio(_: usize, figure: f64, at_rest: f64) -> Option<f64> {
     (at_rest != 0.0).then(|| figure / at_rest)
 }
 
-/// The quantiles over all items and instances of `change`, from the item, its figure and its figure at rest.
+/// The quantiles of `change` over all items and instances; it gets the item, its figure and its unperturbed figure.
 fn each(table: &[f64], at_rest: &[f64], change: impl Fn(usize, f64, f64) -> Option<f64>) -> [f64; 5] {
     let rows = table.chunks_exact(at_rest.len());
     let changes =
@@ -59,7 +59,7 @@ fn quantiles(figures: impl Iterator<Item = f64>) -> [f64; 5] {
     Distribution::of(figures.filter(|x| !x.is_nan()).collect()).quantiles
 }
 
-/// hypertension: the bins of equal width; what lies beyond them is in hypertension.csv.
+/// The picture `hypertension`: the bins of equal width. The last bin is in hypertension.csv only.
 pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
     let found = outcome.hypertension;
     let edges: Vec<f64> = found.edges.iter().take(BINS + 1).map(|edge| mmhg_per_mm2(*edge)).collect();

@@ -1,4 +1,4 @@
-//! run.json of a resistance modulation: how the run was made and what came out, enough to repeat it.
+//! run.json of a resistance modulation: how the run was made, and its results in short.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use crate::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use crate::report::record::{conditions, outlets_found};
 use crate::support::Distribution;
 
-/// What came out of a class, or of the one unperturbed instance.
+/// The results of a class, or of the unperturbed instance.
 fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {
     let mean = |values: Vec<f64>| Distribution::of(values).mean;
     json!({
@@ -23,7 +23,7 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
     })
 }
 
-/// Everything that run.json holds.
+/// The content of run.json.
 #[derive(Debug, Serialize)]
 pub struct Record<'a> {
     willis: &'static str,

@@ -1,4 +1,4 @@
-//! The tables of a resistance modulation, one row a distribution.
+//! The tables of a resistance modulation: one distribution per row, and the histograms of hypertension.
 
 use super::ModulationOutcome;
 use crate::io::Column;
@@ -6,7 +6,7 @@ use crate::modulation::{Class, Hypertension, Instances};
 use crate::network::units::{ml_per_min, mmhg, mmhg_per_mm2};
 use crate::support::Distribution;
 
-/// A figure by class: its distribution, and its value in the unperturbed network.
+/// A quantity in a class: its distribution over the instances, and its value in the unperturbed network.
 struct Row {
     class: Class,
     /// The row of a node or vessel.
@@ -17,25 +17,24 @@ struct Row {
     unperturbed: f64,
 }
 
-fn distribution_columns(rows: &[Row]) -> Vec<Column> {
-    let quantile = |at: usize| rows.iter().map(move |r| r.distribution.quantiles[at]);
-    vec![
-        Column::real("mean", rows.iter().map(|r| r.distribution.mean)),
-        Column::real("std", rows.iter().map(|r| r.distribution.std)),
-        Column::real("q05", quantile(0)),
-        Column::real("q25", quantile(1)),
-        Column::real("median", quantile(2)),
-        Column::real("q75", quantile(3)),
-        Column::real("q95", quantile(4)),
-        Column::real("unperturbed", rows.iter().map(|r| r.unperturbed)),
-    ]
+/// The columns of rows: the class, those `of_item`, the quantity, its unit where there is one, and the distribution.
+fn columns(rows: &[Row], of_item: Vec<Column>) -> Vec<Column> {
+    let text = |name: &'static str, of: fn(&Row) -> String| Column::text(name, rows.iter().map(of));
+    let real = |name: &'static str, of: &dyn Fn(&Row) -> f64| Column::real(name, rows.iter().map(of));
+    let mut columns = vec![text("class", |r| r.class.to_string())];
+    columns.extend(of_item);
+    columns.push(text("quantity", |r| r.quantity.to_owned()));
+    if rows.iter().any(|r| !r.unit.is_empty()) {
+        columns.push(text("unit", |r| r.unit.to_owned()));
+    }
+    columns.extend([real("mean", &|r| r.distribution.mean), real("std", &|r| r.distribution.std)]);
+    let quantiles = ["q05", "q25", "median", "q75", "q95"].into_iter().enumerate();
+    columns.extend(quantiles.map(|(at, name)| real(name, &|r| r.distribution.quantiles[at])));
+    columns.push(real("unperturbed", &|r| r.unperturbed));
+    columns
 }
 
-fn names(rows: &[Row], of: impl Fn(&Row) -> String) -> impl Iterator<Item = String> {
-    rows.iter().map(of)
-}
-
-/// The figures of the whole network by instance.
+/// The figures of the whole network by instance: name, unit and values.
 fn of_network(outcome: &ModulationOutcome<'_>, instances: &Instances) -> [(&'static str, &'static str, Vec<f64>); 5] {
     let vessels = outcome.network.vessel_count();
     let all = vec![true; vessels];
@@ -49,8 +48,8 @@ fn of_network(outcome: &ModulationOutcome<'_>, instances: &Instances) -> [(&'sta
     ]
 }
 
-/// classes.csv: the figures of the whole network. A drop counts without its sign; the mean pressure is over the nodes without a
-/// fixed one; figures of floating components are left out.
+/// classes.csv: the figures of the whole network. Mean drops are means of |ΔP|; mean pressures leave out nodes of fixed pressure.
+/// Floating components are left out.
 pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     let mut rows = Vec::new();
     let at_rest = of_network(outcome, &outcome.result.unperturbed);
@@ -60,23 +59,17 @@ pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
             rows.push(Row { class: *class, item: 0, quantity, unit, distribution, unperturbed: rest[0] });
         }
     }
-    let mut columns = vec![
-        Column::text("class", names(&rows, |r| r.class.to_string())),
-        Column::real("low", rows.iter().map(|r| r.class.low)),
-        Column::real("high", rows.iter().map(|r| r.class.high)),
-        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
-        Column::text("unit", names(&rows, |r| r.unit.to_owned())),
-    ];
-    columns.extend(distribution_columns(&rows));
+    let [low, high] = [|r: &Row| r.class.low, |r: &Row| r.class.high].map(|of| rows.iter().map(of));
+    let mut columns = columns(&rows, vec![Column::real("low", low), Column::real("high", high)]);
     let ratio = |r: &Row| if r.unperturbed == 0.0 { f64::NAN } else { r.distribution.mean / r.unperturbed };
     columns.push(Column::real("ratio", rows.iter().map(ratio)));
     columns
 }
 
-/// A table of instances and how its figures are written.
+/// A quantity: its name, its table in the instances, and the conversion to its unit.
 type Quantity = (&'static str, fn(&Instances) -> &Vec<f64>, fn(f64) -> f64);
 
-/// One row a class, node or vessel, and quantity.
+/// One row for each class, node or vessel, and quantity.
 fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[Quantity]) -> Vec<Row> {
     let mut rows = Vec::new();
     for (class, instances) in &outcome.result.classes {
@@ -100,18 +93,15 @@ fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[Quantity
 pub fn node_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     let network = outcome.network;
     let rows = by_item(outcome, network.node_count(), &[("pressure_mmHg", |i| &i.pressure, mmhg)]);
-    let mut columns = vec![
-        Column::text("class", names(&rows, |r| r.class.to_string())),
+    let of_node = vec![
         Column::whole("node", rows.iter().map(|r| r.item)),
-        Column::text("id", names(&rows, |r| network.node(r.item).id.clone())),
-        Column::text("label", names(&rows, |r| network.node(r.item).label.clone())),
-        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
+        Column::text("id", rows.iter().map(|r| network.node(r.item).id.clone())),
+        Column::text("label", rows.iter().map(|r| network.node(r.item).label.clone())),
     ];
-    columns.extend(distribution_columns(&rows));
-    columns
+    columns(&rows, of_node)
 }
 
-/// edges.csv: what flows in every vessel by class; flow and drop are positive from `node_a` to `node_b`.
+/// edges.csv: flow, drop, resilience and hypertension of every vessel by class. Flow and drop are positive from `node_a` to `node_b`.
 pub fn vessel_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     let network = outcome.network;
     let quantities: [Quantity; 4] = [
@@ -121,74 +111,53 @@ pub fn vessel_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
         ("hypertension_mmHg_per_mm2", |i| &i.force, mmhg_per_mm2),
     ];
     let rows = by_item(outcome, network.vessel_count(), &quantities);
-    let mut columns = vec![
-        Column::text("class", names(&rows, |r| r.class.to_string())),
+    let of_vessel = vec![
         Column::whole("edge", rows.iter().map(|r| r.item)),
         Column::whole("node_a", rows.iter().map(|r| network.ends(r.item)[0])),
         Column::whole("node_b", rows.iter().map(|r| network.ends(r.item)[1])),
-        Column::text("label", names(&rows, |r| network.vessel(r.item).label.clone())),
-        Column::text("quantity", names(&rows, |r| r.quantity.to_owned())),
+        Column::text("label", rows.iter().map(|r| network.vessel(r.item).label.clone())),
     ];
-    columns.extend(distribution_columns(&rows));
-    columns
+    columns(&rows, of_vessel)
 }
 
-/// The columns of hypertension.csv in the making.
-#[derive(Default)]
-struct Tidy {
-    class: Vec<String>,
-    kind: Vec<String>,
-    quantity: Vec<String>,
-    from: Vec<f64>,
-    to: Vec<f64>,
-    value: Vec<f64>,
-    std_error: Vec<f64>,
-}
+/// A row of hypertension.csv: class, kind and quantity; the range of forces (Pa/m²); value and its standard error.
+type HypertensionRow<'a> = ([&'a str; 3], [f64; 2], [f64; 2]);
 
-impl Tidy {
-    fn push(&mut self, class: &str, [kind, quantity]: [&str; 2], [from, to]: [f64; 2], [value, std_error]: [f64; 2]) {
-        self.class.push(class.to_owned());
-        self.kind.push(kind.to_owned());
-        self.quantity.push(quantity.to_owned());
-        self.from.push(mmhg_per_mm2(from));
-        self.to.push(mmhg_per_mm2(to));
-        self.value.push(value);
-        self.std_error.push(std_error);
+fn hypertension_rows<'a>(class: &'a str, found: &Hypertension, edges: &[f64], threshold: f64) -> Vec<HypertensionRow<'a>> {
+    const NONE: f64 = f64::NAN;
+    let bins = edges.windows(2).zip(&found.counts);
+    let mut rows: Vec<HypertensionRow<'_>> =
+        bins.map(|(bin, count)| ([class, "histogram", "count"], [bin[0], bin[1]], [*count as f64, NONE])).collect();
+    if let Some(fit) = &found.fit {
+        let positive = [0.0, f64::INFINITY];
+        rows.push(([class, "fit", "shape"], positive, [fit.gamma.shape, fit.shape_error]));
+        rows.push(([class, "fit", "scale_mmHg_per_mm2"], positive, [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2)));
+        rows.push(([class, "fit", "ks_distance"], positive, [found.distance, NONE]));
     }
-
-    fn class(&mut self, class: &str, found: &Hypertension, edges: &[f64], threshold: f64) {
-        const NONE: f64 = f64::NAN;
-        for (bin, count) in edges.windows(2).zip(&found.counts) {
-            self.push(class, ["histogram", "count"], [bin[0], bin[1]], [*count as f64, NONE]);
-        }
-        if let Some(fit) = &found.fit {
-            let positive = [0.0, f64::INFINITY];
-            self.push(class, ["fit", "shape"], positive, [fit.gamma.shape, fit.shape_error]);
-            let scale = [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2);
-            self.push(class, ["fit", "scale_mmHg_per_mm2"], positive, scale);
-            self.push(class, ["fit", "ks_distance"], positive, [found.distance, NONE]);
-        }
-        self.push(class, ["fit", "share_without_force"], [NONE; 2], [found.without_force, NONE]);
-        let risk = [threshold, f64::INFINITY];
-        self.push(class, ["risk", "share_empirical"], risk, [found.above, NONE]);
-        self.push(class, ["risk", "share_by_fit"], risk, [found.above_by_fit, NONE]);
-    }
+    rows.push(([class, "fit", "share_without_force"], [NONE; 2], [found.without_force, NONE]));
+    let above = [threshold, f64::INFINITY];
+    rows.push(([class, "risk", "share_empirical"], above, [found.above, NONE]));
+    rows.push(([class, "risk", "share_by_fit"], above, [found.above_by_fit, NONE]));
+    rows
 }
 
-/// hypertension.csv: histogram, fit and risk area, of the unperturbed network and by class.
+/// hypertension.csv: histogram, fit and share at risk, of the unperturbed network and by class.
 pub fn hypertension_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
-    let (found, mut rows) = (outcome.hypertension, Tidy::default());
-    rows.class("unperturbed", &found.unperturbed, &found.edges, found.threshold);
-    for ((class, _), of_class) in outcome.result.classes.iter().zip(&found.classes) {
-        rows.class(&class.to_string(), of_class, &found.edges, found.threshold);
-    }
+    let found = outcome.hypertension;
+    let names: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
+    let by_class = names.iter().map(String::as_str).zip(&found.classes);
+    let all = std::iter::once(("unperturbed", &found.unperturbed)).chain(by_class);
+    let rows: Vec<_> =
+        all.flat_map(|(class, of_class)| hypertension_rows(class, of_class, &found.edges, found.threshold)).collect();
+    let text = |name: &'static str, at: usize| Column::text(name, rows.iter().map(move |row| row.0[at].to_owned()));
+    let real = |name: &'static str, of: fn(&HypertensionRow<'_>) -> f64| Column::real(name, rows.iter().map(of));
     vec![
-        Column::text("class", rows.class.into_iter()),
-        Column::text("kind", rows.kind.into_iter()),
-        Column::text("quantity", rows.quantity.into_iter()),
-        Column::real("from_mmHg_per_mm2", rows.from.into_iter()),
-        Column::real("to_mmHg_per_mm2", rows.to.into_iter()),
-        Column::real("value", rows.value.into_iter()),
-        Column::real("std_error", rows.std_error.into_iter()),
+        text("class", 0),
+        text("kind", 1),
+        text("quantity", 2),
+        real("from_mmHg_per_mm2", |row| mmhg_per_mm2(row.1[0])),
+        real("to_mmHg_per_mm2", |row| mmhg_per_mm2(row.1[1])),
+        real("value", |row| row.2[0]),
+        real("std_error", |row| row.2[1]),
     ]
 }

@@ -1,4 +1,4 @@
-//! cohort.html: the subjects of a cohort in a table, the uncertain ones on top, and how any of its columns is distributed.
+//! cohort.html: the subjects of a cohort in a table, the most uncertain first, and the distribution of any column.
 
 use std::io::{self, Write};
 
@@ -20,18 +20,17 @@ const COHORT: Template = Template {
         include_str!("assets/cohort.js"),
     ],
 };
-const EXACT: [&str; 0] = [];
-/// What the page leaves out: what differs between two runs of one command, and what nobody reads.
+/// The columns that the page leaves out: what differs between two runs of one command, and what nobody reads.
 const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 
 /// Writes the page of a cohort: `columns` are those of its `rows`, in the order in which they are shown.
 ///
 /// # Errors
 ///
-/// What the writer says.
+/// An error of the writer.
 pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column>, about: &About<'_>) -> io::Result<()> {
     let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
-    let table = Table { title: "Subjects".to_owned(), columns, exact: &EXACT, of_vessels: false };
+    let table = Table { title: "Subjects".to_owned(), columns, exact: &[], of_vessels: false };
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({
         "command": about.line,

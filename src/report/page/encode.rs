@@ -1,4 +1,4 @@
-//! The data of a page as JSON: long columns of numbers as base64 of little-endian arrays, text as a list of its words.
+//! The data of a page as JSON: columns of numbers as little-endian arrays in base64, columns of text as a list of words.
 
 use std::collections::HashMap;
 use std::io;
@@ -8,47 +8,30 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use super::scene::Scene;
-use super::{Colouring, Page, Scale, Table, Threshold};
+use super::{Page, Table};
 use crate::io::{Column, Values};
 use crate::report::figures::colour::colour;
 
-/// Steps of the colour map between which a page interpolates.
+/// Steps of the colour map; the page interpolates between them.
 const COLOURS: u32 = 32;
 
-/// Everything a page shows.
+/// All data of a page.
 pub fn page(page: &Page) -> io::Result<Value> {
     Ok(json!({
         "title": page.title,
         "record": page.record,
-        "facts": page.facts.iter().map(|f| json!([f.name, f.value, f.unit])).collect::<Vec<_>>(),
+        "facts": page.facts,
         "scene": page.scene.as_ref().map_or(Value::Null, scene),
         "no_scene": page.scene.as_ref().err(),
         "colours": (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect::<Vec<_>>(),
-        "colourings": page.colourings.iter().map(colouring).collect::<Vec<_>>(),
-        "threshold": page.threshold.as_ref().map(threshold),
-        "figures": page.figures.iter().map(|f| json!({ "title": f.title, "says": f.says, "source": f.source() })).collect::<Vec<_>>(),
+        "colourings": page.colourings,
+        "threshold": page.threshold,
+        "figures": page.figures,
         "tables": page.tables.iter().map(table).collect::<io::Result<Vec<_>>>()?,
     }))
 }
 
-fn threshold(t: &Threshold) -> Value {
-    json!({
-        "figure": t.figure, "name": t.name, "unit": t.unit, "error": t.error, "samples": t.samples, "at_least": t.at_least,
-        "midway": t.midway, "within": t.within, "cut": t.cut, "median": t.median, "uncertain": t.uncertain,
-        "nodes": t.nodes, "kept": t.kept, "middle": t.middle, "band": t.band,
-    })
-}
-
-fn colouring(c: &Colouring) -> Value {
-    let scale = match c.scale {
-        Scale::Log => "log",
-        Scale::Linear => "linear",
-        Scale::Diverging => "diverging",
-    };
-    json!({ "name": c.name, "unit": c.unit, "scale": scale, "uncertain_only": c.uncertain_only, "variants": c.variants })
-}
-
-/// Points as four u16 each, x, y, z and radius, with the corner and the two steps that make them mm again.
+/// The points as four u16 each (x, y, z, radius), with the corner and the two step sizes that convert them to mm.
 fn scene(scene: &Scene) -> Value {
     let points = || scene.vessels.iter().flatten().chain(scene.markers.iter().map(|m| &m.place));
     let (mut low, mut high, mut widest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
@@ -77,18 +60,18 @@ fn scene(scene: &Scene) -> Value {
     })
 }
 
-/// A table with its columns.
+/// A table and its columns.
 pub fn table(table: &Table) -> io::Result<Value> {
     let rows = table.columns.first().map_or(0, |column| column.values.len());
     if table.columns.iter().any(|column| column.values.len() != rows) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{}: columns differ in length", table.title)));
     }
-    let columns = table.columns.iter().filter(|column| says_something(column));
+    let columns = table.columns.iter().filter(|column| has_values(column));
     let columns = columns.map(|c| with_name(&c.name, &c.values, table.exact.contains(&&*c.name)));
     Ok(json!({ "title": table.title, "rows": rows, "of_vessels": table.of_vessels, "columns": columns.collect::<Vec<_>>() }))
 }
 
-fn says_something(column: &Column) -> bool {
+fn has_values(column: &Column) -> bool {
     match &column.values {
         Values::Real(values) => values.iter().any(|x| !x.is_nan()),
         Values::Integer(values) => !values.is_empty(),
@@ -111,7 +94,7 @@ fn array(kind: &str, bytes: impl Iterator<Item = u8>) -> Value {
     json!({ "kind": kind, "data": STANDARD.encode(bytes.collect::<Vec<u8>>()) })
 }
 
-/// Whole numbers in the narrowest array that holds them; a column of its own row numbers needs none.
+/// Whole numbers in the narrowest type that holds them; a column that equals its row numbers needs no array.
 fn integers(values: &[i64]) -> Value {
     let within = |high: i64| values.iter().all(|v| (0..=high).contains(v));
     if values.iter().enumerate().all(|(row, v)| *v == row as i64) {
@@ -127,7 +110,7 @@ fn integers(values: &[i64]) -> Value {
     }
 }
 
-/// The different words in the order of their first row, and by row which it is.
+/// The distinct words in the order of their first rows, and the number of the word for each row.
 fn words(values: &[String]) -> Value {
     let (mut number, mut list, mut rows) = (HashMap::new(), Vec::new(), Vec::with_capacity(values.len()));
     for text in values {

@@ -1,10 +1,7 @@
-//! The page of an inference: vessels by likelihood, and the threshold to move.
+//! The page of an inference: vessels by likelihood, and a threshold that the reader can move.
 
-use serde_json::Value;
-
-use super::lists::{Figure, conditions};
 use super::scene::scene;
-use super::{Colouring, Fact, Page, Scale, Table, Threshold, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
 use crate::report::inference::Outcome;
@@ -15,23 +12,38 @@ const UNCERTAIN: &str = "uncertain";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
-pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Figure>) -> Page {
+pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
     let mut record = record(summary);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
-    // The page draws them.
+    // The page draws the positions.
     let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
     columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit_of(outcome.weight);
+    let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
     let evidence = has_evidence(outcome.network);
+    let mut names = vec![
+        ("nodes", "/counts/nodes", ""),
+        ("observed vessels", "/counts/observed", ""),
+        ("candidates", "/counts/candidates", ""),
+        ("uncertain vessels", "/counts/uncertain", ""),
+        ("kept of these", "/counts/topology/kept", ""),
+        ("undecided", "/convergence/undecided", ""),
+        ("rule", "/threshold/rule", ""),
+        ("threshold", "/threshold/value", of_threshold),
+        ("samples", "/parameters/samples", ""),
+        ("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
+        ("seed", "/seed", ""),
+        ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ];
+    if evidence {
+        names.push(("expected wrong connections", "/expected_errors/wrong", ""));
+        names.push(("expected missed connections", "/expected_errors/missed", ""));
+    }
     Page {
         title: title("infer", &record),
-        facts: facts(
-            &record,
-            if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit },
-            evidence,
-        ),
+        facts: facts(&record, &names),
         record,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(unit, evidence),
@@ -42,29 +54,6 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
             .flatten()
             .collect(),
     }
-}
-
-fn facts(record: &Value, unit: &'static str, evidence: bool) -> Vec<Fact> {
-    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
-    let mut facts = vec![
-        fact("nodes", "/counts/nodes", ""),
-        fact("observed vessels", "/counts/observed", ""),
-        fact("candidates", "/counts/candidates", ""),
-        fact("uncertain vessels", "/counts/uncertain", ""),
-        fact("kept of these", "/counts/topology/kept", ""),
-        fact("undecided", "/convergence/undecided", ""),
-        fact("rule", "/threshold/rule", ""),
-        fact("threshold", "/threshold/value", unit),
-        fact("samples", "/parameters/samples", ""),
-        fact("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
-        fact("seed", "/seed", ""),
-        fact("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
-    ];
-    if evidence {
-        facts.push(fact("wrong connections expected", "/expected_errors/wrong", ""));
-        facts.push(fact("missed connections expected", "/expected_errors/missed", ""));
-    }
-    facts
 }
 
 fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {

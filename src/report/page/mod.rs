@@ -3,7 +3,6 @@
 pub(crate) mod cohort;
 mod encode;
 mod inference;
-pub(crate) mod lists;
 mod modulation;
 mod scene;
 mod simulation;
@@ -14,118 +13,117 @@ pub use simulation::page as simulation_page;
 
 use std::io::{self, Write};
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::io::{Column, escape};
-use lists::Figure;
+use super::figures::{DEFAULT_DPI, Figure};
+use crate::error::Result;
+use crate::io::{Column, Values, escape};
 use scene::Scene;
 
 /// A page, whatever command it is of.
 #[derive(Debug, Clone)]
 pub struct Page {
-    /// The command, as the heading says it.
+    /// The heading.
     pub title: String,
     /// The record of the run, as in run.json: command, seed, parameters, notes.
     pub record: Value,
-    /// The figures that come first.
+    /// The figures at the top of the page.
     pub facts: Vec<Fact>,
-    /// The vessels in space, or why they cannot be shown.
-    pub scene: Result<Scene, String>,
-    /// By what the vessels of the scene can be coloured; the first one is shown at the start.
+    /// The vessels in space, or the reason why they cannot be shown.
+    pub scene: std::result::Result<Scene, String>,
+    /// The figures that can colour the vessels of the scene; the page starts with the first.
     pub colourings: Vec<Colouring>,
     /// A threshold that the reader can move.
     pub threshold: Option<Threshold>,
     /// The pictures.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<Picture>,
     /// The tables.
     pub tables: Vec<Table>,
 }
 
-/// A figure of the run with what it is called.
-#[derive(Debug, Clone)]
-pub struct Fact {
-    /// What it is.
-    pub name: &'static str,
-    /// A number, a word or null.
-    pub value: Value,
-    /// Its unit, empty without one.
-    pub unit: &'static str,
+/// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
+pub type Fact = (&'static str, Value, &'static str);
+
+/// Figures of the record by name, JSON pointer and unit. A list stands for its length.
+fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Vec<Fact> {
+    let value = |pointer: &str| match record.pointer(pointer) {
+        Some(Value::Array(items)) => items.len().into(),
+        value => value.cloned().unwrap_or_default(),
+    };
+    names.iter().map(|(name, pointer, unit)| (*name, value(pointer), *unit)).collect()
 }
 
-impl Fact {
-    /// A figure of the record, by its JSON pointer.
-    pub fn of(record: &Value, name: &'static str, pointer: &str, unit: &'static str) -> Self {
-        Self { name, value: record.pointer(pointer).cloned().unwrap_or_default(), unit }
-    }
-}
-
-/// A table whose rows may stand for vessels.
+/// A table of the page.
 #[derive(Debug, Clone)]
 pub struct Table {
     /// Its heading.
     pub title: String,
-    /// The columns, all of one length; those without a value in any row are not shown.
+    /// The columns, all of the same length. The page leaves out columns without any value.
     pub columns: Vec<Column>,
-    /// Columns kept to the last bit; others with seven digits.
+    /// The columns that the page holds in double precision; it holds others in single precision.
     pub exact: &'static [&'static str],
     /// Whether row i is vessel i.
     pub of_vessels: bool,
 }
 
-/// How a figure becomes a colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a figure is converted to a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Scale {
-    /// Its logarithm.
+    /// By its logarithm.
     Log,
-    /// The figure itself.
+    /// By its value.
     Linear,
-    /// The figure itself, between two colours on either side of zero.
+    /// By its value, with one colour for each side of zero.
     Diverging,
 }
 
-/// A figure by which vessels are coloured.
-#[derive(Debug, Clone)]
+/// A figure that colours the vessels.
+#[derive(Debug, Clone, Serialize)]
 pub struct Colouring {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// Its unit, empty without one.
     pub unit: &'static str,
-    /// How it becomes a colour; the magnitude counts on any scale but [`Scale::Diverging`].
+    /// How it is converted to a colour. All scales but [`Scale::Diverging`] use the magnitude.
     pub scale: Scale,
     /// Whether vessels that are certain stay grey.
     pub uncertain_only: bool,
-    /// Where it stands: the name of the variant, the row of the table, the column. All variants share one scale.
+    /// Its variants: name, number of the table, and column. All variants share one scale.
     pub variants: Vec<(String, usize, String)>,
 }
 
 /// A threshold on a column of the first table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Threshold {
-    /// The column that is compared.
+    /// The column that is compared with the threshold.
     pub figure: &'static str,
-    /// What the figure is called.
+    /// The name of the figure.
     pub name: &'static str,
     /// Its unit, empty without one.
     pub unit: &'static str,
-    /// The column of its standard error; without one it is that of a share of `samples`, sqrt(f(1-f)/n).
+    /// The column of its standard error. Without one, the error is that of a share of `samples`, sqrt(f(1-f)/n).
     pub error: Option<&'static str>,
     /// How many samples there were.
     pub samples: u64,
     /// Whether a figure equal to the threshold passes.
     pub at_least: bool,
-    /// Whether a decision flips midway between the figures on the two sides of the threshold, or at the threshold itself.
+    /// Whether a decision changes midway between the two figures next to the threshold, or at the threshold itself.
     pub midway: bool,
-    /// How many standard errors from there a decision counts as decided.
+    /// How many standard errors from there a decision counts as certain.
     pub within: f64,
     /// The threshold of the run.
     pub cut: Option<f64>,
-    /// The median of the positive figures of uncertain vessels, where it is one of this figure.
+    /// The median of the positive figures of uncertain vessels, where the page can offer it.
     pub median: Option<f64>,
-    /// The column that is 1 where the run kept a vessel, where its rule is no threshold on the figure ...
+    /// Where the rule of the run is not a threshold on the figure: the column that is 1 where it kept a vessel ...
     pub kept: Option<&'static str>,
-    /// ... and the figure about which its decisions are open.
+    /// ... and the figure near which its decisions are uncertain.
     pub middle: Option<f64>,
-    /// How near to the cut a figure without standard error is undecided; without it that error is one of a share.
+    /// The distance from the threshold within which a figure without standard error is undecided.
     pub band: Option<f64>,
     /// The column that is 1 where a vessel is uncertain.
     pub uncertain: &'static str,
@@ -133,10 +131,10 @@ pub struct Threshold {
     pub nodes: usize,
 }
 
-/// What all pages have around what they show.
+/// The frame around the content of every page.
 const FRAME: &str = include_str!("assets/frame.html");
 const STYLE: &str = include_str!("assets/page.css");
-/// The page of a run. Each file of its one module script has one purpose, and uses those before it.
+/// The page of a run. Its script is made of these files in order; each has one purpose and uses those before it.
 const RUN: Template = Template {
     goal: "tables",
     main: include_str!("assets/page.html"),
@@ -157,25 +155,25 @@ const RUN: Template = Template {
     ],
 };
 
-/// What a kind of page shows.
+/// The content of a kind of page.
 struct Template {
-    /// The id of the section that the first link leads to.
+    /// The id of the section that the first link skips to.
     goal: &'static str,
     main: &'static str,
     scripts: &'static [&'static str],
 }
 
-/// Writes a page: markup, style, data and scripts in one file that asks for nothing from elsewhere.
+/// Writes a page: markup, style, data and scripts in one file that refers to no other.
 ///
 /// # Errors
 ///
-/// What the writer says; a table whose columns differ in length.
+/// An error of the writer; a table whose columns differ in length.
 pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
     RUN.fill(out, &page.title, &encode::page(page)?)
 }
 
 impl Template {
-    /// Writes the frame with what belongs into its places.
+    /// Writes the frame with the content in its places.
     fn fill(&self, out: &mut impl Write, title: &str, data: &Value) -> io::Result<()> {
         let mut rest = FRAME;
         while let Some((before, after)) = rest.split_once("{{") {
@@ -195,15 +193,15 @@ impl Template {
     }
 }
 
-/// JSON in which nothing can end a script or a line of one.
+/// JSON that is safe within a script element.
 fn as_script(json: &str) -> String {
     const ESCAPES: [(char, &str); 5] =
         [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")];
     ESCAPES.iter().fold(json.to_owned(), |text, (mark, escape)| text.replace(*mark, escape))
 }
 
-/// The record of a run for its page: what differs between two runs of one command, and lists that the tables hold, left out.
-fn record(of: &impl serde::Serialize) -> Value {
+/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show.
+fn record(of: &impl Serialize) -> Value {
     let mut record = serde_json::to_value(of).unwrap_or_default();
     if let Some(fields) = record.as_object_mut() {
         fields.remove("time");
@@ -214,14 +212,74 @@ fn record(of: &impl serde::Serialize) -> Value {
     record
 }
 
-/// The heading of a run: its command, and the name of its input.
+/// The heading of a run: its command and the name of its input.
 fn title(command: &str, record: &Value) -> String {
     let path = record["input"]["path"].as_str().unwrap_or_default();
     let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
     format!("willis {command}: {name}")
 }
 
-/// A part of the record that becomes a table, taken out of it.
+/// Removes a part of the record that becomes a table.
 fn take(record: &mut Value, name: &str) -> Value {
     record.get_mut(name).map_or(json!([]), Value::take)
+}
+
+/// The largest SVG in a page, bytes. A larger picture becomes a PNG.
+const LARGEST_SVG: usize = 200_000;
+
+/// A picture of the page, with its description.
+#[derive(Debug, Clone, Serialize)]
+pub struct Picture {
+    /// Its heading.
+    pub title: &'static str,
+    /// What it shows: its caption, and its text for readers who cannot see it.
+    pub caption: &'static str,
+    /// The picture itself as a data URL.
+    source: String,
+}
+
+impl Picture {
+    /// A figure as SVG, or as PNG where the SVG is large.
+    ///
+    /// # Errors
+    ///
+    /// A figure that cannot be drawn.
+    pub fn new(title: &'static str, caption: &'static str, figure: &Figure) -> Result<Self> {
+        let drawing = figure.svg()?;
+        let (kind, bytes) =
+            if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
+        Ok(Self { title, caption, source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)) })
+    }
+}
+
+/// A table with one row per item. A column holds numbers where all its values are numbers. `None` without an item.
+fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Table> {
+    let items = items.as_array().filter(|items| !items.is_empty())?;
+    let column = |&name: &&'static str| {
+        let values = || items.iter().map(|item| &item[name]);
+        let numbers = values().all(|v| v.is_null() || v.is_number());
+        let values = if numbers {
+            Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
+        } else {
+            Values::Text(values().map(word).collect())
+        };
+        Column { name: name.into(), values }
+    };
+    Some(Table { title: title.to_owned(), columns: columns.iter().map(column).collect(), exact: &[], of_vessels: false })
+}
+
+fn word(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// The boundary conditions of a record.
+fn conditions(items: &Value) -> Option<Table> {
+    const COLUMNS: [&str; 8] =
+        ["node", "id", "role", "found", "pressure_mmHg", "resistance_mmHg_s_per_mL", "venous_pressure_mmHg", "flow_mL_per_min"];
+    list("Boundary conditions", items, &COLUMNS)
 }

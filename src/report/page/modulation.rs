@@ -1,43 +1,51 @@
-//! The page of a resistance modulation: vessels by what becomes of them in each class.
+//! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
 
-use serde_json::Value;
-
-use super::lists::{Figure, conditions};
 use super::scene::scene;
-use super::{Colouring, Fact, Page, Scale, Table, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, record, take, title};
 use crate::io::{Column, Values};
 use crate::report::modulation::ModulationOutcome;
 
-/// The tables of the folder, as they are written.
+/// The tables of the output folder.
 #[derive(Debug)]
 pub struct Tables {
     /// classes.csv.
     pub classes: Vec<Column>,
     /// nodes.csv.
     pub nodes: Vec<Column>,
-    /// edges.csv: class by class, in it vessel by vessel, in it flow, drop, resilience and hypertension.
+    /// edges.csv, in the order of class, vessel, quantity (flow, drop, resilience, hypertension).
     pub vessels: Vec<Column>,
     /// hypertension.csv.
     pub hypertension: Vec<Column>,
 }
 
-/// What a vessel has in a class, in the order of edges.csv: name, unit, how the names of its columns begin, the column of its
-/// variation.
+/// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns, column of its variation.
 const QUANTITIES: [(&str, &str, &str, &str); 4] = [
     ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
     ("pressure drop", "mmHg", "drop_mmHg", "drop_variation"),
     ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation"),
     ("hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation"),
 ];
-/// What the colouring by that is called.
+/// The names of the colourings by variation.
 const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The page of a modulation.
-pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Figure>) -> Page {
+pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Picture>) -> Page {
     let mut record = record(of_run);
-    let facts = facts(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
+    let facts = facts(
+        &record,
+        &[
+            ("nodes", "/counts/nodes", ""),
+            ("vessels", "/counts/vessels", ""),
+            ("instances per class", "/parameters/samples", ""),
+            ("reading", "/parameters/reading", ""),
+            ("seed", "/seed", ""),
+            ("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
+            ("inflow unperturbed", "/unperturbed/total_inflow_mL_per_min", "mL/min"),
+            ("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
+        ],
+    );
     let plain = |title: &str, columns| Table { title: title.to_owned(), columns, exact: &[], of_vessels: false };
     let mut all: Vec<Table> = classes
         .iter()
@@ -65,21 +73,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
     }
 }
 
-fn facts(record: &Value) -> Vec<Fact> {
-    let fact = |name, pointer, unit| Fact::of(record, name, pointer, unit);
-    vec![
-        fact("nodes", "/counts/nodes", ""),
-        fact("vessels", "/counts/vessels", ""),
-        fact("instances a class", "/parameters/samples", ""),
-        fact("reading", "/parameters/reading", ""),
-        fact("seed", "/seed", ""),
-        fact("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
-        fact("inflow unperturbed", "/unperturbed/total_inflow_mL_per_min", "mL/min"),
-        fact("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
-    ]
-}
-
-/// A vessel a row, from the rows of edges.csv that are of one class.
+/// One row per vessel, from the rows of edges.csv of one class.
 fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
     let vessels = outcome.network.vessel_count();
     let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;

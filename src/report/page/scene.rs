@@ -1,4 +1,4 @@
-//! The vessels of a page in space: their centerlines with no more points than an eye can tell apart.
+//! The vessels of a page in space: their centerlines, without points that make no visible difference.
 
 use crate::flow::Boundary;
 use crate::network::units::millimetres;
@@ -8,24 +8,24 @@ use crate::support::geometry::box_diagonal;
 /// x, y, z and radius, mm.
 pub type Place = [f64; 4];
 
-/// A share of the box around the network that no screen shows: points nearer to the line than this are left out.
+/// Points nearer to the line than this share of the box around the network are left out, since no screen shows them.
 const INVISIBLE: f64 = 1.0 / 4000.0;
 
 /// The vessels of a page in space.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// By vessel its centerline, at least two points.
+    /// The centerline of each vessel, at least two points.
     pub vessels: Vec<Vec<Place>>,
     /// Where blood enters and leaves.
     pub markers: Vec<Marker>,
 }
 
-/// A node that stands out.
+/// A node that the page marks.
 #[derive(Debug, Clone)]
 pub struct Marker {
-    /// Where, and how wide its vessel is.
+    /// Its position, and the radius of its widest vessel.
     pub place: Place,
-    /// What it is to the flow.
+    /// Whether it is an inlet or an outlet.
     pub role: Role,
     /// Its label, or its id.
     pub name: String,
@@ -35,7 +35,7 @@ pub struct Marker {
 ///
 /// # Errors
 ///
-/// A word for the reader when nodes have no coordinates.
+/// A message for the reader when nodes have no coordinates.
 pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
     if !network.has_positions() {
         return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
@@ -63,22 +63,22 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
     Ok(Scene { vessels, markers: markers.collect() })
 }
 
-/// A line without the points that lie within `distance` of what is left, radius included (Douglas & Peucker 1973).
+/// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
 fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
-    let mut stays = vec![false; line.len()];
+    let mut kept = vec![false; line.len()];
     let mut open = vec![(0, line.len() - 1)];
     while let Some((first, last)) = open.pop() {
-        (stays[first], stays[last]) = (true, true);
+        (kept[first], kept[last]) = (true, true);
         let far = |at: usize| from_segment(line[at], line[first], line[last]);
         let farthest = (first + 1..last).max_by(|a, b| far(*a).total_cmp(&far(*b)));
         if let Some(at) = farthest.filter(|at| far(*at) > distance) {
             open.extend([(first, at), (at, last)]);
         }
     }
-    line.iter().zip(stays).filter(|(_, stays)| *stays).map(|(place, _)| *place).collect()
+    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(place, _)| *place).collect()
 }
 
-/// How far a place is from the segment between two others, all four coordinates counted.
+/// The distance of a place from the segment between two others, in all four coordinates.
 fn from_segment(p: Place, a: Place, b: Place) -> f64 {
     let along: Place = std::array::from_fn(|i| b[i] - a[i]);
     let from: Place = std::array::from_fn(|i| p[i] - a[i]);

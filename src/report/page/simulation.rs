@@ -1,14 +1,11 @@
-//! The page of a forward simulation: vessels by flow, before and after.
+//! The page of a forward simulation: vessels by flow, before and after the changes.
 
-use serde_json::Value;
-
-use super::lists::{Figure, conditions, list};
 use super::scene::scene;
-use super::{Colouring, Fact, Page, Scale, Table, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take, title};
 use crate::io::Column;
 use crate::report::simulation::{FlowRecord, PERTURBED, Simulated};
 
-/// By what vessels are coloured: name, unit, column.
+/// The figures that colour the vessels: name, unit, column.
 const COLOURINGS: [(&str, &str, &str); 6] = [
     ("flow", "mL/min", "flow_mL_per_min"),
     ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3"),
@@ -24,11 +21,12 @@ pub fn page(
     flow_record: &FlowRecord,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
-    figures: Vec<Figure>,
+    figures: Vec<Picture>,
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
     let mut record = record(flow_record);
-    let facts = facts(&record, perturbed);
+    let mut facts = facts(&record, &FACTS);
+    facts.extend(super::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
     let mut part = |name| take(&mut record, name);
     let lists = [
         list("Perturbations", &part("perturbations"), &PERTURBATION),
@@ -56,30 +54,21 @@ pub fn page(
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
 const COLLATERAL: [&str; 6] = ["edge", "label", "flow_mL_per_min", "flow_mL_per_min_perturbed", "gain_mL_per_min", "reversed"];
 
-fn facts(record: &Value, perturbed: bool) -> Vec<Fact> {
-    let fact = |name, pointer: &str, unit| Fact::of(record, name, pointer, unit);
-    let count = |name, list: &str| {
-        let items = record.pointer(list).and_then(Value::as_array).map_or(0, Vec::len);
-        Fact { name, value: items.into(), unit: "" }
-    };
-    let mut facts = vec![
-        fact("nodes", "/counts/nodes", ""),
-        fact("vessels", "/counts/vessels", ""),
-        fact("\u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
-        fact("inflow", "/total_inflow_mL_per_min", "mL/min"),
-        count("vessels beyond laminar flow", "/not_laminar/vessels"),
-    ];
-    if perturbed {
-        facts.extend([
-            fact("\u{3c1}_G perturbed", "/rho_G_W_per_m3_perturbed", "W/m\u{b3}"),
-            fact("inflow perturbed", "/total_inflow_mL_per_min_perturbed", "mL/min"),
-            count("perturbations", "/perturbations"),
-            count("reversed flows", "/reversed"),
-            count("vessels beyond laminar flow, perturbed", "/not_laminar/vessels_perturbed"),
-        ]);
-    }
-    facts
-}
+/// The figures of every simulation, and those of one with perturbations.
+const FACTS: [(&str, &str, &str); 5] = [
+    ("nodes", "/counts/nodes", ""),
+    ("vessels", "/counts/vessels", ""),
+    ("\u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ("inflow", "/total_inflow_mL_per_min", "mL/min"),
+    ("vessels beyond laminar flow", "/not_laminar/vessels", ""),
+];
+const PERTURBED_FACTS: [(&str, &str, &str); 5] = [
+    ("\u{3c1}_G perturbed", "/rho_G_W_per_m3_perturbed", "W/m\u{b3}"),
+    ("inflow perturbed", "/total_inflow_mL_per_min_perturbed", "mL/min"),
+    ("perturbations", "/perturbations", ""),
+    ("reversed flows", "/reversed", ""),
+    ("vessels beyond laminar flow, perturbed", "/not_laminar/vessels_perturbed", ""),
+];
 
 fn colourings(perturbed: bool) -> Vec<Colouring> {
     let each = COLOURINGS.map(|(name, unit, column)| {

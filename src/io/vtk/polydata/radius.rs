@@ -53,7 +53,7 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
         match (find(&AREAS), find(&EQUIVALENT).or_else(|| find(&RADII))) {
             (Some(area), _) => (area, true),
             (None, Some(radius)) => (radius, false),
-            (None, None) if options.radius_optional() => return Ok((vec![f64::NAN; piece.points.len()], None)),
+            (None, None) if options.is_radius_optional() => return Ok((vec![f64::NAN; piece.points.len()], None)),
             (None, None) => return Err(missing(piece, None)),
         }
     };

@@ -1,4 +1,4 @@
-// A parallel projection that turns about the point in the middle of the view.
+// A parallel projection that rotates about the point in the middle of the view.
 const along = {
   z: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   y: [[1, 0, 0], [0, 0, 1], [0, -1, 0]],

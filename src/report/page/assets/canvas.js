@@ -10,7 +10,7 @@ class LinePainter {
     this.looks = looks.slice();
   }
 
-  // The pieces that show, from far to near; the picked vessel last.
+  // The visible pieces, from far to near; the selected vessel last.
   pieces(camera) {
     const { points, starts } = this.geometry, pieces = [];
     for (let item = 0; item + 1 < starts.length; item++) {

@@ -1,4 +1,4 @@
-// Puts the page of a cohort together.
+// Builds the page of a cohort.
 const subjects = table(data.table);
 const names = subjects.find("subject"), status = subjects.find("status");
 const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
@@ -6,7 +6,7 @@ const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
 names.address = row => bad(row) ? null : page(row).split("/").map(encodeURIComponent).join("/");
 subjects.mark = row => bad(row) ? "failed" : null;
-// Long texts stand at the end.
+// Columns of long texts come last.
 const late = ["input", "error"];
 subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
@@ -18,8 +18,8 @@ function showSummary() {
     return values.length ? values.reduce((a, b) => a + b) / values.length : NaN;
   };
   const facts = [["subjects", subjects.rows], ["done", good.length], ["failed", data.failed], ["candidates, mean", mean("candidates")],
-    ["kept, mean", mean("kept")], ["undecided, mean", mean("undecided")], ["wrong connections expected, mean", mean("expected_wrong")],
-    ["missed connections expected, mean", mean("expected_missed")]];
+    ["kept, mean", mean("kept")], ["undecided, mean", mean("undecided")], ["expected wrong connections, mean", mean("expected_wrong")],
+    ["expected missed connections, mean", mean("expected_missed")]];
   byId("facts").append(...facts.filter(([, value]) => !Number.isNaN(value)).map(([name, value]) =>
     make("div", { class: name === "failed" && value > 0 ? "failed" : null }, make("dt", { text: name }), make("dd", { text: shown(value, 3) }))));
   byId("origin").textContent = `Made by willis ${data.willis}.`;
@@ -45,7 +45,7 @@ function showDistribution() {
     sheet.only(null);
     const counted = showBars(byId("bars"), column, good, bar => sheet.only(bar && new Set(bar.rows)));
     const without = good.length - counted;
-    byId("distribution-note").textContent = `${grouped(counted)} subjects` + (without ? `, ${grouped(without)} without this figure` : "") + "; a bar that is chosen filters the table.";
+    byId("distribution-note").textContent = `${grouped(counted)} subjects` + (without ? `, ${grouped(without)} without this figure` : "") + ". Choose a bar to filter the table.";
   };
   const first = ["variant", "sparsity", "kept"].map(name => columns.findIndex(c => c.name === name)).find(at => at >= 0);
   choice.value = first ?? 0;

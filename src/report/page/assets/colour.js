@@ -1,4 +1,4 @@
-// From figures to colours: the map of the pictures (viridis, light to dark), and one with two sides for signed figures.
+// Colours for figures: the map of the pictures (viridis, light to dark), and a diverging one for signed figures.
 const GREY = [169, 173, 179];
 const SIDES = [[0, 83, 141], [200, 200, 200], [176, 74, 0]];
 
@@ -9,10 +9,10 @@ function blend(colours, t) {
   return colours[low].map((c, i) => Math.round(c + (place - low) * (colours[low + 1][i] - c)));
 }
 
-// Decades that a logarithmic scale shows at the most, from the largest value down.
+// The largest number of decades on a logarithmic scale, from the largest value down.
 const DECADES = 12;
 
-// The scale over some values: `share` puts a value into [0, 1], `ticks` are its labels by share.
+// The scale for some values: `share` converts a value to [0, 1], `ticks` are the labels by share.
 function scaleOf(kind, values) {
   let low = Infinity, high = -Infinity, most = 0, least = Infinity;
   for (const v of values) {

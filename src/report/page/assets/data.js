@@ -27,7 +27,7 @@ function table(source) {
   return { title: source.title, rows: source.rows, ofVessels: source.of_vessels, columns, find: name => columns.find(c => c.name === name) };
 }
 
-// By vessel from where to where its points reach, and the points in mm: x, y, z and radius; markers follow the vessels.
+// The range of points of each vessel, and the points in mm: x, y, z and radius. Markers follow the vessels.
 function geometry(source) {
   const whole = decoded("u16", source.points);
   const points = new Float32Array(whole.length);

@@ -1,7 +1,7 @@
-// How a column is distributed over the subjects: a histogram of numbers, a bar for each word. A bar that is chosen filters the table.
+// The distribution of a column over the subjects: a histogram of numbers, or a bar for each word. Choosing a bar filters the table.
 const MOST_WORDS = 30;
 
-// Edges of the bins: round numbers, a bin for each whole number where these are few.
+// The edges of the bins: round numbers, or one bin for each whole number where these are few.
 function binEdges(values) {
   const low = Math.min(...values), high = Math.max(...values), range = high - low;
   const wanted = Math.min(Math.max(Math.round(2 * Math.cbrt(values.length)), 5), 20);
@@ -13,7 +13,7 @@ function binEdges(values) {
   return Array.from({ length: count + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
-// The bars of a column: its text, how many subjects, and which.
+// The bars of a column: the text and the subjects of each.
 function barsOf(column, rows) {
   if (column.text) {
     const groups = new Map();
@@ -36,7 +36,7 @@ function barsOf(column, rows) {
   return bars;
 }
 
-// Rows of words with their bars: readable at every width, and by those who hear the page.
+// Rows of text with bars, which work at any width and in screen readers.
 function showBars(place, column, rows, choose) {
   const bars = barsOf(column, rows), most = Math.max(...bars.map(b => b.rows.length), 1);
   place.replaceChildren(...bars.map(bar => {

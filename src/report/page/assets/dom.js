@@ -1,4 +1,4 @@
-// Elements and text. Data reaches the page through textContent and attributes alone, never as markup.
+// Elements and text. Data enters the page only through textContent and attributes, never as markup.
 const SVG = "http://www.w3.org/2000/svg";
 const byId = id => document.getElementById(id);
 
@@ -13,7 +13,7 @@ function furnish(element, attributes, children) {
 const make = (tag, attributes = {}, ...children) => furnish(document.createElement(tag), attributes, children);
 const draw = (tag, attributes = {}, ...children) => furnish(document.createElementNS(SVG, tag), attributes, children);
 
-// A figure as tables and labels write it; empty when there is none.
+// A figure as tables and labels show it; empty when there is none.
 function shown(x, digits = 5) {
   if (typeof x !== "number") return x === null || x === undefined ? "" : String(x);
   if (Number.isNaN(x)) return "";
@@ -29,7 +29,7 @@ const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
 const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;
 
-// Shows the parts of a page one after another; says which fault stops it.
+// Shows the parts of a page in order, and the error if one fails.
 function showAll(...parts) {
   try {
     for (const part of parts) part();

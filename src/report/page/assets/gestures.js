@@ -1,4 +1,4 @@
-// What mouse, touch and keys do to the view. `picks(row)` is told of a vessel under a click, `steps(by)` of the next one asked for.
+// Mouse, touch and keys in the view. `picks(row)` is called with the vessel under a click, `steps(by)` to go to the next or previous one.
 function listen(scene, picks, steps) {
   const { canvas, camera } = scene, fingers = new Map();
   let moved = 0;

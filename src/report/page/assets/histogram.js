@@ -1,4 +1,4 @@
-// How the figure of the uncertain vessels is distributed, with the median and the threshold: of its logarithm, or of a share itself.
+// The histogram of the figure of the uncertain vessels, with the median and the threshold. Likelihoods are on a logarithmic axis.
 class Histogram {
   constructor(threshold) {
     this.threshold = threshold;
@@ -61,7 +61,7 @@ class Histogram {
     const pairs = [];
     if (threshold.median !== null) pairs.push(line(threshold.median, "median", "4 3", 26));
     if (threshold.now !== null && (!this.log || threshold.now > 0)) pairs.push(line(threshold.now, "threshold", null, 12));
-    // Words stand over the lines.
+    // Text is drawn over the lines.
     const marks = [...pairs.map(([mark]) => mark), ...pairs.map(([, text]) => text)];
     const hatch = draw("pattern", { id: "hatch", width: 4, height: 4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       draw("line", { x1: 0, x2: 0, y1: 0, y2: 4, stroke: "var(--pruned)", "stroke-width": 1.6 }));

@@ -1,4 +1,4 @@
-// Puts the page together.
+// Builds the page of a run.
 const tables = data.tables.map(table);
 const vessels = tables[0];
 const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels) : null;
@@ -10,14 +10,14 @@ function pairs(entries) {
   return make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]));
 }
 
-// Marks a vessel everywhere; -1 lets it go. The row of `tables[shownTable]` is shown, or of the first table.
+// Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
 function pick(row, turn = true) {
   picked = row;
   if (scene) scene.pick(row);
   sheet.pick(row, turn);
   const place = byId("picked");
   if (row < 0) {
-    place.replaceChildren(make("p", { class: "quiet", text: "No vessel is picked." }));
+    place.replaceChildren(make("p", { class: "quiet", text: "No vessel is selected." }));
     return;
   }
   const of = sheet.table.ofVessels ? sheet.table : vessels;
@@ -34,7 +34,7 @@ function showFacts() {
   byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
 }
 
-// A part of the record, nested objects one level down.
+// A section of the record, with nested objects as one list.
 function recordPart(title, part) {
   const flat = (prefix, object) => Object.entries(object).flatMap(([key, value]) => {
     const name = prefix ? `${prefix}: ${key}` : key;
@@ -68,8 +68,8 @@ function showRun() {
 
 function showFigures() {
   byId("figures").hidden = data.figures.length === 0;
-  byId("pictures").append(...data.figures.map(({ title, says, source }) =>
-    make("figure", {}, make("img", { src: source, alt: says }), make("figcaption", {}, make("b", { text: title }), `. ${says}`))));
+  byId("pictures").append(...data.figures.map(({ title, caption, source }) =>
+    make("figure", {}, make("img", { src: source, alt: caption }), make("figcaption", {}, make("b", { text: title }), `. ${caption}`))));
 }
 
 function showTables() {
@@ -97,7 +97,7 @@ function showTables() {
   choose(0);
 }
 
-// The colours of the vessels: what is chosen, and on one scale for all its variants.
+// The colours of the vessels: the chosen figure, on one scale for all its variants.
 function colouring() {
   const by = byId("colour-by"), variant = byId("variant");
   const options = (select, names) => select.replaceChildren(...names.map((text, i) => make("option", { value: i, text })));
@@ -113,7 +113,7 @@ function colouring() {
     showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
     const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
     if (chosen.scale === "log") parts.push(chosen.uncertain_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
-    if (scale.clipped) parts.push(`what is more than ${DECADES} decades below the largest too`);
+    if (scale.clipped) parts.push(`values more than ${DECADES} decades below the largest take the lightest colour`);
     if (chosen.uncertain_only) parts.push("certain vessels are grey");
     byId("colour-note").textContent = parts.join("; ") + ".";
     const values = each[variant.value || 0];
@@ -166,7 +166,7 @@ function showThreshold() {
     number.value = threshold.now ?? "";
     histogram.show(byId("histogram"));
     dress();
-    // Said, and set in the table, once the slider rests.
+    // Announced, and updated in the table, when the slider rests.
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;

@@ -1,5 +1,5 @@
-// The view of the vessels: paints when something changed, and finds the vessel under a place.
-// More markers than this hide the vessels: they are shown when asked for.
+// The view of the vessels: it paints after changes, and finds the vessel at a place.
+// More markers than this would hide the vessels, so they are off at first.
 const MANY = 200;
 const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90] };
 
@@ -14,7 +14,7 @@ class SceneView {
     this.begin();
     this.geometry.markers.forEach(([role], i) => this.looks.set(MARKERS[role], 4 * (this.geometry.vessels + i)));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
-    // A lost graphics context comes back by itself, empty.
+    // A lost graphics context is restored automatically, but empty.
     this.canvas.addEventListener("webglcontextlost", event => event.preventDefault());
     this.canvas.addEventListener("webglcontextrestored", () => { this.begin(); this.dress(); });
     this.resize();
@@ -25,14 +25,14 @@ class SceneView {
       this.painter = new GlPainter(this.canvas, this.geometry);
     } catch (reason) {
       if (this.canvas.getContext("2d") === null) {
-        // The canvas is bound to a context that failed: a new one takes its place.
+        // The canvas is bound to the failed context, so a new one replaces it.
         const canvas = this.canvas.cloneNode();
         this.canvas.replaceWith(canvas);
         this.canvas = canvas;
       }
       this.painter = new LinePainter(this.canvas, this.geometry);
       const note = byId("canvas-note");
-      note.textContent = `Drawn as flat lines, since this browser offers no WebGL 2 (${reason.message}).`;
+      note.textContent = `Drawn as flat lines because this browser has no WebGL 2 (${reason.message}).`;
       note.hidden = false;
     }
   }
@@ -47,7 +47,7 @@ class SceneView {
     this.paint();
   }
 
-  // How each vessel looks: its colour and LOOK.
+  // The appearance of each vessel: its colour and LOOK.
   dress(colour, state) {
     if (colour) [this.colour, this.state] = [colour, state];
     for (let row = 0; row < this.geometry.vessels; row++) {
@@ -62,7 +62,7 @@ class SceneView {
     this.paint();
   }
 
-  // Marks a vessel, and brings it into the view when it lies outside.
+  // Marks a vessel, and moves the view to it when it is outside.
   pick(row) {
     this.picked = row;
     if (row >= 0) {
@@ -73,7 +73,7 @@ class SceneView {
     this.dress();
   }
 
-  // Paints once before the browser shows its next frame.
+  // Paints once before the next frame of the browser.
   paint() {
     if (this.waiting) return;
     this.waiting = true;
@@ -93,7 +93,7 @@ class SceneView {
     bar.firstElementChild.textContent = `${shown(length, 3)} mm`;
   }
 
-  // The vessel nearest to the reader among those at a place of the view, in pixels from its middle; -1 without one.
+  // The frontmost vessel at a place of the view, in pixels from its middle; -1 without one.
   at(x, y, room) {
     const { points, starts, vessels } = this.geometry;
     let found = -1, best = [Infinity, -Infinity];

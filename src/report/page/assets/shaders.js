@@ -1,5 +1,5 @@
-// Each segment of a vessel is a tapering tube with a ball at each end: a rectangle around it is drawn, and every pixel finds
-// the surface exactly (after Quilez, round cone).
+// Each segment of a vessel is a tapered tube with a ball at each end. A rectangle around it is drawn, and every pixel computes
+// the exact surface (after Quilez, round cone).
 const LOOK = { hidden: 1, pruned: 2, undecided: 4, picked: 8, marker: 16, inlet: 32 };
 
 const VERTEX = `#version 300 es

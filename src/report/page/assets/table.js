@@ -2,7 +2,7 @@
 const ROWS_A_PAGE = 100;
 
 class Sheet {
-  // `live` are columns worked out while the page is read; `picks(row)` is told of a vessel whose row was chosen.
+  // `live` are columns that change while the page is open; `picks(row)` is called with the vessel whose row was chosen.
   constructor(table, live, picks) {
     this.table = table;
     this.columns = [...table.columns.filter(c => c.name !== "uncertain"), ...live];
@@ -26,7 +26,7 @@ class Sheet {
       button.addEventListener("click", () => { this.page += by; this.show(); });
       return button;
     };
-    [this.back, this.on] = [turn("‹", "Page before", -1), turn("›", "Next page", 1)];
+    [this.back, this.on] = [turn("‹", "Previous page", -1), turn("›", "Next page", 1)];
     this.head = make("tr", {}, ...this.columns.map(column => this.heading(column)));
     this.body = make("tbody");
     const table = make("table", { "aria-label": this.table.title }, make("thead", {}, this.head), this.body);
@@ -42,7 +42,7 @@ class Sheet {
     return make("th", { scope: "col", class: column.text ? "text" : null, "aria-sort": "none" }, button);
   }
 
-  // Rising first, then falling; rows without a value come last either way.
+  // Ascending first, then descending. Rows without a value always come last.
   sort(column, turns = true) {
     if (turns) this.falling = this.by === column ? !this.falling : false;
     this.by = column;
@@ -60,7 +60,7 @@ class Sheet {
     this.show();
   }
 
-  // The rows that hold the words of the filter in a text or a whole number.
+  // The rows whose text or whole numbers contain the words of the filter.
   rows() {
     const chosen = this.among ? this.order.filter(row => this.among.has(row)) : this.order;
     if (!this.words) return chosen;
@@ -73,7 +73,7 @@ class Sheet {
     this.page = Math.min(Math.max(this.page, 0), pages - 1);
     const first = this.page * ROWS_A_PAGE, shownRows = rows.slice(first, first + ROWS_A_PAGE);
     this.body.replaceChildren(...Array.from(shownRows, row => this.line(row)));
-    this.where.textContent = rows.length ? `${grouped(first + 1)}–${grouped(first + shownRows.length)} of ${grouped(rows.length)}` : "no row";
+    this.where.textContent = rows.length ? `${grouped(first + 1)}–${grouped(first + shownRows.length)} of ${grouped(rows.length)}` : "no rows";
     this.back.disabled = this.page === 0;
     this.on.disabled = this.page === pages - 1;
   }
@@ -90,14 +90,14 @@ class Sheet {
       line.className = "vessel";
       line.dataset.row = row;
       line.setAttribute("aria-selected", row === this.picked);
-      const first = cells[0], button = make("button", { type: "button", text: first.textContent, "aria-label": `Pick vessel ${row}` });
+      const first = cells[0], button = make("button", { type: "button", text: first.textContent, "aria-label": `Select vessel ${row}` });
       first.replaceChildren(button);
       line.addEventListener("click", () => this.picks(row));
     }
     return line;
   }
 
-  // Marks the row of a vessel, on the page on which it is when `turn` is on.
+  // Marks the row of a vessel; `turn` also goes to its page.
   pick(row, turn) {
     if (!this.table.ofVessels) return;
     this.picked = row;
@@ -107,7 +107,7 @@ class Sheet {
     for (const line of this.body.children) line.setAttribute("aria-selected", Number(line.dataset.row) === row);
   }
 
-  // Shows these rows alone, or all.
+  // Shows only these rows, or all.
   only(rows) {
     this.among = rows;
     this.page = 0;

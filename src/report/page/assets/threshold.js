@@ -1,4 +1,4 @@
-// The threshold: which vessels it keeps, which decisions are open, and what the kept graph looks like.
+// The threshold: the kept vessels, the undecided ones, and the components and cycles of the kept graph.
 class Threshold {
   constructor(source, vessels) {
     Object.assign(this, source);
@@ -15,7 +15,7 @@ class Threshold {
     this.known = [...Array(this.rows).keys()].filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
     this.sorted = Float64Array.from(this.known, row => this.values[row]).sort();
     this.positive = this.sorted.filter(x => x > 0);
-    // Every threshold that keeps other vessels than its neighbours, rising.
+    // Every threshold that changes which vessels are kept, in ascending order.
     this.stops = [...new Set(this.sorted)];
     if (this.at_least) this.stops.push(...(this.stops.at(-1) < 1 ? [1] : []));
     else if (this.stops[0] > 0) this.stops.unshift(0);
@@ -24,7 +24,7 @@ class Threshold {
     this.toRun();
   }
 
-  // As the run decided: at its threshold, or vessel by vessel where its rule has none.
+  // The decisions of the run: by its threshold, or vessel by vessel where its rule has none.
   toRun() {
     this.set(this.cut, this.asKept !== null);
   }
@@ -38,7 +38,7 @@ class Threshold {
     return this.at_least ? (after < 0 ? last : after) : Math.max((after < 0 ? last + 1 : after) - 1, 0);
   }
 
-  // Where a decision would flip: the threshold, or midway between the positive figures on its two sides.
+  // Where a decision would change: at the threshold, or midway between the two positive figures next to it.
   flip() {
     if (this.asRun) return this.middle;
     if (!this.midway || this.now === null) return this.now;
@@ -46,7 +46,7 @@ class Threshold {
     return above <= 0 ? null : 0.5 * (this.positive[above - 1] + this.positive[above]);
   }
 
-  // Without a threshold no uncertain vessel is kept, unless vessel by vessel as in the run.
+  // Without a threshold no uncertain vessel is kept, unless the decisions are those of the run.
   set(cut, asRun = false) {
     this.now = cut;
     this.asRun = asRun;
@@ -65,7 +65,7 @@ class Threshold {
     this.counts.cycles = this.counts.vessels + this.counts.components - this.nodes;
   }
 
-  // Connected parts of the kept vessels over all nodes; a node without vessel is a part of its own.
+  // Connected components of the kept vessels; a node without a vessel is a component.
   components() {
     const parent = Uint32Array.from({ length: this.nodes }, (_, node) => node);
     const root = node => {

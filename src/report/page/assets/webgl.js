@@ -1,5 +1,5 @@
-// The vessels by WebGL 2: two triangles a segment. One texture holds the segments, another how each vessel looks. (Instances
-// would say the same in fewer words, but without a graphics card a browser takes nearly twice as long over them.)
+// The vessels by WebGL 2: two triangles per segment. One texture holds the segments, another the appearance of each vessel.
+// (Instancing would be shorter, but nearly twice as slow in a browser without a graphics card.)
 class GlPainter {
   // Throws when the browser has no WebGL 2.
   constructor(canvas, geometry) {
