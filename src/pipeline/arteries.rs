@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::circle_of_willis::{Circle, Collateral, Posterior, LabelScheme, collaterals, identify_landmarks};
+use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks};
 use crate::decision::{Draw, KnownEnds, Topologies};
 use crate::error::Result;
 use crate::flow::boundary::stated;
