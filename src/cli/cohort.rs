@@ -16,7 +16,6 @@ use willis::internals::output::InProgress;
 use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
 use willis::internals::output::{read_json, write_json};
-use willis::internals::output::{read_json, write_json};
 use willis::internals::pipeline::RunOptions;
 use willis::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
 
