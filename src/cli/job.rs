@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use willis::error::{Error, Result};
 use willis::internals::candidates;
-use willis::internals::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
+use willis::internals::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{checksum, checksum_of, write_csv};
 use willis::internals::network::Network;
@@ -122,7 +122,7 @@ impl Job {
         let before = part.done();
         let mut watch = Watch { progress: terminal.progress("sampling", "samples", part.samples()), keeper: &mut keeper };
         let result = if self.until_stable {
-            sampling.until_stable(&mut part, &self.graph, self.rule, &mut watch)
+            sampling.until_stable(&mut part, |result| all_decided(self.rule, &self.graph, result), &mut watch)
         } else {
             sampling.sample(&mut part, 0..sampling.blocks(), &mut watch).map(|()| sampling.likelihood(&part))
         };

@@ -50,8 +50,8 @@ pub enum SolverName {
     Lanes,
     /// Preconditioned conjugate gradients, many samples at a time, for large meshes
     Gradients,
-    /// Sparse Cholesky factorisation, a sample at a time
-    Cholesky,
+    /// The paper's loop, a sample at a time: slow, to compare with
+    Reference,
 }
 
 #[derive(Debug, Args, Serialize)]
@@ -136,7 +136,7 @@ impl SamplingArgs {
                 SolverName::Auto => Solver::Auto,
                 SolverName::Lanes => Solver::Lanes,
                 SolverName::Gradients => Solver::Gradients,
-                SolverName::Cholesky => Solver::Cholesky,
+                SolverName::Reference => Solver::Reference,
             },
             exact: self.exact,
         };

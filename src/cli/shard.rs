@@ -74,7 +74,7 @@ impl Solver {
     /// The same for the record of a run.
     pub fn method(&self) -> Method {
         Method {
-            solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("cholesky"),
+            solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("reference"),
             solver_size: self.size,
             forest: if self.forest == "bottleneck" { "bottleneck" } else { "kruskal" },
             forest_joins: self.forest_joins,

@@ -26,7 +26,7 @@ pub struct Modulation {
     pub unperturbed: Instances,
     /// The instances of each class.
     pub classes: Vec<(Class, Instances)>,
-    /// The flow solver: `lanes` or `cholesky`.
+    /// The flow solver: `lanes` or `gradients`.
     pub solver: &'static str,
 }
 
@@ -94,7 +94,7 @@ struct Job<'a> {
     params: &'a ModulationOptions,
     tubes: &'a [Tube],
     circuit: &'a Circuit,
-    solver: Solver,
+    solver: Solver<'a>,
 }
 
 impl Job<'_> {

@@ -5,8 +5,6 @@ use crate::support::simd::{Lanes, Scalar, Simd, map};
 const INDEX_BITS: u32 = 29;
 /// More vessels than this cannot be told apart by a key.
 pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
-/// Resiliences are cut here, so that their keys stay finite as doubles.
-pub const MOST_RESILIENCE: f64 = f64::MAX / 8.0;
 
 /// The sort key of a diffused vessel: ρ rounded to 24 significant bits, then the lower row first.
 ///

@@ -7,14 +7,13 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use super::choose::Method;
 use super::dyadic_sums::DyadicSums;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{Likelihood, Sums};
 use super::options::SamplingOptions;
 use super::partial_run::PartialRun;
-use super::sampler::{Method, Sampler};
-use crate::decision::decide::decide;
-use crate::decision::rules::Keep;
+use super::sampler::Sampler;
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::network::Network;
@@ -161,25 +160,23 @@ impl Sampling {
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
-    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no uncertain vessel is undecided under `rule`; one that was
-    /// begun goes on with the samples that `part` has come to.
+    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until every vessel is `decided`; one that was begun goes on with the
+    /// samples that `part` has come to.
     ///
     /// # Errors
     ///
-    /// As [`Sampling::sample`].
+    /// As [`Sampling::sample`], or what `decided` returns.
     pub fn until_stable(
         &mut self,
         part: &mut PartialRun,
-        network: &Network,
-        rule: Keep,
+        decided: impl Fn(&Likelihood) -> Result<bool>,
         progress: &mut impl Progress,
     ) -> Result<Likelihood> {
-        let rule = if rule.asks_evidence() { Keep::Median } else { rule };
         self.samples = part.samples();
         loop {
             self.sample(part, 0..self.blocks(), progress)?;
             let result = self.likelihood(part);
-            if self.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
+            if self.samples >= LAST_STABLE || decided(&result)? {
                 return Ok(result);
             }
             self.samples *= 2;

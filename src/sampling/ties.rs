@@ -60,7 +60,7 @@ impl Ties {
     }
 
     /// Makes the resiliences of links that tie equal: the largest of them for all in series.
-    pub fn settle<const B: usize, G: AsRef<[f64]> + AsMut<[f64]>>(
+    pub fn equalise<const B: usize, G: AsRef<[f64]> + AsMut<[f64]>>(
         &self,
         factor: impl Fn(usize) -> f64,
         resilience: &mut [G],

@@ -38,7 +38,7 @@ pub struct ConjugateGradients {
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
-    mesh: star_mesh::Workspace<B>,
+    pub(crate) mesh: star_mesh::Workspace<B>,
     /// Conductances of the incomplete elimination, over the largest; once a star is eliminated, the weights of its mean. Single precision
     /// is enough for a preconditioner, and half of the memory that every step passes over.
     weight: Vec<[f32; B]>,
@@ -48,6 +48,8 @@ pub struct Workspace<const B: usize> {
     direction: Vec<Lanes<B>>,
     /// What flows out at the direction and, once that is used, what the incomplete elimination makes of the residual.
     product: Vec<Lanes<B>>,
+    /// The pressures of one sample by node, and the memory for its dead ends.
+    pressure: Vec<f64>,
     dead_ends: dead_ends::Workspace,
 }
 
@@ -91,11 +93,12 @@ impl ConjugateGradients {
             residual: core(),
             direction: core(),
             product: core(),
+            pressure: vec![0.0; self.fixed.len()],
             dead_ends: dead_ends::Workspace::default(),
         }
     }
 
-    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does; [`Self::pressures`] are those found.
+    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does.
     #[inline(always)]
     pub fn solve<S: Simd, const B: usize>(
         &self,
@@ -105,28 +108,45 @@ impl ConjugateGradients {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.mesh.assemble(simd, masks, first, stranded, &mut work.mesh);
+        self.mesh.assemble_open(simd, masks, first, stranded, &mut work.mesh);
+        self.solve_assembled(simd, work);
+        self.level_dead_ends(work, |vessel, lane| masks[vessel] >> (first + lane) & 1 == 1);
+    }
+
+    /// Solves a group of samples that differ in the conductances of their vessels, as [`StarMesh::solve_with`] does.
+    #[inline(always)]
+    pub fn solve_with<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        conductance: &[Lanes<B>],
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.mesh.assemble(simd, 0, stranded, &mut work.mesh, |vessel, _| conductance[vessel as usize]);
+        self.solve_assembled(simd, work);
+        self.level_dead_ends(work, |vessel, lane| conductance[vessel][lane] > 0.0);
+    }
+
+    #[inline(always)]
+    fn solve_assembled<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         self.mesh.eliminate(simd, &mut work.mesh);
         self.precondition(simd, work);
         self.iterate(simd, work);
         self.mesh.substitute_back(simd, &mut work.mesh);
     }
 
-    /// The pressures (Pa above the level) by node of one of the samples that were solved. Dead ends are levelled: iteration leaves
-    /// rounding there that could pass for flow.
-    pub fn pressures<const B: usize>(
-        &self,
-        masks: &[u64],
-        first: usize,
-        sample: usize,
-        work: &mut Workspace<B>,
-        pressure: &mut [f64],
-    ) {
-        for (node, p) in pressure.iter_mut().enumerate() {
-            *p = work.mesh.pressure[self.mesh.slot(node)][sample - first];
+    /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
+    fn level_dead_ends<const B: usize>(&self, work: &mut Workspace<B>, open: impl Fn(usize, usize) -> bool) {
+        let Workspace { mesh, pressure, dead_ends, .. } = work;
+        for lane in 0..B {
+            for (node, p) in pressure.iter_mut().enumerate() {
+                *p = mesh.pressure[self.mesh.slot(node)][lane];
+            }
+            self.dead_ends.level(|vessel| open(vessel, lane), dead_ends, pressure, &self.fixed);
+            for (node, p) in pressure.iter().enumerate() {
+                mesh.pressure[self.mesh.slot(node)][lane] = *p;
+            }
         }
-        let open = |vessel: usize| masks[vessel] >> sample & 1 == 1;
-        self.dead_ends.level(open, &mut work.dead_ends, pressure, &self.fixed);
     }
 
     /// The incomplete elimination of the core.
