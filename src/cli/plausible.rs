@@ -2,7 +2,7 @@
 
 use willis::error::Result;
 use willis::internals::circle_of_willis::{Circle, Collateral, Posterior, collaterals};
-use willis::internals::decision::{Draw, KnownEnds, Topologies};
+use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
 use willis::internals::flow::{Boundary, FoundOutlets};
@@ -29,8 +29,10 @@ pub fn posterior(
         inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
     }
     let (draw, how) = match above {
-        None => (Draw::Ends(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
-        Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
+        None => {
+            (TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence")
+        }
+        Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
     };
     let topologies = Topologies::draw(network, boundary, params, draw)?;
     let how = format!("{} plausible topologies, {how}", topologies.samples);

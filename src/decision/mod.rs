@@ -10,4 +10,4 @@ pub use most_probable_forest::{
     ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
 pub use rules::{Keep, threshold};
-pub use whole_topologies::{Draw, KnownEnds, Topologies};
+pub use whole_topologies::{KnownEnds, Topologies, TopologySource};

@@ -1,10 +1,9 @@
 //! The maximum spanning forest of many samples at once, by elimination over the (max, min) semiring.
 //!
-//! Eliminating node k offers its neighbours i and j the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest
-//! way out of k belongs to the forest (Borůvka); to every other neighbour the new paths lead as k's own vessels did, by
-//! way of the widest one, so that the rest of the forest is the forest of the rest. The vessel stands in the low bits of
-//! its key, so that one pass through the order reads the whole forest off. Maxima and minima only select: the answer is
-//! exact, and there is no sort and no branch.
+//! Eliminating node k joins its neighbours i and j by the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest vessel at k
+//! belongs to the forest (Borůvka). All paths from k to its other neighbours lead through that vessel, so the remaining vessels of the forest
+//! are the forest of the remaining graph. The low bits of a key name its vessel, so one pass through the order finds the whole forest.
+//! Maxima and minima only select: the answer is exact, and there is no sort and no branch.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
@@ -22,10 +21,10 @@ pub struct ForestProgram {
     fill: Vec<u32>,
 }
 
-/// Whether a vessel is in the forest of each sample of a group: zero or 255. There are as many as vessels, last vessel
-/// first, after one that means nothing.
+/// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
+/// the vessels, the last one first.
 pub type InForest<const B: usize> = [u8; B];
-/// What marks a vessel of the forest.
+/// The mark of a vessel that is in the forest.
 pub const IN_FOREST: u8 = u8::MAX;
 
 /// Where a vessel's keys go.
@@ -38,7 +37,7 @@ pub struct KeySlot {
 }
 
 impl KeySlot {
-    /// Of the vessels in order, each to a place of its own.
+    /// A place of its own for each vessel.
     pub fn one_each(vessels: usize) -> Vec<Self> {
         (0..vessels as u32).map(|ray| Self { ray, first: true }).collect()
     }
@@ -58,7 +57,7 @@ impl ForestProgram {
     pub fn compile(nodes: usize, ends: &[Option<[usize; 2]>], limit: usize) -> Option<Self> {
         let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
         let program = Elimination::compile(nodes, &links, limit)?;
-        let ray = |[a, b]: [usize; 2]| program.ray(program.place(a), program.place(b));
+        let ray = |[a, b]: [usize; 2]| program.ray_between(program.place(a), program.place(b));
         let mut bare = vec![true; program.rays()];
         let key_slots = ends.iter().map(|e| {
             let ray = e.filter(|[a, b]| a != b).map_or(NOWHERE, ray);

@@ -1,8 +1,8 @@
 //! Blocks of samples of a large graph, reduced first to what samples can change.
 //!
-//! Vessels of one chain or one tree share one flow up to a factor, and so do the sums of their contributions: they are kept once, for the
-//! vessel that stands for them all, and each other has its share. In a chain only the vessel of least ρ can be the one that a forest
-//! leaves out.
+//! The flows of all vessels of one chain are equal, and those of one tree have fixed ratios. So have the sums of their contributions: they
+//! are kept once, for one vessel that stands for all of them, and each other vessel has a fixed share of them. A forest can leave out only
+//! the vessel of least ρ of a chain.
 
 use super::choose;
 use super::choose::Method;
@@ -27,9 +27,9 @@ use crate::support::simd::{InstructionSet, Scalar};
 /// A reduced graph with all that its samples share.
 #[derive(Debug)]
 pub struct ReducedGraph {
-    /// What is left of the graph: its rows are the links.
+    /// What is left of the graph; its rows are the chains.
     pub core: Circuit,
-    pub links: Vec<LinkFlow>,
+    pub chains: Vec<ChainFlow>,
     pub trees: Vec<TreeFlow>,
     pub solver: BatchSolver,
     /// The forest program; Kruskal's algorithm without one.
@@ -41,20 +41,20 @@ pub struct ReducedGraph {
     instructions: InstructionSet,
 }
 
-/// How the resilience of a link follows from pressures.
+/// How the resilience of a chain follows from pressures.
 #[derive(Debug, Clone, Copy)]
-pub struct LinkFlow {
+pub struct ChainFlow {
     /// m³/(Pa s).
     pub conductance: f64,
     /// ρ of its weakest vessel over the square of its flow.
     pub factor: f64,
-    /// Σ ρ of its vessels over that of the weakest.
+    /// Σ ρ of its vessels over ρ of the weakest.
     pub total_share: f64,
     /// Where the pressures at its ends stand.
     pub slots: [u32; 2],
     /// The row of its weakest vessel.
     pub row: u32,
-    /// The row that stands for its other vessels, which every forest takes as long as there is flow, and its ρ over the weakest.
+    /// The row that stands for its other vessels, which are in every forest as long as there is flow, and its ρ over that of the weakest.
     pub others: Option<(u32, f64)>,
     /// Whether samples may close it.
     pub may_close: bool,
@@ -82,7 +82,7 @@ impl ReducedGraph {
     ///
     /// A vessel whose resilience no double can hold; a mesh beyond what indices can count.
     pub fn new(network: &Network, circuit: &Circuit, certain: &[bool], params: &SamplingOptions) -> Result<Self> {
-        let Reduction { circuit: core, links, trees } = Reduction::of(circuit, certain);
+        let Reduction { circuit: core, chains, trees } = Reduction::of(circuit, certain);
         // ρ of a vessel over the square of its flow.
         let of_square_flow = |row: usize| {
             let vessel = network.vessel(row);
@@ -93,30 +93,31 @@ impl ReducedGraph {
             if factor.is_normal() { Ok(factor) } else { Err(beyond_doubles(network, row, "resilience")) }
         };
         let factors: Vec<Vec<f64>> =
-            links.iter().map(|link| link.iter().map(|row| of_square_flow(*row)).collect()).collect::<Result<_>>()?;
+            chains.iter().map(|chain| chain.iter().map(|row| of_square_flow(*row)).collect()).collect::<Result<_>>()?;
         // Of equals the last is the weakest: the forest prefers the first.
-        let weakest = |link: usize| (0..links[link].len()).rev().min_by(|a, b| factors[link][*a].total_cmp(&factors[link][*b]));
-        let weakest: Vec<usize> = (0..links.len()).map(|link| weakest(link).unwrap_or_default()).collect();
+        let weakest =
+            |chain: usize| (0..chains[chain].len()).rev().min_by(|a, b| factors[chain][*a].total_cmp(&factors[chain][*b]));
+        let weakest: Vec<usize> = (0..chains.len()).map(|chain| weakest(chain).unwrap_or_default()).collect();
         // Links in the order of their weakest vessels, so that theirs is the order among equals.
-        let mut order: Vec<usize> = (0..links.len()).collect();
-        order.sort_unstable_by_key(|link| links[*link][weakest[*link]]);
+        let mut order: Vec<usize> = (0..chains.len()).collect();
+        order.sort_unstable_by_key(|chain| chains[*chain][weakest[*chain]]);
         let core = Circuit {
-            ends: order.iter().map(|link| core.ends[*link]).collect(),
-            conductance: order.iter().map(|link| core.conductance[*link]).collect(),
+            ends: order.iter().map(|chain| core.ends[*chain]).collect(),
+            conductance: order.iter().map(|chain| core.conductance[*chain]).collect(),
             ..core
         };
 
         let mut shares = Vec::new();
-        let mut flows = Vec::with_capacity(links.len());
-        for (at, link) in order.iter().enumerate() {
-            let (rows, factors, weakest) = (&links[*link], &factors[*link], weakest[*link]);
+        let mut flows = Vec::with_capacity(chains.len());
+        for (at, chain) in order.iter().enumerate() {
+            let (rows, factors, weakest) = (&chains[*chain], &factors[*chain], weakest[*chain]);
             let least = factors[weakest];
             let mut others = (0..rows.len()).filter(|member| *member != weakest);
             let first = others.next();
             for other in others {
                 shares.extend(first.map(|first| (rows[other] as u32, rows[first] as u32, factors[other] / factors[first])));
             }
-            flows.push(LinkFlow {
+            flows.push(ChainFlow {
                 slots: [0; 2],
                 conductance: core.conductance[at],
                 factor: least,
@@ -156,7 +157,7 @@ impl ReducedGraph {
         Ok(Self {
             ties: Ties::new(&core, &flows.iter().map(|flow| flow.factor).collect::<Vec<_>>()),
             core,
-            links: flows,
+            chains: flows,
             trees: hanging,
             solver,
             forest,
@@ -190,11 +191,11 @@ impl ReducedGraph {
     pub fn block(&self, block: Block<'_>, memory: &mut Memory, sums: &mut Sums) -> Result<()> {
         let Block { masks, probability, samples } = block;
         let present = &open_vessels(Scalar::new(), masks);
-        // Links are in the order of their rows, so that none is overwritten before it is read.
-        for (at, link) in self.links.iter().enumerate() {
-            masks[at] = if link.may_close { masks[link.row as usize] } else { u64::MAX };
+        // Chains are in the order of their rows, so that none is overwritten before it is read.
+        for (at, chain) in self.chains.iter().enumerate() {
+            masks[at] = if chain.may_close { masks[chain.row as usize] } else { u64::MAX };
         }
-        let masks = &masks[..self.links.len()];
+        let masks = &masks[..self.chains.len()];
         let stranded = &stranded(&self.core, masks, samples);
         sums.clear();
         let kernel = BlockKernel { graph: self, samples, probability, present, masks, stranded, memory, sums: &mut *sums };

@@ -7,7 +7,7 @@ use super::forest::{Forest, key, keys_or_zero};
 use super::forest_program::{ForestProgram, IN_FOREST, InForest};
 use super::likelihood::Sums;
 use super::options::Weight;
-use super::reduced_graph::{LinkFlow, ReducedGraph};
+use super::reduced_graph::{ChainFlow, ReducedGraph};
 use super::sums::{PerSample, expectation, pairwise};
 use super::ties;
 use crate::flow::batch::solver::Workspace;
@@ -19,7 +19,7 @@ use crate::support::simd::{Kernel, Lanes, Simd, map, masked, plus_product, splat
 /// The memory of one worker.
 pub struct Memory {
     flow: Workspace<B>,
-    /// ρ of the weakest vessel of every link.
+    /// ρ of the weakest vessel of every chain.
     resilience: Vec<Lanes<B>>,
     in_forest: Vec<InForest<B>>,
     kruskal: Forest,
@@ -30,12 +30,12 @@ pub struct Memory {
 impl Memory {
     /// Memory for a reduced graph.
     pub fn new(graph: &ReducedGraph) -> Self {
-        let links = graph.links.len();
+        let chains = graph.chains.len();
         Self {
             // The keys of the forest program come to lie where the conductances were.
             flow: graph.solver.workspace(graph.forest.as_ref().map_or(0, ForestProgram::rays)),
-            resilience: vec![Lanes::ZERO; links],
-            in_forest: vec![[0; B]; links + 1],
+            resilience: vec![Lanes::ZERO; chains],
+            in_forest: vec![[0; B]; chains + 1],
             kruskal: Forest::default(),
             ties: ties::Workspace::default(),
             check: Check::default(),
@@ -51,7 +51,7 @@ pub struct BlockKernel<'a> {
     pub probability: Option<&'a [f64; BLOCK as usize]>,
     /// |Ẽ| of each.
     pub present: &'a PerSample,
-    /// Per link the samples in which it is open.
+    /// Per chain the samples in which it is open.
     pub masks: &'a [u64],
     /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
     pub stranded: &'a [(usize, u64)],
@@ -77,10 +77,10 @@ impl Kernel for BlockKernel<'_> {
                 residual = check.residual(&graph.core, graph.core.if_open(masks), stranded, pressure);
             }
             group.resiliences(simd, resilience);
-            graph.ties.equalise::<B, _>(|link| graph.links[link].factor, resilience, ties);
+            graph.ties.equalise::<B, _>(|chain| graph.chains[chain].factor, resilience, ties);
             let mut total = Lanes::ZERO;
-            for (link, rho) in graph.links.iter().zip(&*resilience) {
-                total = plus_product(simd, &total, &splat(simd, link.total_share), rho);
+            for (chain, rho) in graph.chains.iter().zip(&*resilience) {
+                total = plus_product(simd, &total, &splat(simd, chain.total_share), rho);
             }
             group.each_tree(simd, |tree, rho, _| {
                 total = plus_product(simd, &total, &splat(simd, graph.trees[tree].total_share), rho);
@@ -122,12 +122,12 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-    /// ρ of every link's weakest vessel.
+    /// ρ of every chain's weakest vessel.
     #[inline(always)]
     fn resiliences<S: Simd>(&self, simd: S, resilience: &mut [Lanes<B>]) {
-        for ((link, mask), resilience) in self.graph.links.iter().zip(self.masks).zip(resilience) {
-            let ends = link.slots.map(|slot| &self.pressure[slot as usize]);
-            *resilience = masked(simd, &self.resilience(simd, ends, link.conductance, link.factor), *mask, self.first);
+        for ((chain, mask), resilience) in self.graph.chains.iter().zip(self.masks).zip(resilience) {
+            let ends = chain.slots.map(|slot| &self.pressure[slot as usize]);
+            *resilience = masked(simd, &self.resilience(simd, ends, chain.conductance, chain.factor), *mask, self.first);
         }
     }
 
@@ -157,14 +157,14 @@ impl Group<'_> {
 
     /// The forests of the group's samples, one after another.
     fn kruskal(&self, forest: &mut Forest, samples: usize, resilience: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
-        let links = resilience.len();
+        let chains = resilience.len();
         for lane in 0..samples {
             forest.clear();
-            for (link, rho) in resilience.iter().enumerate().filter(|(_, rho)| rho[lane] > 0.0) {
-                forest.add(key(rho[lane], link));
+            for (chain, rho) in resilience.iter().enumerate().filter(|(_, rho)| rho[lane] > 0.0) {
+                forest.add(key(rho[lane], chain));
             }
             let core = &self.graph.core;
-            forest.grow(core.node_count(), &core.ends, |link| in_forest[links - link][lane] = IN_FOREST);
+            forest.grow(core.node_count(), &core.ends, |chain| in_forest[chains - chain][lane] = IN_FOREST);
         }
     }
 
@@ -179,7 +179,7 @@ impl Group<'_> {
         in_forest: &[InForest<B>],
         sums: &mut Sums,
     ) {
-        let ReducedGraph { links, trees, forest, weight, .. } = self.graph;
+        let ReducedGraph { chains, trees, forest, weight, .. } = self.graph;
         // The order of a sum is part of what a seed gives: pairwise with a forest program, sample after sample without one.
         let pairs = forest.is_some();
         let add = |sum: &mut f64, lanes: &Lanes<B>| {
@@ -199,12 +199,12 @@ impl Group<'_> {
             add(&mut sums.count[row], one);
         };
         let zero = simd.splat_f64s(0.0);
-        for (at, (link, rho)) in links.iter().zip(resilience).enumerate() {
+        for (at, (chain, rho)) in chains.iter().zip(resilience).enumerate() {
             let mut one = *counted;
-            for (one, in_forest) in one.iter_mut().zip(&in_forest[links.len() - at]) {
+            for (one, in_forest) in one.iter_mut().zip(&in_forest[chains.len() - at]) {
                 *one = if *in_forest == IN_FOREST { *one } else { 0.0 };
             }
-            let LinkFlow { row, others, .. } = link;
+            let ChainFlow { row, others, .. } = chain;
             add(*row, rho, &one);
             if let Some((row, share)) = *others {
                 let share = simd.splat_f64s(share);

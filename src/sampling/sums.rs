@@ -8,7 +8,7 @@ use super::likelihood::Sums;
 use crate::support::random::BLOCK;
 use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat, zip};
 
-/// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
+/// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
 const SUM_LANES: usize = 8;
 /// One figure for each sample of a block.
 pub type PerSample = Lanes<{ BLOCK as usize }>;
@@ -23,7 +23,7 @@ pub struct Forests<'a> {
 }
 
 impl Forests<'_> {
-    /// The sums of all vessels, given what a vessel contributes to the samples from one on.
+    /// Sums over all vessels; `value` gives what a vessel contributes to the eight samples from one on.
     #[inline(always)]
     pub fn add_up<S: Simd>(&self, simd: S, value: impl Fn(usize, usize) -> Lanes<SUM_LANES>, sums: &mut Sums) {
         for vessel in 0..self.vessels {
@@ -40,7 +40,7 @@ impl Forests<'_> {
         }
     }
 
-    /// As [`Self::add_up`], for samples that count by their probability.
+    /// The same for samples that count with their probability.
     #[inline(always)]
     pub fn add_up_weighted<S: Simd>(
         &self,
@@ -81,7 +81,7 @@ impl Forests<'_> {
 
 static ACROSS: Bits = Bits::ACROSS;
 
-/// The sum over the samples of what each gives, times what it counts.
+/// The sum of `values` over the samples, each times its probability where there is one.
 pub fn expectation(values: &PerSample, probability: Option<&[f64; BLOCK as usize]>) -> f64 {
     let mut lanes = [0.0; SUM_LANES];
     for (sample, value) in values.iter().enumerate() {

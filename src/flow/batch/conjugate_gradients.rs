@@ -70,17 +70,17 @@ impl ConjugateGradients {
 
     /// Joins of a sample, exact and incomplete.
     pub fn joins(&self) -> usize {
-        self.mesh.updates() + self.incomplete.program().joins()
+        self.mesh.updates() + self.incomplete.joins()
     }
 
     /// Conductances of the core that a step passes over, those of the incomplete elimination twice.
     pub fn rays(&self) -> usize {
-        2 * self.incomplete.program().ray_to().len() + self.mesh.program().core_rays()
+        2 * self.incomplete.rays() + self.mesh.program().core_rays()
     }
 
     /// Nodes of the core.
     pub fn core(&self) -> usize {
-        self.incomplete.program().nodes()
+        self.incomplete.nodes()
     }
 
     /// The memory for groups of `B` samples.
@@ -88,7 +88,7 @@ impl ConjugateGradients {
         let core = || vec![Lanes::ZERO; self.core()];
         Workspace {
             mesh: self.mesh.workspace(),
-            weight: vec![[0.0; B]; self.incomplete.program().ray_to().len()],
+            weight: vec![[0.0; B]; self.incomplete.rays()],
             inverse: vec![[0.0; B]; self.core()],
             residual: core(),
             direction: core(),
@@ -154,7 +154,7 @@ impl ConjugateGradients {
     fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let core = self.mesh.program().eliminated();
         let Workspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
-        for (weight, from) in weight.iter_mut().zip(self.incomplete.from()) {
+        for (weight, from) in weight.iter_mut().zip(&self.incomplete.from) {
             *weight = if *from == NOWHERE { [0.0; B] } else { narrow(&mesh.conductance[*from as usize], self.scale) };
         }
         // The residual is not needed yet; its memory takes the grounds.
@@ -162,9 +162,9 @@ impl ConjugateGradients {
             *ground = map(simd, own, |g| simd.mul_f64s(g, simd.splat_f64s(self.scale)));
         }
         let grounded = splat(simd, GROUNDED);
-        let ray_to = self.incomplete.program().ray_to();
-        for k in 0..self.incomplete.program().nodes() {
-            let star = self.incomplete.program().star(k);
+        let ray_to = self.incomplete.ray_to();
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
             let (done, later) = weight.split_at_mut(star.end);
             let rays = &mut done[star.clone()];
             let own = ground[k];
@@ -174,7 +174,7 @@ impl ConjugateGradients {
             }
             let one_over = inverse(simd, &total);
             let to = &ray_to[star.clone()];
-            let mut mesh = self.incomplete.program().mesh(k).iter();
+            let mut mesh = self.incomplete.mesh(k).iter();
             for i in 0..rays.len() {
                 let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
                 rays[i] = narrow(&weight, 1.0);
@@ -203,11 +203,11 @@ impl ConjugateGradients {
     /// What the incomplete elimination makes of a residual.
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
-        let ray_to = self.incomplete.program().ray_to();
+        let ray_to = self.incomplete.ray_to();
         let Workspace { weight, inverse, residual, product: better, .. } = work;
         better.copy_from_slice(residual);
-        for k in 0..self.incomplete.program().nodes() {
-            let star = self.incomplete.program().star(k);
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
             let own = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 let sum = &mut better[*to as usize];
@@ -215,8 +215,8 @@ impl ConjugateGradients {
             }
             better[k] = zip(simd, &own, &wide(&inverse[k]), |b, i| simd.mul_f64s(b, i));
         }
-        for k in (0..self.incomplete.program().nodes()).rev() {
-            let star = self.incomplete.program().star(k);
+        for k in (0..self.incomplete.nodes()).rev() {
+            let star = self.incomplete.star(k);
             let mut sum = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 sum = plus_product(simd, &sum, &wide(weight), &better[*to as usize]);

@@ -102,7 +102,7 @@ impl StarMesh {
             let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
             match (circuit.fixed[a], circuit.fixed[b]) {
                 (None, None) => {
-                    let ray = program.ray(slot[a], slot[b]);
+                    let ray = program.ray_between(slot[a], slot[b]);
                     let first = std::mem::take(&mut bare[ray as usize]);
                     rays.push(RayStamp { vessel, ray, first, conductance });
                 }
