@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
 use willis::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use willis::internals::io::{checksum_of_file, companion_files};
-use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use willis::internals::output::InProgress;
-use willis::internals::output::{read_json, write_json};
+use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
+use willis::internals::output::{read_json, write_json};
 use willis::internals::pipeline::RunOptions;
 use willis::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
 

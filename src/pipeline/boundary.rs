@@ -12,7 +12,7 @@ use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::bytes_of;
 use crate::io::tables::conditions::{read_csv, read_toml};
 use crate::network::quantity::Dimension;
-use crate::network::{FoundBy, Condition, Network, Role, locate};
+use crate::network::{Condition, FoundBy, Network, Role, locate};
 use crate::support::suggestions::did_you_mean;
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::options::RunOptions;
 use crate::error::{Fault, Result};
-use crate::output::read_json;
 use crate::output::names::{GRAPH, RECORD};
+use crate::output::read_json;
 
 /// A run of infer in a folder.
 #[derive(Debug, Clone)]

@@ -14,8 +14,8 @@ use crate::io::{
 };
 use crate::network::{Condition, Network, Role, fragments};
 use crate::output::atomic::write_file;
-use crate::output::write_record;
 use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
+use crate::output::write_record;
 use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of

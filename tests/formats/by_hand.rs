@@ -407,8 +407,10 @@ fn vtp_faults_name_the_array_and_the_value() {
         )
         .is_ok()
     );
-    let (bare, _) =
-        read_vtp(ascii_vtp("Radius ", " Width").as_bytes(), &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() })
-            .unwrap();
+    let (bare, _) = read_vtp(
+        ascii_vtp("Radius ", " Width").as_bytes(),
+        &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() },
+    )
+    .unwrap();
     assert!(bare.radii.iter().all(|r| r.is_nan()));
 }

@@ -175,10 +175,13 @@ fn points_faults_name_line_and_value() {
     assert_eq!(document("a.csv", &wide).unwrap_err(), "a.csv: the text is UTF-16; expected UTF-8; save the file as UTF-8");
     assert_eq!(document("a.csv", b"fragment,x,y\n").unwrap_err(), format!("a.csv:1: columns fragment,x,y; {columns}"));
     assert!(
-        read_points("fragment,x,y,z\n1,0,0,0\n".as_bytes(), &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() })
-            .unwrap()
-            .0
-            .radii[0]
+        read_points(
+            "fragment,x,y,z\n1,0,0,0\n".as_bytes(),
+            &ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() }
+        )
+        .unwrap()
+        .0
+        .radii[0]
             .is_nan()
     );
 }
