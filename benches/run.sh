@@ -99,7 +99,7 @@ for round in $(seq "$rounds"); do
         echo "round $round: $name" >&2
         record one "$("$bench" time "$graph" 1 lanes)"
         record all "$("$bench" time "$graph" "$threads" lanes)"
-        record faer "$("$bench" time "$graph" 1 cholesky)"
+        record reference "$("$bench" time "$graph" 1 reference)"
         if [ -n "$peer" ] && [ "$graph" != "$shipped" ]; then
             record python "$(OPENBLAS_NUM_THREADS=1 "$python" "$peer" "$graph" --epsilon 0.3 --seconds 2 | cut -d' ' -f1)"
         fi

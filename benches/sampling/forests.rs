@@ -6,7 +6,7 @@ use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::{NodeIndex, UnGraph};
 use willis::internals::flow::StarMesh;
-use willis::internals::sampling::{Bottleneck, Forest};
+use willis::internals::sampling::{Forest, ForestProgram};
 
 use crate::Result;
 use crate::case::Case;
@@ -38,7 +38,7 @@ pub fn print(case: &Case) -> Result<()> {
     let pieces = case.pieces()?;
     let solver = StarMesh::compile(&pieces.circuit, usize::MAX).ok_or("no program")?;
     let nodes = case.network.node_count();
-    let program = Bottleneck::compile(nodes, &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
+    let program = ForestProgram::compile(nodes, &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
     let keys = pieces.keys(&solver, SAMPLES);
     let ends: Vec<[usize; 2]> = case.network.vessels().map(|(ends, _)| ends).collect();
 

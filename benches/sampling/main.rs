@@ -45,8 +45,8 @@ fn solver_named(name: &str) -> Result<Solver> {
         "auto" => Ok(Solver::Auto),
         "lanes" => Ok(Solver::Lanes),
         "gradients" => Ok(Solver::Gradients),
-        "cholesky" => Ok(Solver::Cholesky),
-        other => Err(format!("solver {other}: expected auto, lanes, gradients or cholesky").into()),
+        "reference" => Ok(Solver::Reference),
+        other => Err(format!("solver {other}: expected auto, lanes, gradients or reference").into()),
     }
 }
 

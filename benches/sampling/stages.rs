@@ -4,7 +4,7 @@
 
 use willis::internals::flow::batch::star_mesh;
 use willis::internals::flow::batch::star_mesh::StarMesh;
-use willis::internals::sampling::{Bottleneck, Taken};
+use willis::internals::sampling::{ForestProgram, InForest};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;
@@ -42,8 +42,8 @@ fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &StarMesh,
     per_call(budget, || instructions.run(Solve(program, masks, &mut work))) / B as f64
 }
 
-/// Microseconds a sample of the forest program: keys offered, paths widened, vessels taken.
-pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
+/// Microseconds a sample of the forest program: keys put in, paths widened, vessels taken.
+pub fn forest(program: &ForestProgram, keys: &[Vec<u64>], budget: f64) -> f64 {
     let instructions = InstructionSet::detect();
     if instructions == InstructionSet::Avx512 {
         forest_lanes::<16>(instructions, program, keys, budget)
@@ -53,10 +53,10 @@ pub fn forest(program: &Bottleneck, keys: &[Vec<u64>], budget: f64) -> f64 {
 }
 
 struct Grow<'a, const B: usize> {
-    program: &'a Bottleneck,
+    program: &'a ForestProgram,
     keys: &'a [Lanes<B>],
     widest: &'a mut [Lanes<B>],
-    taken: &'a mut [Taken<B>],
+    taken: &'a mut [InForest<B>],
 }
 
 impl<const B: usize> Kernel for Grow<'_, B> {
@@ -65,14 +65,14 @@ impl<const B: usize> Kernel for Grow<'_, B> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.program.clear(self.widest);
-        for (offer, keys) in self.program.offers().iter().zip(self.keys) {
-            offer.put(simd, keys, self.widest);
+        for (key_slot, keys) in self.program.key_slots().iter().zip(self.keys) {
+            key_slot.put(simd, keys, self.widest);
         }
         self.program.grow(simd, self.widest, self.taken);
     }
 }
 
-fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottleneck, samples: &[Vec<u64>], budget: f64) -> f64 {
+fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &ForestProgram, samples: &[Vec<u64>], budget: f64) -> f64 {
     let vessels = samples[0].len();
     let keys: Vec<Lanes<B>> = (0..vessels).map(|v| Lanes(std::array::from_fn(|lane| f64::from_bits(samples[lane][v])))).collect();
     let (mut widest, mut taken) = (vec![Lanes::ZERO; program.rays()], vec![[0; B]; vessels + 1]);
@@ -87,7 +87,8 @@ fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &Bottlene
 pub fn print(case: &Case) -> Result<()> {
     let pieces = case.pieces()?;
     let program = StarMesh::compile(&pieces.circuit, usize::MAX).ok_or("no program")?;
-    let bottleneck = Bottleneck::compile(case.network.node_count(), &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
+    let bottleneck =
+        ForestProgram::compile(case.network.node_count(), &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
     let (mut masks, mut block) = (Vec::new(), 0);
     let mask = per_call(BUDGET, || {
         pieces.occlusion.draw(0, block, &mut masks);

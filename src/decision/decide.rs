@@ -73,6 +73,16 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     Ok(Decision { threshold: cut, median, kept, above_median, undecided })
 }
 
+/// Whether no uncertain vessel is undecided. A rule that asks for evidence does not depend on samples: then the median decides.
+///
+/// # Errors
+///
+/// As [`decide`].
+pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result<bool> {
+    let rule = if rule.asks_evidence() { Keep::Median } else { rule };
+    Ok(decide(rule, network, result)?.undecided.is_empty())
+}
+
 /// The probability of each vessel, which a rule asks for.
 fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
     if has_evidence(network) {

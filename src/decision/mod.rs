@@ -5,9 +5,9 @@ pub mod most_probable_forest;
 pub mod rules;
 pub mod whole_topologies;
 
-pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, decide};
+pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
 pub use most_probable_forest::{
     ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
 pub use rules::{Keep, threshold};
-pub use whole_topologies::{Draw, KnownEnds, Topologies};
+pub use whole_topologies::{KnownEnds, Topologies, TopologySource};

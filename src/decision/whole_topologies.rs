@@ -1,13 +1,12 @@
-//! Plausible topologies, whole and with their weights: what a question is asked of that no vessel alone can answer.
+//! Plausible topologies, whole and with their weights, for questions that depend on many vessels at once, such as whether a circle is closed.
 //!
-//! A marginal says how probable one vessel is; whether a circle is closed depends on all of them at once. So the topologies are drawn
-//! one after another and counted, equal ones together. There are two ways to draw one:
+//! The topologies are drawn one after another and counted, equal ones together. There are two ways to draw one:
 //!
-//! - [`Draw::Ends`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that is
-//!   neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
+//! - [`TopologySource::FreeEnds`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that
+//!   is neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
 //!   ([`Evidence::continues`](crate::network::Evidence)) against 1 for ending there, whatever the others do. Loops are allowed. A
 //!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
-//! - [`Draw::Flow`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
+//! - [`TopologySource::Samples`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
 //!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
 
 use std::collections::BTreeMap;
@@ -25,13 +24,13 @@ use crate::sampling::patterns::Patterns;
 use crate::support::random;
 use crate::support::random::{BLOCK, stream};
 
-/// How a topology is drawn.
+/// What topologies are drawn from.
 #[derive(Debug, Clone, Copy)]
-pub enum Draw<'a> {
-    /// Free ends continue by the evidence.
-    Ends(KnownEnds<'a>),
-    /// Samples vote; per vessel whether its L is above the median.
-    Flow(&'a [bool]),
+pub enum TopologySource<'a> {
+    /// The free ends, which continue by the evidence.
+    FreeEnds(KnownEnds<'a>),
+    /// The votes of samples; per vessel whether its L is above the median.
+    Samples(&'a [bool]),
 }
 
 /// Topologies that were drawn.
@@ -49,16 +48,16 @@ impl Topologies {
     /// # Errors
     ///
     /// A parameter or vessel out of its range, too many vessels to enumerate, a breakdown of the solver.
-    pub fn draw(network: &Network, boundary: &Boundary, params: &SamplingOptions, draw: Draw<'_>) -> Result<Self> {
+    pub fn draw(network: &Network, boundary: &Boundary, params: &SamplingOptions, source: TopologySource<'_>) -> Result<Self> {
         params.validate()?;
         let mut count = Count::default();
-        Ok(match draw {
-            Draw::Ends(known) => {
-                draw_ends(network, known, params, |kept| count.add(kept, 1.0));
+        Ok(match source {
+            TopologySource::FreeEnds(known) => {
+                continue_free_ends(network, known, params, |kept| count.add(kept, 1.0));
                 count.finish(|kept| known.supply(network, kept))
             }
-            Draw::Flow(above_median) => {
-                draw_flow(network, boundary, params, above_median, &mut count)?;
+            TopologySource::Samples(above_median) => {
+                let_samples_vote(network, boundary, params, above_median, &mut count)?;
                 count.finish(|_| 1.0)
             }
         })
@@ -99,7 +98,8 @@ impl Count {
     }
 }
 
-fn draw_flow(
+/// Counts the topology that each sample votes for, with its weight.
+fn let_samples_vote(
     network: &Network,
     boundary: &Boundary,
     params: &SamplingOptions,
@@ -108,68 +108,41 @@ fn draw_flow(
 ) -> Result<()> {
     let uncertain = params.uncertain.vessels(network);
     let patterns = Patterns::new(params.keep_probabilities(network), params)?;
-    let tubes = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
+    let at_rest = Tube::at_rest(network, params.viscosity);
+    let circuit = Circuit::of_tubes(network, boundary, &at_rest)?;
     let solver = PressureSolver::new(&circuit)?;
-    let mut vote = Vote {
-        above_median,
-        uncertain: &uncertain,
-        params,
-        boundary,
-        tubes,
-        circuit: &circuit,
-        solver,
-        forest: Forest::default(),
+    let mut forest = Forest::default();
+    let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64| -> Result<()> {
+        let above_level = solver.above_level(open)?;
+        let mut tubes = at_rest.clone();
+        for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
+            debug_assert!(uncertain[row]);
+            tube.resistance = f64::INFINITY;
+        }
+        let state = State::at_pressures(&circuit, boundary, &tubes, params.viscosity, &above_level);
+        let mut kept: Vec<bool> = (0..tubes.len()).map(|row| !uncertain[row] || (open(row) && above_median[row])).collect();
+        forest.clear();
+        for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
+            forest.add(key(vessel.resilience, row));
+        }
+        forest.grow(state.pressure.len(), &circuit.ends, |row| kept[row] = true);
+        let weight = if params.weight == Weight::Count { 1.0 } else { state.network_resilience };
+        count.add(&kept, weight * probability);
+        Ok(())
     };
     let (mut masks, mut probability) = (Vec::new(), [1.0; BLOCK as usize]);
     let samples = patterns.samples(params.samples);
     for first in (0..samples).step_by(BLOCK as usize) {
         patterns.fill(first / BLOCK, &mut masks, &mut probability);
-        let here = (samples - first).min(BLOCK) as usize;
-        for (sample, probability) in probability.iter().enumerate().take(here) {
-            let (kept, weight) = vote.of(|row| masks[row] >> sample & 1 == 1)?;
-            count.add(&kept, weight * probability);
+        for (sample, probability) in probability.iter().enumerate().take((samples - first).min(BLOCK) as usize) {
+            vote(&|row| masks[row] >> sample & 1 == 1, *probability)?;
         }
     }
     Ok(())
 }
 
-/// What all samples' votes share.
-struct Vote<'a> {
-    above_median: &'a [bool],
-    uncertain: &'a [bool],
-    params: &'a SamplingOptions,
-    boundary: &'a Boundary,
-    tubes: Vec<Tube>,
-    circuit: &'a Circuit,
-    solver: PressureSolver<'a>,
-    forest: Forest,
-}
-
-impl Vote<'_> {
-    /// The topology that the sample with the vessels `open` votes for, and its weight.
-    fn of(&mut self, open: impl Fn(usize) -> bool) -> Result<(Vec<bool>, f64)> {
-        let above_level = self.solver.above_level(&open)?;
-        let mut tubes = self.tubes.clone();
-        for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
-            debug_assert!(self.uncertain[row]);
-            tube.resistance = f64::INFINITY;
-        }
-        let state = State::at_pressures(self.circuit, self.boundary, &tubes, self.params.viscosity, &above_level);
-        let mut kept: Vec<bool> =
-            (0..tubes.len()).map(|row| !self.uncertain[row] || (open(row) && self.above_median[row])).collect();
-        self.forest.clear();
-        for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
-            self.forest.add(key(vessel.resilience, row));
-        }
-        self.forest.grow(state.pressure.len(), &self.circuit.ends, |row| kept[row] = true);
-        let weight = if self.params.weight == Weight::Count { 1.0 } else { state.network_resilience };
-        Ok((kept, weight))
-    }
-}
-
-/// What a topology weighs for each known outlet that nothing feeds: as an end that ends where it is. Not nothing, because what feeds it
-/// may lie beyond the field of view.
+/// The factor of a topology for each known outlet that nothing feeds, the same as for an end that ends where it is. It is not zero, because
+/// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
 
 /// What is known of the nodes of a network.
@@ -177,13 +150,13 @@ const UNFED: f64 = END_ODDS;
 pub struct KnownEnds<'a> {
     /// Per node whether it is known for an inlet or outlet, so that no vessel continues from there.
     pub ends: &'a [bool],
-    /// The nodes where blood is known to come in; none when that is not known, and then nothing is asked of the outlets.
+    /// The nodes where blood is known to come in; none when that is not known; outlets then need not be fed.
     pub inlets: &'a [usize],
 }
 
 impl KnownEnds<'_> {
     /// The factor of a topology that holds the vessels `kept`: e⁻² for each known outlet that is connected with no known inlet.
-    pub(crate) fn supply(&self, network: &Network, kept: &[bool]) -> f64 {
+    fn supply(&self, network: &Network, kept: &[bool]) -> f64 {
         if self.inlets.is_empty() {
             return 1.0;
         }
@@ -215,7 +188,7 @@ impl KnownEnds<'_> {
 }
 
 /// Draws as many topologies as there are samples, each as whether it holds each vessel.
-pub(crate) fn draw_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
+fn continue_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
     let ends = known.choices(network);
     let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
     for first in (0..params.samples).step_by(BLOCK as usize) {

@@ -89,6 +89,11 @@ impl Circuit {
         self.ends.len()
     }
 
+    /// The conductance of a vessel in the first sample of a block, zero where bit 0 of its mask is not set.
+    pub fn if_open(&self, masks: &[u64]) -> impl Fn(usize) -> f64 {
+        |vessel| if masks[vessel] & 1 == 1 { self.conductance[vessel] } else { 0.0 }
+    }
+
     /// Whether the node itself fixes the pressure level of its component.
     pub fn grounds(&self, node: usize) -> bool {
         self.fixed[node].is_some() || self.shunt[node] > 0.0

@@ -2,9 +2,8 @@
 
 pub mod batch;
 pub mod boundary;
-pub mod cholesky;
 pub mod circuit;
-mod dead_ends;
+pub mod dead_ends;
 pub mod floating;
 pub mod peeling;
 pub mod poiseuille;
@@ -13,6 +12,7 @@ pub mod residual;
 pub mod resilience;
 pub mod state;
 
+pub use batch::solver::BatchSolver;
 pub use batch::star_mesh::StarMesh;
 pub use boundary::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;

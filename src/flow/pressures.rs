@@ -1,15 +1,12 @@
 //! The steady pressures of one network, all its vessels open or some of them closed.
 
-use super::batch::conjugate_gradients::ConjugateGradients;
-use super::batch::star_mesh::StarMesh;
+use super::batch::solver::BatchSolver;
 use super::circuit::Circuit;
 use super::floating::{grounded, stranded};
 use super::residual::Check;
 use crate::error::{Error, Result};
 use crate::support::simd::Scalar;
 
-/// Mesh updates above which conjugate gradients take over from star-mesh elimination.
-pub const LANES_LIMIT: usize = 2_000_000;
 /// A backward error beyond this means that pressures were not found.
 pub const MOST_BACKWARD: f64 = 1e-10;
 
@@ -17,13 +14,7 @@ pub const MOST_BACKWARD: f64 = 1e-10;
 #[derive(Debug)]
 pub struct PressureSolver<'a> {
     circuit: &'a Circuit,
-    solver: Solver,
-}
-
-#[derive(Debug)]
-enum Solver {
-    Mesh(Box<StarMesh>),
-    Gradients(Box<ConjugateGradients>),
+    solver: BatchSolver,
 }
 
 impl<'a> PressureSolver<'a> {
@@ -33,20 +24,7 @@ impl<'a> PressureSolver<'a> {
     ///
     /// More vessels than indices can count.
     pub fn new(circuit: &'a Circuit) -> Result<Self> {
-        match StarMesh::compile(circuit, LANES_LIMIT) {
-            Some(program) => Ok(Self { circuit, solver: Solver::Mesh(Box::new(program)) }),
-            None => Self::iterative(circuit),
-        }
-    }
-
-    /// Compiles a circuit that is known to be too large for elimination.
-    ///
-    /// # Errors
-    ///
-    /// More vessels than indices can count.
-    pub fn iterative(circuit: &'a Circuit) -> Result<Self> {
-        let program = ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?;
-        Ok(Self { circuit, solver: Solver::Gradients(Box::new(program)) })
+        Ok(Self { circuit, solver: BatchSolver::for_few(circuit)? })
     }
 
     /// The pressure of every node with the vessels `open`, Pa above the circuit's level, from which drops are taken without a loss;
@@ -56,28 +34,19 @@ impl<'a> PressureSolver<'a> {
     ///
     /// Conjugate gradients that do not converge on a large circuit.
     pub fn above_level(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
-        let circuit = self.circuit;
+        let Self { circuit, solver } = self;
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
         let stranded = stranded(circuit, &masks, 1);
-        let above_level: Vec<f64> = match &self.solver {
-            Solver::Mesh(program) => {
-                let mut work = program.workspace::<1>();
-                program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
-                (0..circuit.node_count()).map(|node| work.pressure[program.slot(node)][0]).collect()
+        let mut work = solver.workspace::<1>(0);
+        solver.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
+        let pressure = |node: usize| work.pressure()[solver.slot(node)][0];
+        if matches!(solver, BatchSolver::Gradients(_)) {
+            let residual = Check::default().residual(circuit, circuit.if_open(&masks), &stranded, pressure);
+            if residual.backward > MOST_BACKWARD {
+                return Err(Error::Breakdown);
             }
-            Solver::Gradients(program) => {
-                let mut work = program.workspace::<1>();
-                program.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
-                let mut pressure = vec![0.0; circuit.node_count()];
-                program.pressures(&masks, 0, 0, &mut work, &mut pressure);
-                if Check::default().residual(circuit, &masks, 0, &stranded, |node| pressure[node]).backward > MOST_BACKWARD {
-                    return Err(Error::Breakdown);
-                }
-                pressure
-            }
-        };
-        let grounded = grounded(circuit, open);
-        Ok(above_level.iter().zip(grounded).map(|(p, grounded)| grounded.then_some(*p)).collect())
+        }
+        Ok(grounded(circuit, open).into_iter().enumerate().map(|(node, grounded)| grounded.then(|| pressure(node))).collect())
     }
 }
 

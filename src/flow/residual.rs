@@ -19,23 +19,21 @@ pub struct Check {
 }
 
 impl Check {
-    /// Checks the pressures (Pa above the level) of the free nodes in one sample of a block: bit `sample` of `masks[e]` says whether vessel
-    /// e is open, that of a node's among the `stranded` whether its injection counts for nothing.
+    /// Checks the pressures (Pa above the level) of the free nodes in the first sample of a block, in which each vessel has such a
+    /// conductance, zero where it is closed. The injected flow of the `stranded` nodes whose bit 0 is set counts for nothing.
     pub fn residual(
         &mut self,
         circuit: &Circuit,
-        masks: &[u64],
-        sample: usize,
+        conductance: impl Fn(usize) -> f64,
         stranded: &[(usize, u64)],
         pressure: impl Fn(usize) -> f64,
     ) -> Residual {
         let at = &mut self.at;
-        let is_set = |word: u64| word >> sample & 1 == 1;
-        let open = || circuit.ends.iter().zip(&circuit.conductance).zip(masks).filter(|(_, mask)| is_set(**mask)).map(|(v, _)| v);
+        let vessels = || circuit.ends.iter().enumerate().map(|(vessel, ends)| (ends, conductance(vessel)));
         let free = || (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none());
 
         at.clone_from(&circuit.shunt);
-        for ([a, b], c) in open() {
+        for ([a, b], c) in vessels() {
             at[*a] += c;
             at[*b] += c;
         }
@@ -43,17 +41,17 @@ impl Check {
 
         let sources = |at: &mut Vec<f64>| {
             at.clone_from(&circuit.source);
-            stranded.iter().filter(|(_, samples)| is_set(*samples)).for_each(|(node, _)| at[*node] = 0.0);
+            stranded.iter().filter(|(_, samples)| samples & 1 == 1).for_each(|(node, _)| at[*node] = 0.0);
         };
         sources(at);
-        for ([a, b], c) in open() {
+        for ([a, b], c) in vessels() {
             at[*a] += c * circuit.fixed[*b].unwrap_or(0.0);
             at[*b] += c * circuit.fixed[*a].unwrap_or(0.0);
         }
         let right: f64 = free().map(|node| at[node].powi(2)).sum();
 
         sources(at);
-        for ([a, b], c) in open() {
+        for ([a, b], c) in vessels() {
             let flow = c * (pressure(*a) - pressure(*b));
             at[*a] -= flow;
             at[*b] += flow;

@@ -18,13 +18,11 @@ pub(crate) mod marginals;
 mod messages;
 mod random_walk;
 mod rooted;
-mod wilson;
 
 pub use arborescence::arborescence;
 pub use log_likelihood::log_likelihood;
 pub use marginals::{Marginals, check_tangle, marginals};
 pub use rooted::rooted_in;
-pub use wilson::Wilson;
 
 use crate::error::{Error, Result};
 

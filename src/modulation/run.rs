@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use super::instances::Instances;
 use super::options::{Class, ModulationOptions};
 use crate::error::{Error, Result};
-use crate::flow::batch::star_mesh::{StarMesh, Workspace};
+use crate::flow::batch::solver::Workspace;
 use crate::flow::circuit::conductances;
 use crate::flow::floating::{drives_flow, grounded, stranded};
-use crate::flow::pressures::{LANES_LIMIT, PressureSolver};
+use crate::flow::pressures::MOST_BACKWARD;
+use crate::flow::residual::Check;
 use crate::flow::state::State;
-use crate::flow::{Boundary, Circuit, Factors, Tube};
+use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube};
 use crate::network::Network;
 use crate::sampling::Progress;
 use crate::support::random;
@@ -57,7 +58,7 @@ pub fn modulate(
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
     unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);
-    let job = Job::new(network, boundary, params, &tubes, &circuit);
+    let job = Job::new(network, boundary, params, &tubes, &circuit)?;
 
     let blocks = params.samples.div_ceil(BLOCK);
     let total = params.samples * params.classes.len() as u64;
@@ -90,7 +91,7 @@ pub fn modulate(
         }
         classes.push((*class, instances));
     }
-    let solver = if job.star_mesh.is_some() { "lanes" } else { "gradients" };
+    let solver = job.solver.name();
     Ok(Modulation { unperturbed, classes, solver })
 }
 
@@ -101,8 +102,7 @@ struct Job<'a> {
     params: &'a ModulationOptions,
     tubes: &'a [Tube],
     circuit: &'a Circuit,
-    /// Solves instances side by side; `None` on circuits that are too large for it.
-    star_mesh: Option<StarMesh>,
+    solver: BatchSolver,
     instructions: InstructionSet,
     /// For each node whether it is connected to a boundary condition. Modulation opens and closes no vessel, so this and the next hold
     /// for all instances.
@@ -114,7 +114,7 @@ struct Job<'a> {
 /// The memory of one worker.
 struct Memory {
     conductance: Vec<Lanes<LANES>>,
-    mesh: Option<Workspace<LANES>>,
+    work: Workspace<LANES>,
 }
 
 impl<'a> Job<'a> {
@@ -124,17 +124,17 @@ impl<'a> Job<'a> {
         params: &'a ModulationOptions,
         tubes: &'a [Tube],
         circuit: &'a Circuit,
-    ) -> Self {
+    ) -> Result<Self> {
         let open = |vessel: usize| circuit.conductance[vessel] > 0.0;
         let masks: Vec<u64> = (0..tubes.len()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
-        let star_mesh = StarMesh::compile(circuit, LANES_LIMIT);
+        let solver = BatchSolver::for_few(circuit)?;
         let (grounded, stranded) = (grounded(circuit, open), stranded(circuit, &masks, LANES));
         let instructions = InstructionSet::detect();
-        Self { network, boundary, params, tubes, circuit, star_mesh, instructions, grounded, stranded }
+        Ok(Self { network, boundary, params, tubes, circuit, solver, instructions, grounded, stranded })
     }
 
     fn memory(&self) -> Memory {
-        Memory { conductance: Vec::new(), mesh: self.star_mesh.as_ref().map(StarMesh::workspace) }
+        Memory { conductance: Vec::new(), work: self.solver.workspace(0) }
     }
 
     /// One block of a class; the last one may be shorter.
@@ -164,20 +164,22 @@ impl<'a> Job<'a> {
 
     /// Solves up to [`LANES`] instances.
     fn states(&self, instances: &[Vec<Tube>], memory: &mut Memory) -> Result<Vec<State>> {
-        let (Some(mesh), Some(work)) = (&self.star_mesh, &mut memory.mesh) else {
-            let solve = |tubes: &Vec<Tube>| {
-                let circuit = Circuit::of_tubes(self.network, self.boundary, tubes)?;
-                let above_level = PressureSolver::iterative(&circuit)?.above_level(|row| tubes[row].is_open())?;
-                Ok(self.state(tubes, &above_level))
-            };
-            return instances.iter().map(solve).collect();
-        };
+        let Memory { conductance, work } = memory;
         let each: Vec<Vec<f64>> = instances.iter().map(|tubes| conductances(self.network, tubes)).collect::<Result<_>>()?;
         let lanes = |vessel| Lanes(std::array::from_fn(|lane| each.get(lane).map_or(0.0, |conductance| conductance[vessel])));
-        memory.conductance.clear();
-        memory.conductance.extend((0..self.tubes.len()).map(lanes));
-        self.instructions.run(SideBySide { mesh, conductance: &memory.conductance, stranded: &self.stranded, work });
-        let above_level = |node: usize, lane: usize| self.grounded[node].then(|| work.pressure[mesh.slot(node)][lane]);
+        conductance.clear();
+        conductance.extend((0..self.tubes.len()).map(lanes));
+        self.instructions.run(SideBySide { solver: &self.solver, conductance, stranded: &self.stranded, work });
+        let pressure = |node: usize, lane: usize| work.pressure()[self.solver.slot(node)][lane];
+        if matches!(self.solver, BatchSolver::Gradients(_)) {
+            for (lane, own) in each.iter().enumerate() {
+                let at = |node| pressure(node, lane);
+                if Check::default().residual(self.circuit, |vessel| own[vessel], &self.stranded, at).backward > MOST_BACKWARD {
+                    return Err(Error::Breakdown);
+                }
+            }
+        }
+        let above_level = |node: usize, lane: usize| self.grounded[node].then(|| pressure(node, lane));
         let state = |(lane, tubes): (usize, &Vec<Tube>)| {
             self.state(tubes, &(0..self.grounded.len()).map(|node| above_level(node, lane)).collect::<Vec<_>>())
         };
@@ -191,7 +193,7 @@ impl<'a> Job<'a> {
 
 /// A group of instances for the vector kernel.
 struct SideBySide<'a> {
-    mesh: &'a StarMesh,
+    solver: &'a BatchSolver,
     conductance: &'a [Lanes<LANES>],
     stranded: &'a [(usize, u64)],
     work: &'a mut Workspace<LANES>,
@@ -202,6 +204,6 @@ impl Kernel for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.mesh.solve_with(simd, self.conductance, self.stranded, self.work);
+        self.solver.solve_with(simd, self.conductance, self.stranded, self.work);
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::options::SourceFile;
 use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks};
-use crate::decision::{Draw, KnownEnds, Topologies};
+use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::Result;
 use crate::flow::boundary::stated;
 use crate::flow::{Boundary, FoundOutlets};
@@ -93,8 +93,11 @@ impl FoundArteries {
             inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
         }
         let (draw, how) = match above_median {
-            None => (Draw::Ends(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
-            Some(above) => (Draw::Flow(above), "that samples vote for by their resilience"),
+            None => (
+                TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &inlets }),
+                "whose free ends continue by the evidence",
+            ),
+            Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;
         let how = format!("{} plausible topologies, {how}", topologies.samples);

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::candidates::CandidateOptions;
-use crate::decision::{Keep, ROOT_FACTOR, knows_fragments};
+use crate::decision::{Keep, ROOT_FACTOR, all_decided, knows_fragments};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{checksum, checksum_of};
@@ -191,7 +191,7 @@ impl Prepared {
         let before = part.done();
         let mut heard = Heard(progress);
         let sampled = if until_stable {
-            sampling.until_stable(&mut part, &self.graph, self.keep, &mut heard)
+            sampling.until_stable(&mut part, |result| all_decided(self.keep, &self.graph, result), &mut heard)
         } else {
             sampling.sample(&mut part, 0..sampling.blocks(), &mut heard).map(|()| sampling.likelihood(&part))
         };

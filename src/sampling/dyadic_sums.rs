@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// What can be summed over a range of blocks.
 pub trait Summed: Clone {
-    /// This and what comes from the blocks after it.
+    /// The sum of this and of `right`, which comes from later blocks.
     #[must_use]
     fn plus(self, right: &Self) -> Self;
 }
@@ -31,14 +31,14 @@ impl<T> Default for DyadicSums<T> {
 }
 
 impl<T: Summed> DyadicSums<T> {
-    /// Whether these may be the first block and the size of a node.
+    /// Whether the tree has a node of so many blocks from `first` on.
     pub fn is_node(first: u64, blocks: u64) -> bool {
         blocks.is_power_of_two() && first.is_multiple_of(blocks) && first.checked_add(blocks).is_some()
     }
 
-    /// Adds the sum over a node none of whose blocks is there yet, and joins it with its sibling while that is there.
+    /// Adds the sum over a node, and joins it with its sibling as long as that is there. None of its blocks may be there yet.
     ///
-    /// `formed` hears of every node on the way, the one given first; memory that is no longer needed goes to `spare`.
+    /// `formed` is called for every node that this completes, beginning with the one given; memory that is no longer needed goes to `spare`.
     pub fn insert(
         &mut self,
         mut first: u64,
@@ -61,12 +61,12 @@ impl<T: Summed> DyadicSums<T> {
         self.nodes.insert(first, (blocks, sum));
     }
 
-    /// The nodes by their first block: that, how many blocks, and their sum.
+    /// Each node's first block, number of blocks and sum, by first block.
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = (u64, u64, &T)> {
         self.nodes.iter().map(|(first, (blocks, sum))| (*first, *blocks, sum))
     }
 
-    /// The same, given away.
+    /// The same, by value.
     pub fn into_nodes(self) -> impl ExactSizeIterator<Item = (u64, u64, T)> {
         self.nodes.into_iter().map(|(first, (blocks, sum))| (first, blocks, sum))
     }

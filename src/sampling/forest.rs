@@ -3,10 +3,8 @@
 use crate::support::simd::{Lanes, Scalar, Simd, map};
 
 const INDEX_BITS: u32 = 29;
-/// More vessels than this cannot be told apart by a key.
+/// A key has room for so many vessels.
 pub const MAX_VESSELS: usize = 1 << INDEX_BITS;
-/// Resiliences are cut here, so that their keys stay finite as doubles.
-pub const MOST_RESILIENCE: f64 = f64::MAX / 8.0;
 
 /// The sort key of a diffused vessel: ρ rounded to 24 significant bits, then the lower row first.
 ///
@@ -42,7 +40,7 @@ pub fn vessel(key: u64) -> usize {
     MAX_VESSELS - 1 - key as usize % MAX_VESSELS
 }
 
-/// Where the vessels of [`keys_or_zero`] stand when `vessels` are counted from the last, which is at 1; a key of zero is at 0.
+/// The rows of the vessels of [`keys_or_zero`], counted from the last of `vessels`, which has row 1; zero for a key of zero.
 #[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
 #[inline(always)]
 pub fn rows<S: Simd>(simd: S, keys: S::f64s, vessels: usize) -> S::u64s {

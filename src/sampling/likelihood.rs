@@ -21,12 +21,12 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Nothing yet, for so many vessels.
+    /// The sums over no samples, for so many vessels.
     pub fn zero(vessels: usize) -> Self {
         Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0.0; vessels], ..Self::default() }
     }
 
-    /// Back to nothing.
+    /// Sets all sums to zero.
     pub fn clear(&mut self) {
         self.likelihood.fill(0.0);
         self.square.fill(0.0);
@@ -73,7 +73,7 @@ pub struct Snapshot {
     pub likelihood: Vec<f64>,
 }
 
-/// What the samples say of each vessel.
+/// The result of the samples, per vessel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likelihood {
     /// L of each vessel, W/m³.

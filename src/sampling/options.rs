@@ -82,8 +82,8 @@ pub enum Solver {
     Lanes,
     /// Conjugate gradients on the core that elimination leaves, eight samples at a time.
     Gradients,
-    /// Sparse Cholesky factorisation.
-    Cholesky,
+    /// The paper's loop, a sample at a time: slow, for comparison.
+    Reference,
 }
 
 /// The parameters of a run.

@@ -1,4 +1,4 @@
-//! A part of a run: the blocks that are finished, in any order, with all that the whole run is put together from.
+//! A part of a run: the blocks that are finished, in any order, and the convergence record over them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,13 +7,13 @@ use super::dyadic_sums::{DyadicSums, Summed};
 use super::likelihood::{Snapshot, Sums};
 use crate::support::random::BLOCK;
 
-/// Points of the convergence record that a run aims at.
+/// How many points the convergence record should have.
 const SNAPSHOTS: u64 = 128;
-/// About as many numbers as that record may hold: with more uncertain vessels it has fewer points.
+/// About the most numbers that the record may hold. With more uncertain vessels it has fewer points.
 const MOST_NUMBERS: u64 = 1 << 24;
 
-/// What is finished of a run. The same blocks make the same part, bit for bit, in whatever order they came, and the parts of
-/// one run can be joined.
+/// What is finished of a run. The same blocks make the same part, bit for bit, whatever the order in which they were added. Parts of one
+/// run can be joined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialRun {
     uncertain: Vec<bool>,
@@ -26,7 +26,7 @@ pub struct PartialRun {
 }
 
 impl PartialRun {
-    /// Nothing yet of a run of so many samples with these uncertain vessels.
+    /// An empty part of a run of `samples`, whose `uncertain` vessels are marked.
     pub fn new(uncertain: Vec<bool>, samples: u64) -> Self {
         let step = step(samples.div_ceil(BLOCK), uncertain.iter().filter(|u| **u).count());
         Self { uncertain, samples, step, sums: DyadicSums::default(), steps: BTreeMap::new() }
@@ -63,8 +63,8 @@ impl PartialRun {
         border(blocks.end) - border(blocks.start)
     }
 
-    /// The sums over the blocks that are finished, by the largest nodes of the dyadic tree that they fill: the first block of
-    /// each, how many, and their sum.
+    /// The sums over the blocks that are finished, as the largest nodes of the dyadic tree that they fill. Each has its first block, its
+    /// number of blocks, and their sum.
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = (u64, u64, &Sums)> {
         self.sums.nodes()
     }
@@ -74,7 +74,7 @@ impl PartialRun {
         self.steps.iter().map(|(at, likelihood)| (*at, &likelihood[..]))
     }
 
-    /// Whether these are the first block and the size of a node that can be added: of the run, and not finished yet.
+    /// Whether the node of so many blocks from `first` on can be added: it is a node of this run, and none of it is finished yet.
     pub fn takes(&self, first: u64, blocks: u64) -> bool {
         DyadicSums::<Sums>::is_node(first, blocks)
             && first + blocks <= self.blocks()
@@ -113,7 +113,7 @@ impl PartialRun {
         self.sums.gaps(blocks)
     }
 
-    /// Adds another part of the same run; false where the two have a block in common, and nothing is added then.
+    /// Adds another part of the same run. Where the two have a block in common nothing is added, and the answer is false.
     pub fn join(&mut self, other: Self) -> bool {
         if other.sums.nodes().any(|(first, blocks, _)| !self.takes(first, blocks)) {
             return false;
@@ -125,7 +125,7 @@ impl PartialRun {
         true
     }
 
-    /// The same as the beginning of a run of twice as many samples; that of now must be one of whole blocks.
+    /// Makes this the part of a run of twice as many samples. The run must consist of whole blocks.
     pub fn double(&mut self) {
         debug_assert!(self.samples.is_multiple_of(BLOCK));
         self.samples *= 2;
@@ -166,7 +166,7 @@ impl PartialRun {
     }
 }
 
-/// Blocks between two points of the convergence record: a matter of the run alone, not of its threads or parts.
+/// Blocks between two points of the convergence record. They depend on the run alone, not on its threads or parts.
 fn step(blocks: u64, uncertain: usize) -> u64 {
     let snapshots = (MOST_NUMBERS / (uncertain as u64).max(1)).clamp(1, SNAPSHOTS);
     (blocks / snapshots).max(1).next_power_of_two()

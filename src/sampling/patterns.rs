@@ -1,4 +1,4 @@
-//! Which vessels are open in each sample: patterns drawn, or all there are.
+//! Which vessels are open in each sample: drawn patterns, or every possible pattern.
 
 use super::options::SamplingOptions;
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use crate::support::random::BLOCK;
 pub enum Patterns {
     /// Drawn at random from the streams of a seed.
     Drawn {
-        /// With what chances.
+        /// The chances of the vessels.
         occlusion: Occlusion,
         /// The seed.
         seed: u64,
@@ -45,8 +45,8 @@ impl Patterns {
         }
     }
 
-    /// Block `block`: bit i of word e says whether vessel e is open in sample i. Whether each sample counts with its
-    /// `probability`, which is then filled in.
+    /// Fills in block `block`: bit i of word e says whether vessel e is open in sample i. In an enumeration it fills in the `probability` of
+    /// each sample too, and returns true.
     pub fn fill(&self, block: u64, masks: &mut Vec<u64>, probability: &mut [f64; BLOCK as usize]) -> bool {
         match self {
             Self::Drawn { occlusion, seed } => {

@@ -1,4 +1,4 @@
-//! The sampling run: fixed blocks over the worker threads, summed over the dyadic tree of block indices.
+//! The sampling run: worker threads compute fixed blocks of samples, which are summed over the dyadic tree of block indices.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,34 +7,34 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use super::choose::Method;
 use super::dyadic_sums::DyadicSums;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{Likelihood, Sums};
 use super::options::SamplingOptions;
 use super::partial_run::PartialRun;
-use super::sampler::{Method, Sampler};
-use crate::decision::decide::decide;
-use crate::decision::rules::Keep;
+use super::sampler::Sampler;
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::network::Network;
 
-/// Samples that a run until stable begins and ends with.
+/// The fewest samples of a run until stable.
 pub const FIRST_STABLE: u64 = 1 << 10;
+/// The most samples of a run until stable.
 const LAST_STABLE: u64 = 1 << 20;
-/// Blocks that a worker sums up by itself before it hands them in, at the most.
+/// The most blocks that a worker sums up by itself before it adds them to what all workers share.
 const UNIT: u64 = 16;
-/// Between two reports of a worker within them.
+/// The least time between two reports of a worker that has not finished its blocks.
 const REPORT_AFTER: Duration = Duration::from_millis(50);
-/// Sums that a worker keeps for later, at the most.
+/// The most sums whose memory a worker keeps to use again.
 const SPARE: usize = 6;
 
-/// Hears how far a run is and may stop it.
+/// Is told how far a run has come, and may stop it.
 pub trait Progress: Send {
-    /// So many samples of the total are done; false stops the run.
+    /// `done` of `total` samples are finished; false stops the run.
     fn report(&mut self, done: u64, total: u64) -> bool;
 
-    /// More of the run is finished; what stands here now can be gone on with later ([`Sampling::sample`]).
+    /// More of the run is finished. A later [`Sampling::sample`] can continue from this part.
     fn finished(&mut self, _part: &PartialRun) {}
 }
 
@@ -44,7 +44,7 @@ impl<F: FnMut(u64, u64) -> bool + Send> Progress for F {
     }
 }
 
-/// Samples an over-connected graph and returns what the samples say, with how they were computed.
+/// Samples an over-connected graph. Returns the likelihoods, and how they were computed.
 ///
 /// # Errors
 ///
@@ -61,13 +61,13 @@ pub fn infer(
     Ok((sampling.likelihood(&part), sampling.method()))
 }
 
-/// A run made ready, to be sampled in parts.
+/// A run that is prepared and can be sampled in parts.
 #[derive(Debug)]
 pub struct Sampling {
     sampler: Sampler,
     uncertain: Vec<bool>,
     samples: u64,
-    /// Of an enumeration the samples that L is scaled to.
+    /// In an enumeration, the number of samples that L is scaled to.
     scaled_to: Option<u64>,
 }
 
@@ -103,12 +103,12 @@ impl Sampling {
         self.part().blocks()
     }
 
-    /// The part of the run that is finished before it begins.
+    /// The part of the run before any block is finished.
     pub fn part(&self) -> PartialRun {
         PartialRun::new(self.uncertain.clone(), self.samples)
     }
 
-    /// Finishes a range of blocks of the run; those that `part` has already are not computed again.
+    /// Computes the blocks of a range that `part` does not have yet, and adds them to it.
     ///
     /// # Errors
     ///
@@ -119,8 +119,8 @@ impl Sampling {
         let done = total - gaps.iter().map(|gap| part.samples_in(gap)).sum::<u64>();
         let unit = part.step().min(UNIT);
         let (stop, shared) = (AtomicBool::new(false), Mutex::new(Shared { part, units: Units { gaps, unit }, done, progress }));
-        let hear = |shared: &mut Shared<'_, _>, fresh: u64| {
-            if !shared.hear(fresh, total) {
+        let report = |shared: &mut Shared<'_, _>, fresh: u64| {
+            if !shared.report(fresh, total) {
                 stop.store(true, Ordering::Relaxed);
             }
         };
@@ -128,15 +128,15 @@ impl Sampling {
             let (mut work, mut spare) = (self.sampler.workspace(), Vec::new());
             while !stop.load(Ordering::Relaxed) {
                 let Some(unit) = locked(&shared).units.next() else { break };
-                let (mut sum, mut fresh, mut said) = (DyadicSums::default(), 0, Instant::now());
+                let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
                 for block in unit {
                     let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
                     self.sampler.block(block, self.samples - block * crate::support::random::BLOCK, &mut work, &mut sums)?;
                     fresh += sums.samples;
                     sum.insert(block, 1, sums, &mut spare, |_, _, _| {});
-                    if said.elapsed() > REPORT_AFTER {
-                        said = Instant::now();
-                        hear(&mut locked(&shared), std::mem::take(&mut fresh));
+                    if reported.elapsed() > REPORT_AFTER {
+                        reported = Instant::now();
+                        report(&mut locked(&shared), std::mem::take(&mut fresh));
                     }
                     if stop.load(Ordering::Relaxed) {
                         break;
@@ -147,7 +147,7 @@ impl Sampling {
                     shared.part.insert(first, blocks, sums, &mut spare);
                 }
                 spare.truncate(SPARE);
-                hear(shared, fresh);
+                report(shared, fresh);
                 shared.progress.finished(shared.part);
             }
             Ok(())
@@ -161,25 +161,22 @@ impl Sampling {
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
-    /// Samples the whole run, and doubles it, up to 2²⁰ samples, until no uncertain vessel is undecided under `rule`; one that was
-    /// begun goes on with the samples that `part` has come to.
+    /// Samples the whole run, and doubles its samples, up to 2²⁰, until `decided` says that they suffice. It continues from what `part` has.
     ///
     /// # Errors
     ///
-    /// As [`Sampling::sample`].
+    /// As [`Sampling::sample`], or what `decided` returns.
     pub fn until_stable(
         &mut self,
         part: &mut PartialRun,
-        network: &Network,
-        rule: Keep,
+        decided: impl Fn(&Likelihood) -> Result<bool>,
         progress: &mut impl Progress,
     ) -> Result<Likelihood> {
-        let rule = if rule.asks_evidence() { Keep::Median } else { rule };
         self.samples = part.samples();
         loop {
             self.sample(part, 0..self.blocks(), progress)?;
             let result = self.likelihood(part);
-            if self.samples >= LAST_STABLE || decide(rule, network, &result)?.undecided.is_empty() {
+            if self.samples >= LAST_STABLE || decided(&result)? {
                 return Ok(result);
             }
             self.samples *= 2;
@@ -187,7 +184,7 @@ impl Sampling {
         }
     }
 
-    /// What the samples say, from a part that is the whole run.
+    /// The likelihoods, from a part that is the whole run.
     pub fn likelihood(&self, part: &PartialRun) -> Likelihood {
         let sums = part.total().unwrap_or_default();
         match self.scaled_to {
@@ -206,14 +203,14 @@ struct Shared<'a, P> {
 }
 
 impl<P: Progress> Shared<'_, P> {
-    /// So many more samples of the total are done; false stops the run.
-    fn hear(&mut self, fresh: u64, total: u64) -> bool {
+    /// Reports `fresh` more samples; false stops the run.
+    fn report(&mut self, fresh: u64, total: u64) -> bool {
         self.done += fresh;
         self.progress.report(self.done, total)
     }
 }
 
-/// What is to be done, in rising order, so that little stands alone while a run is under way.
+/// The blocks that are still to be computed. They are given out in rising order, so that finished ones soon join their neighbours.
 struct Units {
     gaps: Vec<Range<u64>>,
     /// Blocks of a unit, a power of two.
@@ -233,7 +230,7 @@ impl Units {
     }
 }
 
-/// The content of a lock; a panic elsewhere leaves it usable, for it is only sums and counts.
+/// The content of a lock. A panic elsewhere leaves it usable: it only holds sums and counts.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,61 +1,33 @@
-//! A block of samples: mask, flow, resilience, forest. A serial step that allocates nothing after its first block.
+//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
 
+use super::choose::{Method, Plan};
 use super::likelihood::Sums;
-use super::options::{SamplingOptions, Solver};
+use super::options::SamplingOptions;
 use super::patterns::Patterns;
-use super::reduced_graph;
-use super::reduced_graph::Reduced;
-use super::whole_graph::Whole;
-use super::whole_graph_lanes::Group;
+use super::{full_graph, reduced_graph};
 use crate::error::Result;
-use crate::flow::batch::conjugate_gradients::ConjugateGradients;
-use crate::flow::{Boundary, Circuit};
+use crate::flow::Boundary;
 use crate::network::Network;
 use crate::support::random::BLOCK;
-
-/// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
-const MANY: usize = 4096;
-/// Joins of star-mesh elimination above which other solvers are considered.
-const MOST_JOINS: usize = 200_000;
-
-/// How a run computed its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Method {
-    /// The solver: `lanes`, `gradients` or `cholesky`.
-    pub solver: &'static str,
-    /// The joins of its program, or the entries of its factor: what a sample (of `gradients`, a step) costs is in proportion.
-    pub solver_size: usize,
-    /// The forest algorithm: `bottleneck` or `kruskal`.
-    pub forest: &'static str,
-    /// The joins of the forest program.
-    pub forest_joins: Option<usize>,
-    /// The instruction set.
-    pub instructions: &'static str,
-}
 
 /// Everything about a graph that all its samples share.
 #[derive(Debug)]
 pub struct Sampler {
     patterns: Patterns,
-    how: How,
-}
-
-#[derive(Debug)]
-enum How {
-    Whole(Box<Whole>),
-    Reduced(Box<Reduced>),
+    plan: Plan,
 }
 
 /// The memory of one worker.
 pub struct Workspace {
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
-    how: Memory,
+    memory: Memory,
 }
 
 enum Memory {
-    Whole(Box<Group>),
-    Reduced(Box<reduced_graph::Workspace>),
+    Full(Box<full_graph::Memory>),
+    Reduced(Box<reduced_graph::Memory>),
+    Reference,
 }
 
 /// Samples that are taken together.
@@ -74,23 +46,12 @@ impl Sampler {
     ///
     /// # Errors
     ///
-    /// A vessel whose conductance or resilience no double can hold; no memory for a factorisation.
+    /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
     pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
-        let circuit = Circuit::new(network, boundary, params.viscosity)?;
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
-        let limit = match params.solver {
-            _ if network.vessel_count() > MANY => None,
-            Solver::Auto => Some(MOST_JOINS),
-            Solver::Lanes => Some(usize::MAX),
-            Solver::Gradients | Solver::Cholesky => None,
-        };
-        let whole = limit.map(|limit| Whole::new(network, &circuit, &certain, params, limit)).transpose()?.flatten();
-        let how = match whole {
-            Some(whole) => How::Whole(Box::new(whole)),
-            None => How::Reduced(Box::new(Reduced::new(network, &circuit, &certain, params)?)),
-        };
-        Ok(Self { patterns: Patterns::new(keep, params)?, how })
+        let plan = Plan::choose(network, boundary, &certain, params)?;
+        Ok(Self { patterns: Patterns::new(keep, params)?, plan })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -100,19 +61,21 @@ impl Sampler {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        match &self.how {
-            How::Whole(whole) => whole.method(),
-            How::Reduced(reduced) => reduced.method(),
+        match &self.plan {
+            Plan::Full(graph) => graph.method(),
+            Plan::Reduced(graph) => graph.method(),
+            Plan::Reference(reference) => reference.method(),
         }
     }
 
     /// Memory for one worker.
     pub fn workspace(&self) -> Workspace {
-        let how = match &self.how {
-            How::Whole(whole) => Memory::Whole(Box::new(whole.workspace())),
-            How::Reduced(reduced) => Memory::Reduced(Box::new(reduced.workspace())),
+        let memory = match &self.plan {
+            Plan::Full(graph) => Memory::Full(Box::new(graph.memory())),
+            Plan::Reduced(graph) => Memory::Reduced(Box::new(graph.memory())),
+            Plan::Reference(_) => Memory::Reference,
         };
-        Workspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], how }
+        Workspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], memory }
     }
 
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
@@ -128,32 +91,12 @@ impl Sampler {
             *mask &= valid;
         }
         let block = Block { masks: &mut work.masks, probability, samples: samples as usize };
-        match (&self.how, &mut work.how) {
-            (How::Whole(whole), Memory::Whole(memory)) => whole.block(block, memory, sums),
-            (How::Reduced(reduced), Memory::Reduced(memory)) => reduced.block(block, memory, sums)?,
-            _ => {}
+        match (&self.plan, &mut work.memory) {
+            (Plan::Full(graph), Memory::Full(memory)) => graph.block(&block, memory, sums),
+            (Plan::Reduced(graph), Memory::Reduced(memory)) => graph.block(block, memory, sums)?,
+            (Plan::Reference(reference), _) => reference.block(&block, sums)?,
+            _ => debug_assert!(false, "the memory of another plan"),
         }
         Ok(())
     }
-}
-
-/// ns a join of star-mesh elimination takes, a sample.
-const JOIN: f64 = 0.30;
-/// Steps of conjugate gradients that a mesh of vessels takes, and ns a ray of the core takes in one, a sample.
-const STEPS: f64 = 50.0;
-const STEP_RAY: f64 = 0.5;
-/// Joins of a forest program, per vessel, above which Kruskal's algorithm is faster.
-const BOTTLENECK_JOINS_PER_VESSEL: usize = 40;
-/// Nodes of a core above which its elimination is not even ordered: conjugate gradients are sure to be faster.
-pub const SMALL_CORE: usize = 2000;
-
-/// Joins of star-mesh elimination up to which it is expected to be faster than conjugate gradients.
-pub fn lanes_limit(gradients: &ConjugateGradients) -> usize {
-    let nanoseconds = JOIN * gradients.joins() as f64 + STEPS * STEP_RAY * gradients.rays() as f64;
-    (nanoseconds / JOIN) as usize
-}
-
-/// The longest forest program that is worth its while.
-pub fn forest_limit(vessels: usize) -> usize {
-    BOTTLENECK_JOINS_PER_VESSEL * vessels
 }

@@ -2,27 +2,28 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::forest_lanes::Taken;
+use super::choose::FULL_GRAPH_LANES as B;
+use super::forest_program::InForest;
 use super::likelihood::Sums;
 use crate::support::random::BLOCK;
 use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat, zip};
 
-/// Sums are kept in so many lanes, whatever the width of a group, so that the width changes no bit.
+/// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
 const SUM_LANES: usize = 8;
 /// One figure for each sample of a block.
-pub type Samples = Lanes<{ BLOCK as usize }>;
+pub type PerSample = Lanes<{ BLOCK as usize }>;
 
-/// The forests of a block, in groups of `B` samples.
+/// The forests of a block of a full graph.
 #[derive(Debug, Clone, Copy)]
-pub struct Tally<'a, const B: usize> {
-    /// As the forests left them, one group after another.
-    pub taken: &'a [Taken<B>],
+pub struct Forests<'a> {
+    /// Which vessels each has, one group of samples after another.
+    pub in_forest: &'a [InForest<B>],
     /// How many vessels.
     pub vessels: usize,
 }
 
-impl<const B: usize> Tally<'_, B> {
-    /// The sums of all vessels, given what a vessel contributes to the samples from one on.
+impl Forests<'_> {
+    /// Sums over all vessels; `value` gives what a vessel contributes to the eight samples from one on.
     #[inline(always)]
     pub fn add_up<S: Simd>(&self, simd: S, value: impl Fn(usize, usize) -> Lanes<SUM_LANES>, sums: &mut Sums) {
         for vessel in 0..self.vessels {
@@ -39,7 +40,7 @@ impl<const B: usize> Tally<'_, B> {
         }
     }
 
-    /// As [`Self::add_up`], for samples that count by their probability.
+    /// The same for samples that count with their probability.
     #[inline(always)]
     pub fn add_up_weighted<S: Simd>(
         &self,
@@ -71,7 +72,7 @@ impl<const B: usize> Tally<'_, B> {
         let (row, rows) = (self.vessels - vessel, self.vessels + 1);
         let mut word = 0;
         for eight in 0..BLOCK as usize / 8 {
-            let samples = self.taken[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
+            let samples = self.in_forest[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
             word |= u64::from_le_bytes(samples) & 0x0101_0101_0101_0101 << eight;
         }
         word
@@ -80,8 +81,8 @@ impl<const B: usize> Tally<'_, B> {
 
 static ACROSS: Bits = Bits::ACROSS;
 
-/// The sum over the samples of what each gives, times what it counts.
-pub fn expectation(values: &Samples, probability: Option<&[f64; BLOCK as usize]>) -> f64 {
+/// The sum of `values` over the samples, each times its probability where there is one.
+pub fn expectation(values: &PerSample, probability: Option<&[f64; BLOCK as usize]>) -> f64 {
     let mut lanes = [0.0; SUM_LANES];
     for (sample, value) in values.iter().enumerate() {
         lanes[sample % SUM_LANES] += value * probability.map_or(1.0, |p| p[sample]);
@@ -105,7 +106,7 @@ pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
 
 /// The number of words in which the bit of each sample is set.
 #[inline(always)]
-pub fn open_vessels<S: Simd>(simd: S, masks: &[u64]) -> Samples {
+pub fn open_vessels<S: Simd>(simd: S, masks: &[u64]) -> PerSample {
     let mut planes = [0_u64; 32];
     let (eights, rest) = masks.as_chunks();
     for [a, b, c, d, e, f, g, h] in eights {
@@ -117,7 +118,7 @@ pub fn open_vessels<S: Simd>(simd: S, masks: &[u64]) -> Samples {
     for mask in rest {
         count_bits(&mut planes, *mask);
     }
-    let (mut open, mut worth) = (Samples::ZERO, splat(simd, 1.0));
+    let (mut open, mut worth) = (PerSample::ZERO, splat(simd, 1.0));
     let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
     for plane in &planes[..used] {
         open = plus(simd, &open, &masked(simd, &worth, *plane, 0));

@@ -32,7 +32,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("plotters", &["report/figures/"]),
     ("ab_glyph", &["report/figures/font.rs"]),
     ("strsim", &["support/suggestions.rs"]),
-    ("faer", &["flow/cholesky.rs"]),
+    ("faer", &["sampling/reference.rs"]),
     ("pulp", &["support/simd.rs"]),
     ("rand_chacha", &["support/random.rs"]),
     ("hdf5_reader", &["io/vendors/vtrails.rs"]),

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::circle_of_willis::{Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, collaterals};
-use willis::internals::decision::{Draw, KnownEnds, Topologies};
+use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
 use willis::internals::flow::boundary::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{ReadOptions, read_graphml};
@@ -68,7 +68,8 @@ fn posterior(network: &Network, samples: u64) -> Posterior {
     Posterior::of(
         &circle,
         network,
-        &Topologies::draw(network, &boundary, &params, Draw::Ends(KnownEnds { ends: &known, inlets: &[] })).unwrap(),
+        &Topologies::draw(network, &boundary, &params, TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &[] }))
+            .unwrap(),
     )
 }
 

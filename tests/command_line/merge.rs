@@ -70,7 +70,7 @@ fn shards_of_every_kind_of_run_give_its_bytes() {
         &["infer", "scan.swc", "--landmarks", "scan.landmarks.csv", "-n", "256", "--dpi", "40"],
         &["infer", &graph, "--labels", "names", "--uncertain", "all", "--weight", "global", "-n", "192", "--dpi", "40"],
         &["infer", "scan.swc", "--preset", "paper", "-n", "256", "--keep", "otsu", "--dpi", "40"],
-        &["infer", "scan.swc", "--outlets", "murray=500mL/min", "--max-gap", "20mm", "--solver", "cholesky", "-n", "200"],
+        &["infer", "scan.swc", "--outlets", "murray=500mL/min", "--max-gap", "20mm", "--solver", "reference", "-n", "200"],
         &[
             "infer",
             "bare.csv",

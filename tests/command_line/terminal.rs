@@ -158,7 +158,7 @@ fn bash_completes_commands_options_and_values() {
         assert!(String::from_utf8_lossy(&output.stdout).contains("radius-array"), "{shell}");
         fs::write(here.path().join(format!("willis.{shell}")), output.stdout).expect("written");
     }
-    for (words, last) in [("inf", "infer"), ("infer --radius-a", "--radius-array"), ("infer --solver c", "cholesky")] {
+    for (words, last) in [("inf", "infer"), ("infer --radius-a", "--radius-array"), ("infer --solver r", "reference")] {
         let Some(found) = completed(here.path(), words) else {
             eprintln!("skipped: no bash");
             return;

@@ -17,14 +17,13 @@ use crate::figure::Figure;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::internals::flow::cholesky;
-use willis::internals::flow::cholesky::Cholesky;
 use willis::internals::flow::poiseuille::{BLOOD_VISCOSITY, resistance};
+use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
 use willis::internals::flow::{Circuit, StarMesh, pressures};
+use willis::internals::sampling::reference;
 
 /// Samples solved side by side.
 const LANES: usize = 8;
-use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
 
 /// Relative error that a pressure may have: 18 ε.
 const TOLERANCE: f64 = 4e-15;
@@ -113,10 +112,7 @@ fn star_mesh(circuit: &Circuit) -> Vec<f64> {
 
 /// The pressures by Cholesky factorisation; `None` where it is refused or breaks down.
 fn cholesky(circuit: &Circuit) -> Option<Vec<f64>> {
-    let mut pressure = vec![0.0; circuit.node_count()];
-    let factor = Cholesky::compile(circuit)?;
-    factor.solve(|_| true, &mut cholesky::Workspace::default(), |node, p| pressure[node] = p).ok()?;
-    Some(pressure)
+    reference::pressures(circuit, |_| true).ok()
 }
 
 fn relative_error(value: f64, truth: f64) -> f64 {

@@ -236,7 +236,7 @@ proptest! {
             infer(&network, &boundary, &params, &mut |_, _| true).unwrap().0
         };
         let lanes = run(Solver::Lanes);
-        for other in [run(Solver::Gradients), run(Solver::Cholesky)] {
+        for other in [run(Solver::Gradients), run(Solver::Reference)] {
             prop_assert_eq!(&lanes.frequency, &other.frequency);
             prop_assert!(lanes.likelihood.iter().zip(&other.likelihood).all(|(a, b)| near(*a, *b, 1e-9)));
         }

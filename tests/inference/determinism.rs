@@ -34,9 +34,13 @@ fn trace_bits(l: &Likelihood) -> Vec<(u64, Vec<u64>)> {
 /// last one cut short in its second.
 #[test]
 fn one_two_and_eight_threads_give_the_same_bits() {
-    for (samples, solver) in
-        [(1, Solver::Lanes), (64, Solver::Cholesky), (1000, Solver::Cholesky), (1000, Solver::Gradients), (20_050, Solver::Lanes)]
-    {
+    for (samples, solver) in [
+        (1, Solver::Lanes),
+        (64, Solver::Reference),
+        (1000, Solver::Reference),
+        (1000, Solver::Gradients),
+        (20_050, Solver::Lanes),
+    ] {
         for weight in [Weight::Resilience, Weight::Global] {
             let params =
                 SamplingOptions { samples, solver, weight, seed: 3, uncertain: Uncertain::All, ..SamplingOptions::default() };

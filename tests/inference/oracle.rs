@@ -43,7 +43,7 @@ fn every_figure_is_within_five_standard_errors_of_enumeration() {
             let epsilon = [0.5, 0.3, 0.2][seed as usize % 3];
             let exact = enumerate(&network, &conditions, &keep(&network, epsilon, uncertain));
             for weight in [Weight::Resilience, Weight::Count, Weight::Global] {
-                for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
+                for solver in [Solver::Lanes, Solver::Gradients, Solver::Reference] {
                     let params = SamplingOptions {
                         epsilon,
                         samples: SAMPLES,
@@ -117,7 +117,7 @@ fn every_sample_has_the_flow_and_forest_of_the_textbook() {
                 count[row] += 1;
             }
         }
-        for solver in [Solver::Lanes, Solver::Gradients, Solver::Cholesky] {
+        for solver in [Solver::Lanes, Solver::Gradients, Solver::Reference] {
             let params =
                 SamplingOptions { epsilon: 0.3, samples, seed, uncertain: Uncertain::All, solver, ..SamplingOptions::default() };
             let result = run(&network, &conditions, &params);
@@ -134,10 +134,10 @@ fn solvers_agree(network: &Network, conditions: &[(usize, Condition)], seed: u64
     let of = |solver| {
         run(network, conditions, &SamplingOptions { solver, seed, uncertain: Uncertain::All, ..SamplingOptions::default() })
     };
-    let (lanes, cholesky) = (of(Solver::Lanes), of(Solver::Cholesky));
+    let (lanes, reference) = (of(Solver::Lanes), of(Solver::Reference));
     for row in 0..network.vessel_count() {
-        let (a, b) = (lanes.likelihood[row], cholesky.likelihood[row]);
-        assert_eq!(lanes.frequency[row], cholesky.frequency[row], "graph {seed}, vessel {row}");
+        let (a, b) = (lanes.likelihood[row], reference.likelihood[row]);
+        assert_eq!(lanes.frequency[row], reference.frequency[row], "graph {seed}, vessel {row}");
         assert!((a - b).abs() <= 1e-9 * a.abs().max(b.abs()), "graph {seed}, vessel {row}: {a} and {b}");
     }
 }
@@ -168,12 +168,12 @@ fn both_solvers_find_the_same_forests_over_all_vessel_sizes() {
         let of = |solver| {
             run(&network, &conditions, &SamplingOptions { solver, seed, uncertain: Uncertain::All, ..SamplingOptions::default() })
         };
-        let (lanes, cholesky) = (of(Solver::Lanes), of(Solver::Cholesky));
+        let (lanes, reference) = (of(Solver::Lanes), of(Solver::Reference));
         let largest = lanes.likelihood.iter().copied().fold(0.0, f64::max);
         for row in 0..network.vessel_count() {
-            let (a, b) = (lanes.likelihood[row], cholesky.likelihood[row]);
+            let (a, b) = (lanes.likelihood[row], reference.likelihood[row]);
             assert!((a - b).abs() <= 1e-5 * a.max(b) + 1e-15 * largest, "graph {seed}, vessel {row}: {a} and {b}");
-            exchanged += (lanes.frequency[row] - cholesky.frequency[row]).abs() / 2.0;
+            exchanged += (lanes.frequency[row] - reference.frequency[row]).abs() / 2.0;
         }
     }
     assert!(exchanged / 60.0 <= 1e-4, "{exchanged}");

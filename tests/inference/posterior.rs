@@ -17,10 +17,8 @@ mod networkx;
 use crate::draw::Draw;
 use crate::figure::Figure;
 use listed::{Listed, random};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::internals::forest_posterior::{Bridge, Forests, Wilson, arborescence, log_likelihood, marginals, rooted_in};
+use willis::internals::forest_posterior::{Bridge, Forests, arborescence, log_likelihood, marginals, rooted_in};
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;
@@ -261,76 +259,6 @@ fn the_arborescence_is_the_best_of_all_explanations() {
         assert!((value - best).abs() < 1e-12, "{value} for {best}");
         assert_eq!(rows, least);
     }
-}
-
-/// Frequencies over many draws: z-scores have mean square one and none is far out.
-#[test]
-fn frequencies_of_draws_are_the_marginals() {
-    const DRAWS: u64 = 20_000;
-    let mut draw = Draw::new(7);
-    let (mut squares, mut scores) = (0.0, 0.0);
-    for seed in 0..12 {
-        let forests = if seed % 2 == 0 { ring(&mut draw, 40) } else { random(&mut draw, 5, 2.0) };
-        let (all, wilson) = (marginals(&forests), Wilson::new(&forests));
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (mut bridges, mut roots) = (vec![0_u32; all.bridges.len()], vec![0_u32; all.roots.len()]);
-        for _ in 0..DRAWS {
-            for (fragment, choice) in wilson.draw(&mut rng, 1_000_000_000).expect("ends").into_iter().enumerate() {
-                *choice.map_or(&mut roots[fragment], |bridge| &mut bridges[bridge]) += 1;
-            }
-        }
-        let pairs = bridges.iter().chain(&roots).zip(all.bridges.iter().chain(&all.roots));
-        for (count, p) in pairs.filter(|(_, p)| **p > 1e-3 && **p < 0.999) {
-            let z = (f64::from(*count) - DRAWS as f64 * p) / (DRAWS as f64 * p * (1.0 - p)).sqrt();
-            assert!(z.abs() < 5.0, "{z} at {p}");
-            squares += z * z;
-            scores += 1.0;
-        }
-    }
-    let mean = squares / scores;
-    assert!(scores > 1000.0 && (0.85..1.15).contains(&mean), "{mean} over {scores}");
-}
-
-/// Whole explanations, not only their parts: χ² against the list.
-#[test]
-fn draws_are_explanations_with_their_probabilities() {
-    const DRAWS: u32 = 50_000;
-    let mut draw = Draw::new(8);
-    let (mut excess, mut freedom) = (0.0, 0.0);
-    for seed in 0..10 {
-        let forests = random(&mut draw, 4, 1.0);
-        let (listed, wilson) = (Listed::new(&forests), Wilson::new(&forests));
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut counts = vec![0_u32; listed.explanations.len()];
-        for _ in 0..DRAWS {
-            let drawn = wilson.draw(&mut rng, 1_000_000).expect("ends");
-            counts[listed.explanations.iter().position(|(choices, _)| *choices == drawn).expect("an explanation")] += 1;
-        }
-        for (count, (_, weight)) in counts.iter().zip(&listed.explanations) {
-            let mean = f64::from(DRAWS) * weight / listed.total();
-            excess += (f64::from(*count) - mean).powi(2) / mean;
-        }
-        freedom += listed.explanations.len() as f64 - 1.0;
-    }
-    // χ² has variance twice its freedom.
-    let z = (excess - freedom) / (2.0 * freedom).sqrt();
-    assert!(freedom > 100.0 && z.abs() < 4.0, "{z} at {freedom}");
-}
-
-#[test]
-fn a_draw_counts_its_steps() {
-    const DRAWS: u32 = 20_000;
-    // Two fragments that prefer each other e^2 times to a root. By hand: a walk back and forth takes a further step with
-    // probability q, and where it ends after an odd number the other fragment takes one more. So ten are too few as often as q^10.
-    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: 2.0 }, Bridge { child: 1, parent: 0, log_weight: 2.0 }];
-    let wilson = Wilson::new(&Forests::new(vec![0.0, 0.0], bridges).unwrap());
-    let q = 2_f64.exp() / (1.0 + 2_f64.exp());
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let too_few = (0..DRAWS).filter(|_| wilson.draw(&mut rng, 10).is_none()).count() as f64;
-    let mean = f64::from(DRAWS) * q.powi(10);
-    assert!((too_few - mean).abs() < 4.0 * (mean * (1.0 - q.powi(10))).sqrt(), "{too_few} for {mean}");
-    assert_eq!(wilson.draw(&mut rng, 1), None);
-    assert!(wilson.draw(&mut rng, 1_000_000).is_some());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::draw::Draw;
 use crate::networks::{boundary, radii, random_conditions, random_network};
 use proptest::prelude::*;
 use willis::error::Error;
-use willis::internals::decision::Keep;
+use willis::internals::decision::{Keep, all_decided};
 use willis::internals::flow::Boundary;
 use willis::internals::network::Network;
 use willis::internals::output::{read_part, write_part};
@@ -135,16 +135,16 @@ fn a_run_that_is_stopped_goes_on_to_the_same_bits() {
 #[test]
 fn a_run_until_stable_is_the_run_of_as_many_samples() {
     let (network, boundary) = graph();
-    let rule = Keep::Quantile(0.45);
+    let decided = |result: &Likelihood| all_decided(Keep::Quantile(0.45), &network, result);
     for samples in [1 << 10, 1 << 15] {
         let doubled = SamplingOptions { samples, ..params(1) };
         let mut part = Sampling::new(&network, &boundary, &doubled).unwrap().part();
         let mut sampling = Sampling::new(&network, &boundary, &params(1 << 10)).unwrap();
-        let error = sampling.until_stable(&mut part, &network, rule, &mut |done: u64, total: u64| done < total / 2);
+        let error = sampling.until_stable(&mut part, decided, &mut |done: u64, total: u64| done < total / 2);
         assert!(matches!(error, Err(Error::Stopped { .. })));
         let mut part = through_a_file(&part);
         let mut again = Sampling::new(&network, &boundary, &params(1 << 10)).unwrap();
-        let result = again.until_stable(&mut part, &network, rule, &mut |_: u64, _: u64| true).unwrap();
+        let result = again.until_stable(&mut part, decided, &mut |_: u64, _: u64| true).unwrap();
         let whole = infer(&network, &boundary, &params(result.samples), &mut |_: u64, _: u64| true).unwrap().0;
         assert!(result.samples >= samples);
         assert_eq!(bits(&result), bits(&whole));

@@ -7,7 +7,7 @@ use crate::exact;
 use crate::networks::{boundary, radii, random_conditions, random_network, run};
 use crate::textbook::{Sample, best_of_all_forests};
 use crate::vessels::{network, tube};
-use willis::internals::decision::{Draw, Keep, KnownEnds, Topologies, decide};
+use willis::internals::decision::{Keep, KnownEnds, Topologies, TopologySource, decide};
 use willis::internals::network::{Condition, Evidence, Network, Origin, Vessel};
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
@@ -41,7 +41,7 @@ fn assert_shares(inlets: &[usize], weight_unfed: f64) {
     let network = broken();
     let known = [true, false, false, true];
     let params = SamplingOptions { samples: 70_000, seed: 3, ..SamplingOptions::default() };
-    let draw = Draw::Ends(KnownEnds { ends: &known, inlets });
+    let draw = TopologySource::FreeEnds(KnownEnds { ends: &known, inlets });
     let drawn = Topologies::draw(&network, &boundary(&network, &[]), &params, draw).unwrap();
     assert_eq!(drawn.samples, 70_000);
     let one = [(Some(2), 3.0 / 6.0), (Some(3), 2.0 / 6.0), (None, 1.0 / 6.0)];
@@ -86,7 +86,7 @@ fn what_is_known_stays_as_it_is() {
             &network,
             &boundary(&network, &[]),
             &SamplingOptions::default(),
-            Draw::Ends(KnownEnds { ends: &known, inlets: &[] }),
+            TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &[] }),
         )
         .unwrap();
         shares(&drawn)
@@ -103,8 +103,13 @@ fn a_sample_does_not_depend_on_how_many_are_drawn() {
     let network = broken();
     let draw = |samples| {
         let params = SamplingOptions { samples, seed: 9, ..SamplingOptions::default() };
-        Topologies::draw(&network, &boundary(&network, &[]), &params, Draw::Ends(KnownEnds { ends: &[false; 4], inlets: &[] }))
-            .unwrap()
+        Topologies::draw(
+            &network,
+            &boundary(&network, &[]),
+            &params,
+            TopologySource::FreeEnds(KnownEnds { ends: &[false; 4], inlets: &[] }),
+        )
+        .unwrap()
     };
     let count = |t: &Topologies, kept: &Vec<bool>| shares(t).get(kept).map_or(0.0, |p| (p * t.samples as f64).round());
     let (few, many) = (draw(100), draw(101));
@@ -155,7 +160,7 @@ fn samples_vote_for_their_forest_and_what_is_above_the_median() {
         let likelihood = run(&network, &conditions, &params);
         let above = decide(Keep::Median, &network, &likelihood).unwrap().above_median;
         let circuit = boundary(&network, &conditions);
-        let drawn = shares(&Topologies::draw(&network, &circuit, &params, Draw::Flow(&above)).unwrap());
+        let drawn = shares(&Topologies::draw(&network, &circuit, &params, TopologySource::Samples(&above)).unwrap());
         let expected = by_enumeration(&network, &conditions, &params, &above);
         for (kept, p) in &expected {
             let found = drawn.get(kept).copied().unwrap_or(0.0);
@@ -180,7 +185,7 @@ fn drawn_votes_come_near_all_votes() {
     };
     let none = vec![false; network.vessel_count()];
     let circuit = boundary(&network, &conditions);
-    let drawn = Topologies::draw(&network, &circuit, &params, Draw::Flow(&none)).unwrap();
+    let drawn = Topologies::draw(&network, &circuit, &params, TopologySource::Samples(&none)).unwrap();
     let expected = by_enumeration(&network, &conditions, &params, &none);
     for (kept, p) in &expected {
         let error = (p * (1.0 - p) / 20_000.0).sqrt();
@@ -205,7 +210,7 @@ fn how_ends_continue_does_not_depend_on_what_is_occluded() {
     let mut agree = vec![0_u32; 64 * VESSELS];
     for seed in 0..SEEDS {
         let params = SamplingOptions { samples: 1, seed, ..SamplingOptions::default() };
-        let draw = Draw::Ends(KnownEnds { ends: &[true, false, true, true], inlets: &[] });
+        let draw = TopologySource::FreeEnds(KnownEnds { ends: &[true, false, true, true], inlets: &[] });
         let drawn = Topologies::draw(&network, &circuit, &params, draw).unwrap();
         let continues = drawn.weighted[0].0[2];
         let mut masks = Vec::new();

@@ -61,7 +61,7 @@ pub struct SamplingArgs {
     #[arg(long, default_value = "auto", hide_short_help = true, value_parser = words::<Solver>(&[("auto", "By the structure of the graph"),
         ("lanes", "Star-mesh elimination, many samples at a time"),
         ("gradients", "Preconditioned conjugate gradients, many samples at a time, for large meshes"),
-        ("cholesky", "Sparse Cholesky factorisation, a sample at a time")]))]
+        ("reference", "The paper's loop as it is written, a sample at a time: slow, to compare with")]))]
     pub solver: Solver,
 }
 

@@ -38,7 +38,7 @@ pub struct ConjugateGradients {
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct Workspace<const B: usize> {
-    mesh: star_mesh::Workspace<B>,
+    pub(crate) mesh: star_mesh::Workspace<B>,
     /// Conductances of the incomplete elimination, over the largest; once a star is eliminated, the weights of its mean. Single precision
     /// is enough for a preconditioner, and half of the memory that every step passes over.
     weight: Vec<[f32; B]>,
@@ -48,6 +48,8 @@ pub struct Workspace<const B: usize> {
     direction: Vec<Lanes<B>>,
     /// What flows out at the direction and, once that is used, what the incomplete elimination makes of the residual.
     product: Vec<Lanes<B>>,
+    /// The pressures of one sample by node, and the memory for its dead ends.
+    pressure: Vec<f64>,
     dead_ends: dead_ends::Workspace,
 }
 
@@ -68,17 +70,17 @@ impl ConjugateGradients {
 
     /// Joins of a sample, exact and incomplete.
     pub fn joins(&self) -> usize {
-        self.mesh.updates() + self.incomplete.program().joins()
+        self.mesh.updates() + self.incomplete.joins()
     }
 
     /// Conductances of the core that a step passes over, those of the incomplete elimination twice.
     pub fn rays(&self) -> usize {
-        2 * self.incomplete.program().ray_to().len() + self.mesh.program().core_rays()
+        2 * self.incomplete.rays() + self.mesh.program().core_rays()
     }
 
     /// Nodes of the core.
     pub fn core(&self) -> usize {
-        self.incomplete.program().nodes()
+        self.incomplete.nodes()
     }
 
     /// The memory for groups of `B` samples.
@@ -86,16 +88,17 @@ impl ConjugateGradients {
         let core = || vec![Lanes::ZERO; self.core()];
         Workspace {
             mesh: self.mesh.workspace(),
-            weight: vec![[0.0; B]; self.incomplete.program().ray_to().len()],
+            weight: vec![[0.0; B]; self.incomplete.rays()],
             inverse: vec![[0.0; B]; self.core()],
             residual: core(),
             direction: core(),
             product: core(),
+            pressure: vec![0.0; self.fixed.len()],
             dead_ends: dead_ends::Workspace::default(),
         }
     }
 
-    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does; [`Self::pressures`] are those found.
+    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does.
     #[inline(always)]
     pub fn solve<S: Simd, const B: usize>(
         &self,
@@ -105,28 +108,45 @@ impl ConjugateGradients {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.mesh.assemble(simd, masks, first, stranded, &mut work.mesh);
+        self.mesh.assemble_open(simd, masks, first, stranded, &mut work.mesh);
+        self.solve_assembled(simd, work);
+        self.level_dead_ends(work, |vessel, lane| masks[vessel] >> (first + lane) & 1 == 1);
+    }
+
+    /// Solves a group of samples that differ in the conductances of their vessels, as [`StarMesh::solve_with`] does.
+    #[inline(always)]
+    pub fn solve_with<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        conductance: &[Lanes<B>],
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+    ) {
+        self.mesh.assemble(simd, 0, stranded, &mut work.mesh, |vessel, _| conductance[vessel as usize]);
+        self.solve_assembled(simd, work);
+        self.level_dead_ends(work, |vessel, lane| conductance[vessel][lane] > 0.0);
+    }
+
+    #[inline(always)]
+    fn solve_assembled<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         self.mesh.eliminate(simd, &mut work.mesh);
         self.precondition(simd, work);
         self.iterate(simd, work);
         self.mesh.substitute_back(simd, &mut work.mesh);
     }
 
-    /// The pressures (Pa above the level) by node of one of the samples that were solved. Dead ends are levelled: iteration leaves
-    /// rounding there that could pass for flow.
-    pub fn pressures<const B: usize>(
-        &self,
-        masks: &[u64],
-        first: usize,
-        sample: usize,
-        work: &mut Workspace<B>,
-        pressure: &mut [f64],
-    ) {
-        for (node, p) in pressure.iter_mut().enumerate() {
-            *p = work.mesh.pressure[self.mesh.slot(node)][sample - first];
+    /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
+    fn level_dead_ends<const B: usize>(&self, work: &mut Workspace<B>, open: impl Fn(usize, usize) -> bool) {
+        let Workspace { mesh, pressure, dead_ends, .. } = work;
+        for lane in 0..B {
+            for (node, p) in pressure.iter_mut().enumerate() {
+                *p = mesh.pressure[self.mesh.slot(node)][lane];
+            }
+            self.dead_ends.level(|vessel| open(vessel, lane), dead_ends, pressure, &self.fixed);
+            for (node, p) in pressure.iter().enumerate() {
+                mesh.pressure[self.mesh.slot(node)][lane] = *p;
+            }
         }
-        let open = |vessel: usize| masks[vessel] >> sample & 1 == 1;
-        self.dead_ends.level(open, &mut work.dead_ends, pressure, &self.fixed);
     }
 
     /// The incomplete elimination of the core.
@@ -134,7 +154,7 @@ impl ConjugateGradients {
     fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let core = self.mesh.program().eliminated();
         let Workspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
-        for (weight, from) in weight.iter_mut().zip(self.incomplete.from()) {
+        for (weight, from) in weight.iter_mut().zip(&self.incomplete.from) {
             *weight = if *from == NOWHERE { [0.0; B] } else { narrow(&mesh.conductance[*from as usize], self.scale) };
         }
         // The residual is not needed yet; its memory takes the grounds.
@@ -142,9 +162,9 @@ impl ConjugateGradients {
             *ground = map(simd, own, |g| simd.mul_f64s(g, simd.splat_f64s(self.scale)));
         }
         let grounded = splat(simd, GROUNDED);
-        let ray_to = self.incomplete.program().ray_to();
-        for k in 0..self.incomplete.program().nodes() {
-            let star = self.incomplete.program().star(k);
+        let ray_to = self.incomplete.ray_to();
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
             let (done, later) = weight.split_at_mut(star.end);
             let rays = &mut done[star.clone()];
             let own = ground[k];
@@ -154,7 +174,7 @@ impl ConjugateGradients {
             }
             let one_over = inverse(simd, &total);
             let to = &ray_to[star.clone()];
-            let mut mesh = self.incomplete.program().mesh(k).iter();
+            let mut mesh = self.incomplete.mesh(k).iter();
             for i in 0..rays.len() {
                 let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
                 rays[i] = narrow(&weight, 1.0);
@@ -183,11 +203,11 @@ impl ConjugateGradients {
     /// What the incomplete elimination makes of a residual.
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
-        let ray_to = self.incomplete.program().ray_to();
+        let ray_to = self.incomplete.ray_to();
         let Workspace { weight, inverse, residual, product: better, .. } = work;
         better.copy_from_slice(residual);
-        for k in 0..self.incomplete.program().nodes() {
-            let star = self.incomplete.program().star(k);
+        for k in 0..self.incomplete.nodes() {
+            let star = self.incomplete.star(k);
             let own = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 let sum = &mut better[*to as usize];
@@ -195,8 +215,8 @@ impl ConjugateGradients {
             }
             better[k] = zip(simd, &own, &wide(&inverse[k]), |b, i| simd.mul_f64s(b, i));
         }
-        for k in (0..self.incomplete.program().nodes()).rev() {
-            let star = self.incomplete.program().star(k);
+        for k in (0..self.incomplete.nodes()).rev() {
+            let star = self.incomplete.star(k);
             let mut sum = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 sum = plus_product(simd, &sum, &wide(weight), &better[*to as usize]);

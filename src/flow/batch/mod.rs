@@ -2,4 +2,5 @@
 
 pub mod conjugate_gradients;
 pub mod reduction;
+pub mod solver;
 pub mod star_mesh;

@@ -10,10 +10,10 @@ use crate::flow::peeling::{Peeled, peel};
 /// A reduced circuit.
 #[derive(Debug)]
 pub struct Reduction {
-    /// The core: its nodes are renumbered, its rows are the links, and what hangs on a node is part of its terminal conductance.
+    /// The core: its nodes are renumbered, its rows are the chains, and what hangs on a node is part of its terminal conductance.
     pub circuit: Circuit,
     /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones.
-    pub links: Vec<Vec<usize>>,
+    pub chains: Vec<Vec<usize>>,
     /// The trees that hang on the core, those of one node and pressure together.
     pub trees: Vec<Tree>,
 }
@@ -139,7 +139,7 @@ fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) ->
     trees.into_values().collect()
 }
 
-/// Numbers the core: nodes with a link or a tree, in order; links by their last vessel, whose row decides between equals.
+/// Numbers the core: nodes with a chain or a tree, in order; chains by their last vessel, whose row decides between equals.
 fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> Reduction {
     let mut row_of = vec![usize::MAX; circuit.node_count()];
     let rows: Vec<usize> = (0..circuit.vessel_count()).filter(|row| circuit.ends[*row][0] != circuit.ends[*row][1]).collect();
@@ -160,6 +160,6 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> 
         level: circuit.level,
     };
     let mut members = members;
-    let links = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();
-    Reduction { circuit: core, links, trees }
+    let chains = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();
+    Reduction { circuit: core, chains, trees }
 }

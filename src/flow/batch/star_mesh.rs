@@ -42,7 +42,6 @@ struct GroundStamp {
     vessel: u32,
     place: u32,
     conductance: f64,
-    inflow: f64,
     /// Where the fixed pressure stands.
     fixed: u32,
 }
@@ -59,7 +58,7 @@ pub struct Workspace<const B: usize> {
 
 impl<const B: usize> Workspace<B> {
     /// The pressures, and memory that is free until the next group is solved.
-    pub fn spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
+    pub fn pressure_and_spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
         (&self.pressure, &mut self.conductance)
     }
 }
@@ -103,16 +102,12 @@ impl StarMesh {
             let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
             match (circuit.fixed[a], circuit.fixed[b]) {
                 (None, None) => {
-                    let ray = program.ray(slot[a], slot[b]);
+                    let ray = program.ray_between(slot[a], slot[b]);
                     let first = std::mem::take(&mut bare[ray as usize]);
                     rays.push(RayStamp { vessel, ray, first, conductance });
                 }
-                (None, Some(p)) => {
-                    grounds.push(GroundStamp { vessel, place: slot[a], conductance, inflow: conductance * p, fixed: slot[b] });
-                }
-                (Some(p), None) => {
-                    grounds.push(GroundStamp { vessel, place: slot[b], conductance, inflow: conductance * p, fixed: slot[a] });
-                }
+                (None, Some(_)) => grounds.push(GroundStamp { vessel, place: slot[a], conductance, fixed: slot[b] }),
+                (Some(_), None) => grounds.push(GroundStamp { vessel, place: slot[b], conductance, fixed: slot[a] }),
                 (Some(_), Some(_)) => {}
             }
         }
@@ -146,7 +141,7 @@ impl StarMesh {
         self.slot[node] as usize
     }
 
-    /// The memory for groups of `B` samples, with at least so many [`Workspace::spare`] places.
+    /// The memory for groups of `B` samples, with at least so many [`Workspace::pressure_and_spare`] places.
     pub fn workspace_with<const B: usize>(&self, spare: usize) -> Workspace<B> {
         let mut work = self.workspace();
         if spare > work.conductance.len() {
@@ -179,7 +174,7 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.assemble(simd, masks, first, stranded, work);
+        self.assemble_open(simd, masks, first, stranded, work);
         self.eliminate(simd, work);
         self.substitute_back(simd, work);
     }
@@ -194,25 +189,14 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.prepare(simd, 0, stranded, work);
-        for stamp in &self.rays {
-            let own = &conductance[stamp.vessel as usize];
-            let c = &mut work.conductance[stamp.ray as usize];
-            *c = if stamp.first { *own } else { plus(simd, c, own) };
-        }
-        for stamp in &self.grounds {
-            let own = &conductance[stamp.vessel as usize];
-            let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
-            work.ground[place] = plus(simd, &work.ground[place], own);
-            work.pressure[place] = plus_product(simd, &work.pressure[place], own, &pressure);
-        }
+        self.assemble(simd, 0, stranded, work, |vessel, _| conductance[vessel as usize]);
         self.eliminate(simd, work);
         self.substitute_back(simd, work);
     }
 
-    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
+    /// [Assembles](Self::assemble) the samples from `first` on, in which the vessels of `masks` are open.
     #[inline(always)]
-    pub(crate) fn assemble<S: Simd, const B: usize>(
+    pub(crate) fn assemble_open<S: Simd, const B: usize>(
         &self,
         simd: S,
         masks: &[u64],
@@ -220,18 +204,32 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
+        let own = |vessel: u32, conductance: f64| masked(simd, &splat(simd, conductance), masks[vessel as usize], first);
+        self.assemble(simd, first, stranded, work, own);
+    }
+
+    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures; `own` gives the conductances of a
+    /// vessel, whose number and conductance when open it is given.
+    #[inline(always)]
+    pub(crate) fn assemble<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut Workspace<B>,
+        own: impl Fn(u32, f64) -> Lanes<B>,
+    ) {
         self.prepare(simd, first, stranded, work);
         for stamp in &self.rays {
-            let open = masks[stamp.vessel as usize];
+            let own = own(stamp.vessel, stamp.conductance);
             let c = &mut work.conductance[stamp.ray as usize];
-            let own = masked(simd, &splat(simd, stamp.conductance), open, first);
             *c = if stamp.first { own } else { plus(simd, c, &own) };
         }
         for stamp in &self.grounds {
-            let open = masks[stamp.vessel as usize];
-            let (g, s) = (&mut work.ground[stamp.place as usize], &mut work.pressure[stamp.place as usize]);
-            *g = plus(simd, g, &masked(simd, &splat(simd, stamp.conductance), open, first));
-            *s = plus(simd, s, &masked(simd, &splat(simd, stamp.inflow), open, first));
+            let own = own(stamp.vessel, stamp.conductance);
+            let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
+            work.ground[place] = plus(simd, &work.ground[place], &own);
+            work.pressure[place] = plus_product(simd, &work.pressure[place], &own, &pressure);
         }
     }
 

@@ -5,23 +5,91 @@
 //! least fill, whichever needs fewer joins) and the fill are worked out once.
 
 mod graph;
-mod incomplete;
 mod order;
-mod program;
 
-pub use incomplete::Incomplete;
+use std::ops::Deref;
+
 pub use order::{Star, least_degree};
 
 use order::{least_fill, low_degrees, reverse_cuthill_mckee};
-use program::Program;
 
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;
 
-/// A compiled elimination.
+/// The joins of an elimination as flat lists.
 ///
-/// Node k in elimination order has the rays `star(k)`, each to a later node; ray r leads to place `ray_to[r]`. Its pairs of
-/// rays (i, j), i < j, in order, add to the rays `mesh(k)`, all of later stars.
+/// Node k has the rays `star(k)`, each to a later node, in order. Its pairs of rays (i, j), i < j, in order, add to the rays `mesh(k)`,
+/// all of later stars.
+#[derive(Debug, Clone)]
+pub struct Program {
+    star: Vec<u32>,
+    ray_to: Vec<u32>,
+    mesh_start: Vec<u32>,
+    mesh: Vec<u32>,
+}
+
+impl Program {
+    /// From the rays of each node, in order; the first `eliminated` nodes join theirs. A join without a ray is [`NOWHERE`].
+    pub fn new(stars: impl IntoIterator<Item = Vec<u32>>, eliminated: usize) -> Self {
+        let mut program = Self { star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
+        for to in stars {
+            program.ray_to.extend(to);
+            program.star.push(program.ray_to.len() as u32);
+        }
+        for k in 0..eliminated {
+            let to = program.star(k);
+            for i in to.clone() {
+                for j in i + 1..to.end {
+                    let target = program.ray(program.ray_to[i], program.ray_to[j]);
+                    program.mesh.push(target.unwrap_or(NOWHERE));
+                }
+            }
+            program.mesh_start.push(program.mesh.len() as u32);
+        }
+        program
+    }
+
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.star.len() - 1
+    }
+
+    /// How many rays there are.
+    pub fn rays(&self) -> usize {
+        self.ray_to.len()
+    }
+
+    /// The joins of one sample: the length of the program.
+    pub fn joins(&self) -> usize {
+        self.mesh.len()
+    }
+
+    /// The ray from a node to a later one.
+    pub fn ray(&self, from: u32, to: u32) -> Option<u32> {
+        let star = self.star(from as usize);
+        self.ray_to[star.clone()].binary_search(&to).ok().map(|at| (star.start + at) as u32)
+    }
+
+    /// The rays of the k-th node.
+    #[inline]
+    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
+        self.star[k] as usize..self.star[k + 1] as usize
+    }
+
+    /// The node each ray leads to.
+    #[inline]
+    pub fn ray_to(&self) -> &[u32] {
+        &self.ray_to
+    }
+
+    /// The rays that the pairs of the k-th star add to; [`NOWHERE`] where the join is dropped.
+    #[inline]
+    pub fn mesh(&self, k: usize) -> &[u32] {
+        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
+    }
+}
+
+/// A compiled elimination: the program of its nodes in elimination order.
 #[derive(Debug, Clone)]
 pub struct Elimination {
     /// Per node its place in the order.
@@ -77,51 +145,72 @@ impl Elimination {
         self.place[node]
     }
 
-    /// How many nodes have a place.
-    pub fn nodes(&self) -> usize {
-        self.program.nodes()
-    }
-
     /// How many nodes are eliminated; the places from there on are the core.
     pub fn eliminated(&self) -> usize {
         self.eliminated
     }
 
-    /// How many rays there are in all.
-    pub fn rays(&self) -> usize {
-        self.program.ray_to().len()
-    }
-
-    /// How many of them lie in the core.
+    /// How many rays lie in the core.
     pub fn core_rays(&self) -> usize {
         (self.eliminated..self.nodes()).map(|k| self.star(k).len()).sum()
     }
 
-    /// The joins of one sample: the length of the program.
-    pub fn joins(&self) -> usize {
-        self.program.joins()
-    }
-
     /// The ray between two different places that are neighbours when the earlier one is eliminated; [`NOWHERE`] for others.
-    pub fn ray(&self, a: u32, b: u32) -> u32 {
+    pub fn ray_between(&self, a: u32, b: u32) -> u32 {
         self.program.ray(a.min(b), a.max(b)).unwrap_or(NOWHERE)
     }
+}
 
-    /// The rays of the k-th node.
+impl Deref for Elimination {
+    type Target = Program;
+
     #[inline]
-    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
-        self.program.star(k)
+    fn deref(&self) -> &Program {
+        &self.program
     }
+}
 
-    /// The place each ray leads to.
-    #[inline]
-    pub fn ray_to(&self) -> &[u32] {
-        self.program.ray_to()
+/// A compiled incomplete elimination of the core that is left when nodes of few neighbours are gone: a preconditioner's program. Node k is
+/// the k-th of the core.
+///
+/// Nodes are eliminated in the order of their places. A join is kept where a ray is, or where two rays of the graph itself meet
+/// (one level of fill); all others are dropped.
+#[derive(Debug, Clone)]
+pub struct Incomplete {
+    program: Program,
+    /// Per ray that of the elimination whose conductance it begins with; [`NOWHERE`] for fill.
+    pub from: Vec<u32>,
+}
+
+impl Incomplete {
+    /// Compiles the core of a partial elimination.
+    pub fn compile(elimination: &Elimination) -> Self {
+        let first = elimination.eliminated();
+        let nodes = elimination.nodes() - first;
+        let own = |k: usize| elimination.star(first + k).map(|ray| (elimination.ray_to()[ray] - first as u32, ray as u32));
+        let mut rays: Vec<Vec<(u32, u32)>> = (0..nodes).map(|k| own(k).collect()).collect();
+        for k in 0..nodes {
+            let to: Vec<u32> = own(k).map(|(to, _)| to).collect();
+            for (i, low) in to.iter().enumerate() {
+                rays[*low as usize].extend(to[i + 1..].iter().map(|high| (*high, NOWHERE)));
+            }
+        }
+        for rays in &mut rays {
+            // Of a ray and its fill the ray comes first.
+            rays.sort_unstable();
+            rays.dedup_by_key(|(to, _)| *to);
+        }
+        let from = rays.iter().flatten().map(|(_, from)| *from).collect();
+        let to = rays.into_iter().map(|rays| rays.into_iter().map(|(to, _)| to).collect());
+        Self { program: Program::new(to, nodes), from }
     }
+}
 
-    /// The rays that the pairs of the k-th star add to.
+impl Deref for Incomplete {
+    type Target = Program;
+
     #[inline]
-    pub fn mesh(&self, k: usize) -> &[u32] {
-        self.program.mesh(k)
+    fn deref(&self) -> &Program {
+        &self.program
     }
 }

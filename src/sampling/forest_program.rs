@@ -1,10 +1,9 @@
 //! The maximum spanning forest of many samples at once, by elimination over the (max, min) semiring.
 //!
-//! Eliminating node k offers its neighbours i and j the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest
-//! way out of k belongs to the forest (Borůvka); to every other neighbour the new paths lead as k's own vessels did, by
-//! way of the widest one, so that the rest of the forest is the forest of the rest. The vessel stands in the low bits of
-//! its key, so that one pass through the order reads the whole forest off. Maxima and minima only select: the answer is
-//! exact, and there is no sort and no branch.
+//! Eliminating node k joins its neighbours i and j by the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest vessel at k
+//! belongs to the forest (Borůvka). All paths from k to its other neighbours lead through that vessel, so the remaining vessels of the forest
+//! are the forest of the remaining graph. The low bits of a key name its vessel, so one pass through the order finds the whole forest.
+//! Maxima and minima only select: the answer is exact, and there is no sort and no branch.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
@@ -14,36 +13,36 @@ use crate::support::simd::{Lanes, Simd, zip};
 
 /// The compiled elimination of a graph's forests.
 #[derive(Debug, Clone)]
-pub struct Bottleneck {
+pub struct ForestProgram {
     program: Elimination,
     steps: Vec<Step>,
-    offers: Vec<Offer>,
+    key_slots: Vec<KeySlot>,
     /// The rays that no vessel lies on.
     fill: Vec<u32>,
 }
 
-/// Whether a vessel is in the forest of each sample of a group: zero or 255. There are as many as vessels, last vessel
-/// first, after one that means nothing.
-pub type Taken<const B: usize> = [u8; B];
-/// What marks a vessel of the forest.
-pub const TAKEN: u8 = u8::MAX;
+/// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
+/// the vessels, the last one first.
+pub type InForest<const B: usize> = [u8; B];
+/// The mark of a vessel that is in the forest.
+pub const IN_FOREST: u8 = u8::MAX;
 
 /// Where a vessel's keys go.
 #[derive(Debug, Clone, Copy)]
-pub struct Offer {
+pub struct KeySlot {
     /// Its ray; `NOWHERE` for one that is in no forest.
     ray: u32,
     /// Whether it is the first of its ray.
     first: bool,
 }
 
-impl Offer {
-    /// Of the vessels in order, each to a place of its own.
+impl KeySlot {
+    /// A place of its own for each vessel.
     pub fn one_each(vessels: usize) -> Vec<Self> {
         (0..vessels as u32).map(|ray| Self { ray, first: true }).collect()
     }
 
-    /// Offers the keys of the vessel, one a lane, zero where it is not diffused.
+    /// Puts the keys of the vessel there, one a lane, zero where it is not diffused.
     #[inline(always)]
     pub fn put<S: Simd, const B: usize>(self, simd: S, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
         if let Some(m) = widest.get_mut(self.ray as usize) {
@@ -52,21 +51,21 @@ impl Offer {
     }
 }
 
-impl Bottleneck {
+impl ForestProgram {
     /// Orders and compiles; `None` when it would take more than `limit` joins a sample. `None` among the ends is a vessel
     /// that is in no forest.
     pub fn compile(nodes: usize, ends: &[Option<[usize; 2]>], limit: usize) -> Option<Self> {
         let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
         let program = Elimination::compile(nodes, &links, limit)?;
-        let ray = |[a, b]: [usize; 2]| program.ray(program.place(a), program.place(b));
+        let ray = |[a, b]: [usize; 2]| program.ray_between(program.place(a), program.place(b));
         let mut bare = vec![true; program.rays()];
-        let offers = ends.iter().map(|e| {
+        let key_slots = ends.iter().map(|e| {
             let ray = e.filter(|[a, b]| a != b).map_or(NOWHERE, ray);
-            Offer { ray, first: bare.get_mut(ray as usize).is_some_and(std::mem::take) }
+            KeySlot { ray, first: bare.get_mut(ray as usize).is_some_and(std::mem::take) }
         });
-        let offers = offers.collect();
+        let key_slots = key_slots.collect();
         let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
-        Some(Self { steps: steps(&program), program, offers, fill })
+        Some(Self { steps: steps(&program), program, key_slots, fill })
     }
 
     /// The joins of one sample: the length of the program.
@@ -79,7 +78,7 @@ impl Bottleneck {
         self.program.rays()
     }
 
-    /// Makes ready for the offers of the next group.
+    /// Makes ready for the keys of the next group.
     #[inline(always)]
     pub fn clear<const B: usize>(&self, widest: &mut [Lanes<B>]) {
         for ray in &self.fill {
@@ -87,14 +86,14 @@ impl Bottleneck {
         }
     }
 
-    /// Where the keys of each vessel go. All are offered, in order.
-    pub fn offers(&self) -> &[Offer] {
-        &self.offers
+    /// Where the keys of each vessel go. All are put there, in order.
+    pub fn key_slots(&self) -> &[KeySlot] {
+        &self.key_slots
     }
 
-    /// Grows the forests of the keys offered and marks their vessels.
+    /// Grows the forests of the keys that were put in and marks their vessels.
     #[inline(always)]
-    pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+    pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
         for step in &self.steps {
             let k = step.k as usize;
             if step.twin {
@@ -107,7 +106,7 @@ impl Bottleneck {
 
     /// Eliminates the k-th node.
     #[inline(always)]
-    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
         let star = self.program.star(k);
         let (done, later) = widest.split_at_mut(star.end);
         let mut mesh = self.program.mesh(k).iter();
@@ -125,7 +124,7 @@ impl Bottleneck {
 
     /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
     #[inline(always)]
-    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [Taken<B>]) {
+    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
         let (near, far) = (self.program.star(k), self.program.star(k + 1));
         let (done, later) = widest.split_at_mut(far.end);
         let (near, second) = done[near.start..].split_at_mut(near.len());
@@ -173,7 +172,7 @@ fn steps(program: &Elimination) -> Vec<Step> {
 
 /// Marks the vessels of the keys, one a lane.
 #[inline(always)]
-fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [Taken<B>]) {
+fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [InForest<B>]) {
     let vessels = taken.len() - 1;
     let taken = taken.as_flattened_mut();
     let mut at = [0; B];
@@ -185,7 +184,7 @@ fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [Taken<B>
         *at = simd.add_u64s(row, S::as_simd_u64s(&LANE).0[i]);
     }
     for at in at {
-        taken[at as usize] = TAKEN;
+        taken[at as usize] = IN_FOREST;
     }
 }
 

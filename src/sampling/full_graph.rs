@@ -1,0 +1,257 @@
+//! Blocks of samples of a graph as it is, vessel by vessel: a group of samples side by side goes through star-mesh elimination, resilience
+//! and forest in SIMD lanes.
+
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
+
+use super::choose;
+use super::choose::{FULL_GRAPH_LANES as B, Method};
+use super::forest::{Forest, keys_or_zero};
+use super::forest_program::{ForestProgram, IN_FOREST, InForest, KeySlot};
+use super::likelihood::Sums;
+use super::options::{SamplingOptions, Weight};
+use super::sampler::Block;
+use super::sums::{Forests, PerSample, expectation, open_vessels, part};
+use crate::error::Result;
+use crate::flow::batch::star_mesh;
+use crate::flow::circuit::beyond_doubles;
+use crate::flow::floating::stranded;
+use crate::flow::peeling::{Peeled, peel};
+use crate::flow::residual::Check;
+use crate::flow::resilience::{diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drop};
+use crate::flow::{Circuit, StarMesh};
+use crate::network::Network;
+use crate::support::random::BLOCK;
+use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, splat, zip};
+
+/// A graph with all that its samples share.
+#[derive(Debug)]
+pub struct FullGraph {
+    /// Dead ends and certain chains are taken out of it.
+    circuit: Circuit,
+    solver: StarMesh,
+    /// The forest program; Kruskal's algorithm without one.
+    forest: Option<ForestProgram>,
+    /// Where the keys of each vessel go: as the forest program has it, or each to a place of its own.
+    key_slots: Vec<KeySlot>,
+    vessels: Vec<VesselFlow>,
+    /// Per vessel its nodes.
+    ends: Vec<[usize; 2]>,
+    weight: Weight,
+    instructions: InstructionSet,
+}
+
+/// How a vessel's resilience follows from pressures.
+#[derive(Debug, Clone, Copy)]
+struct VesselFlow {
+    /// Where the pressures at the two ends of its chain stand.
+    slots: [u32; 2],
+    /// ρ over the square of the drop between them, W/(m³ Pa²); zero for a vessel that never carries flow.
+    factor: f64,
+}
+
+/// The memory of one worker.
+#[derive(Debug)]
+pub struct Memory {
+    flow: star_mesh::Workspace<B>,
+    nodes: Vec<NodePressure>,
+    /// ρ of every vessel, one group after another.
+    resilience: Vec<Lanes<B>>,
+    /// Keys by the vessels' key slots.
+    key: Vec<Lanes<B>>,
+    /// Every vessel's place in the forests, one group after another.
+    in_forest: Vec<InForest<B>>,
+    kruskal: Forest,
+    check: Check,
+}
+
+/// The pressure at a slot above the circuit's level, and the drop that is only rounding beside it, Pa.
+#[derive(Debug, Clone, Copy)]
+struct NodePressure {
+    pressure: Lanes<B>,
+    rounding: Lanes<B>,
+}
+
+impl FullGraph {
+    /// Prepares the samples of a network; `None` when a sample would take more than `most_joins`.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose resilience no double can hold.
+    pub fn new(
+        network: &Network,
+        circuit: &Circuit,
+        certain: &[bool],
+        options: &SamplingOptions,
+        most_joins: usize,
+    ) -> Result<Option<Self>> {
+        let ends = circuit.ends.clone();
+        let Peeled { circuit, chain } = peel(circuit, certain);
+        let Some(solver) = StarMesh::compile(&circuit, most_joins) else { return Ok(None) };
+        let slot = |node: usize| solver.slot(node) as u32;
+        let mut vessels = Vec::with_capacity(chain.len());
+        for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
+            vessels.push(match chain {
+                None => VesselFlow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
+                Some(chain) => {
+                    let factor = match vessel.resistance {
+                        _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
+                        Some(resistance) => {
+                            let own = chain.conductance * resistance;
+                            resilience_per_square_drop(chain.conductance * own, vessel.volume())
+                        }
+                        None => {
+                            let squared = chain.conductance * chain.conductance;
+                            squared * resilience_per_square_flow(options.viscosity, vessel.radius)
+                        }
+                    };
+                    if !factor.is_normal() {
+                        return Err(beyond_doubles(network, row, "resilience"));
+                    }
+                    VesselFlow { slots: chain.ends.map(slot), factor }
+                }
+            });
+        }
+        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
+        let forest = choose::forest_program(network.node_count(), &in_forest);
+        let one_each = || KeySlot::one_each(network.vessel_count());
+        Ok(Some(Self {
+            key_slots: forest.as_ref().map_or_else(one_each, |program| program.key_slots().to_vec()),
+            forest,
+            weight: options.weight,
+            circuit,
+            solver,
+            vessels,
+            ends,
+            instructions: InstructionSet::detect(),
+        }))
+    }
+
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        Method {
+            solver: "lanes",
+            solver_size: self.solver.updates(),
+            forest: if self.forest.is_some() { "bottleneck" } else { "kruskal" },
+            forest_joins: self.forest.as_ref().map(ForestProgram::joins),
+            instructions: self.instructions.name(),
+        }
+    }
+
+    /// Memory for one worker.
+    pub fn memory(&self) -> Memory {
+        let (vessels, groups) = (self.vessels.len(), BLOCK as usize / B);
+        let flow = self.solver.workspace();
+        Memory {
+            nodes: vec![NodePressure { pressure: Lanes::ZERO, rounding: Lanes::ZERO }; flow.pressure.len()],
+            flow,
+            resilience: vec![Lanes::ZERO; vessels * groups],
+            key: vec![Lanes::ZERO; self.forest.as_ref().map_or(vessels, ForestProgram::rays)],
+            in_forest: vec![[0; B]; (vessels + 1) * groups],
+            kruskal: Forest::default(),
+            check: Check::default(),
+        }
+    }
+
+    /// Replaces `sums` by those of a block.
+    pub fn block(&self, block: &Block<'_>, memory: &mut Memory, sums: &mut Sums) {
+        let stranded = stranded(&self.circuit, block.masks, block.samples);
+        self.instructions.run(BlockKernel { graph: self, block, stranded: &stranded, memory, sums });
+    }
+}
+
+/// A block whose samples are computed in groups of `B`.
+struct BlockKernel<'a> {
+    graph: &'a FullGraph,
+    block: &'a Block<'a>,
+    /// Nodes whose injected flow has nowhere to go, with the samples in which that is so.
+    stranded: &'a [(usize, u64)],
+    memory: &'a mut Memory,
+    sums: &'a mut Sums,
+}
+
+impl Kernel for BlockKernel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { graph, block: Block { masks, probability, samples }, stranded, memory, sums } = self;
+        let FullGraph { circuit, solver, forest, .. } = graph;
+        let vessels = graph.vessels.len();
+        memory.in_forest.fill([0; B]);
+        let present = open_vessels(simd, masks);
+        let mut global = PerSample::ZERO;
+        for (group, first) in (0..*samples).step_by(B).enumerate() {
+            solver.solve(simd, masks, first, stranded, &mut memory.flow);
+            if first == 0 {
+                let pressure = |node| memory.flow.pressure[solver.slot(node)][0];
+                sums.residual = memory.check.residual(circuit, circuit.if_open(masks), stranded, pressure).relative;
+            }
+            if let Some(program) = forest {
+                program.clear(&mut memory.key);
+            }
+            let total = graph.resiliences(simd, masks, group, memory);
+            global[first..first + B].copy_from_slice(&*total);
+            let in_forest = &mut memory.in_forest[group * (vessels + 1)..][..=vessels];
+            match forest {
+                Some(program) => program.grow(simd, &mut memory.key, in_forest),
+                None => graph.kruskal(&mut memory.kruskal, &memory.key, in_forest),
+            }
+        }
+        // Nothing flows where no vessel is open.
+        let global = zip(simd, &global, &present, |sum, n| simd.div_f64s(sum, simd.max_f64s(n, simd.splat_f64s(1.0))));
+        sums.samples = *samples as u64;
+        sums.network_resilience = expectation(&global, *probability);
+        let forests = Forests { in_forest: &memory.in_forest, vessels };
+        let resilience = |vessel: usize, first: usize| part(&*memory.resilience[first / B * vessels + vessel], first % B);
+        let one = |_, _| splat(simd, 1.0);
+        let global = |_, first| part(&*global, first);
+        match (graph.weight, *probability) {
+            (Weight::Resilience, None) => forests.add_up(simd, resilience, sums),
+            (Weight::Resilience, Some(p)) => forests.add_up_weighted(simd, resilience, p, sums),
+            (Weight::Count, None) => forests.add_up(simd, one, sums),
+            (Weight::Count, Some(p)) => forests.add_up_weighted(simd, one, p, sums),
+            (Weight::Global, None) => forests.add_up(simd, global, sums),
+            (Weight::Global, Some(p)) => forests.add_up_weighted(simd, global, p, sums),
+        }
+    }
+}
+
+impl FullGraph {
+    /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
+    #[inline(always)]
+    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, memory: &mut Memory) -> Lanes<B> {
+        let level = simd.splat_f64s(self.circuit.level);
+        for (node, pressure) in memory.nodes.iter_mut().zip(&memory.flow.pressure) {
+            node.pressure = *pressure;
+            node.rounding = map(simd, pressure, |p| rounding_drop(simd, simd.add_f64s(p, level)));
+        }
+        let (nodes, key) = (&memory.nodes[..], &mut memory.key[..]);
+        let mut sum = Lanes::ZERO;
+        let resilience = &mut memory.resilience[group * self.vessels.len()..][..self.vessels.len()];
+        let vessels = self.vessels.iter().zip(masks).zip(&self.key_slots).zip(resilience);
+        for (row, (((vessel, mask), key_slot), resilience)) in vessels.enumerate() {
+            let [a, b] = vessel.slots.map(|slot| &nodes[slot as usize]);
+            let drop = zip(simd, &a.pressure, &b.pressure, |a, b| simd.sub_f64s(a, b));
+            let rounding = zip(simd, &a.rounding, &b.rounding, |a, b| simd.max_f64s(a, b));
+            let rho =
+                zip(simd, &drop, &rounding, |drop, rounding| diffused_resilience(simd, vessel.factor, drop, drop, rounding));
+            let rho = masked(simd, &rho, *mask, group * B);
+            sum = plus(simd, &sum, &rho);
+            *resilience = rho;
+            key_slot.put(simd, &keys_or_zero(simd, &rho, row), key);
+        }
+        sum
+    }
+
+    /// The forests of a group, one sample after another.
+    fn kruskal(&self, forest: &mut Forest, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+        for lane in 0..B {
+            forest.clear();
+            for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
+                forest.add(keys.to_bits());
+            }
+            let vessels = self.vessels.len();
+            forest.grow(self.circuit.node_count(), &self.ends, |vessel| in_forest[vessels - vessel][lane] = IN_FOREST);
+        }
+    }
+}

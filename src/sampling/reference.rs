@@ -1,0 +1,161 @@
+//! The method of the paper as it is written: slow, obvious, and what every fast kernel must agree with.
+//!
+//! Moriconi et al. 2019, one sample after another:
+//!
+//! 1. Mask: Ẽ = 𝓔 ∘ (E ∘ A). Vessel e is open with probability λA_e.
+//! 2. Flow, algorithm 1: Σ_e C_e (P_j - P_i) = s_j at every free node j, with C = 1/R of the open vessels.
+//! 3. Resilience: ρ = ΔP·Q / (π r² l) of every vessel that blood flows through.
+//! 4. Forest: the minimum spanning forest of 1/ρ.
+//! 5. Sum: L_e += ρ_e for every vessel e of the forest.
+
+use std::cmp::Reverse;
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Col, Side};
+use petgraph::algo::min_spanning_tree;
+use petgraph::data::Element;
+use petgraph::graph::UnGraph;
+
+use super::choose::Method;
+use super::forest::{key, vessel};
+use super::likelihood::Sums;
+use super::options::Weight;
+use super::sampler::Block;
+use super::ties;
+use super::ties::Ties;
+use crate::error::{Error, Result};
+use crate::flow::Circuit;
+use crate::flow::dead_ends;
+use crate::flow::dead_ends::DeadEnds;
+use crate::flow::floating::{grounded, stranded};
+use crate::flow::residual::Check;
+use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
+use crate::network::Network;
+
+/// Conductances further apart than this leave a factorisation without a right digit behind the weakest.
+const MOST_SPAN: f64 = 1e14;
+
+/// A network to sample by the book.
+#[derive(Debug)]
+pub struct Reference {
+    circuit: Circuit,
+    /// π r² l of each vessel, m³.
+    volume: Vec<f64>,
+    /// ρ over the square of the flow, of each vessel.
+    factor: Vec<f64>,
+    ties: Ties,
+    weight: Weight,
+}
+
+impl Reference {
+    /// Prepares the samples of a network.
+    pub fn new(network: &Network, circuit: Circuit, weight: Weight) -> Self {
+        let volume: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.volume()).collect();
+        let factor: Vec<f64> = volume.iter().zip(&circuit.conductance).map(|(v, c)| resilience(1.0 / c, 1.0, *v)).collect();
+        Self { ties: Ties::new(&circuit, &factor), circuit, volume, factor, weight }
+    }
+
+    /// How the samples are computed.
+    pub fn method(&self) -> Method {
+        let solver_size = self.circuit.vessel_count();
+        Method { solver: "reference", solver_size, forest: "kruskal", forest_joins: None, instructions: "baseline" }
+    }
+
+    /// Replaces `sums` by those of a block.
+    ///
+    /// # Errors
+    ///
+    /// The conductances lie too far apart for a factorisation in double precision.
+    pub fn block(&self, block: &Block<'_>, sums: &mut Sums) -> Result<()> {
+        sums.clear();
+        sums.samples = block.samples as u64;
+        for sample in 0..block.samples {
+            let open: Vec<bool> = block.masks.iter().map(|mask| mask >> sample & 1 == 1).collect();
+            let pressure = pressures(&self.circuit, |vessel| open[vessel])?;
+            let resilience = self.resiliences(&open, &pressure);
+            let present = open.iter().filter(|open| **open).count().max(1);
+            let global = resilience.iter().sum::<f64>() / present as f64;
+            let probability = block.probability.map_or(1.0, |p| p[sample]);
+            sums.network_resilience += probability * global;
+            for vessel in spanning_forest(&self.circuit.ends, &resilience) {
+                let value = self.weight.of(resilience[vessel], global);
+                sums.likelihood[vessel] += probability * value;
+                sums.square[vessel] += probability * value * value;
+                sums.count[vessel] += probability;
+            }
+            if sample == 0 {
+                let (circuit, stranded) = (&self.circuit, stranded(&self.circuit, block.masks, 1));
+                let residual = Check::default().residual(circuit, circuit.if_open(block.masks), &stranded, |node| pressure[node]);
+                sums.residual = residual.relative;
+            }
+        }
+        Ok(())
+    }
+
+    /// ρ = ΔP·Q / (π r² l), Q = C ΔP, of every vessel; zero where no blood flows. Vessels in series share one flow: those that tie by their
+    /// radii tie exactly.
+    fn resiliences(&self, open: &[bool], pressure: &[f64]) -> Vec<f64> {
+        let Circuit { ends, conductance, level, .. } = &self.circuit;
+        let of_vessel = |vessel: usize| {
+            let [a, b] = ends[vessel].map(|node| pressure[node]);
+            let flows = open[vessel] && is_diffused(a - b, a + level, b + level);
+            let rho = resilience(a - b, conductance[vessel] * (a - b), self.volume[vessel]);
+            [if flows { rho.min(MOST_RESILIENCE) } else { 0.0 }]
+        };
+        let mut rho: Vec<[f64; 1]> = (0..ends.len()).map(of_vessel).collect();
+        self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut ties::Workspace::default());
+        rho.concat()
+    }
+}
+
+/// Kirchhoff's current law for the `open` vessels of a circuit, solved by sparse Cholesky factorisation: the pressure of every node, Pa
+/// above the circuit's level; zero in floating components, where it is undefined.
+///
+/// # Errors
+///
+/// The conductances lie too far apart for a factorisation in double precision.
+pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<f64>> {
+    let vessels = || circuit.ends.iter().enumerate().filter(|(vessel, [a, b])| a != b && open(*vessel));
+    let conductances = || vessels().map(|(vessel, _)| circuit.conductance[vessel]);
+    if conductances().fold(0.0, f64::max) > MOST_SPAN * conductances().fold(f64::INFINITY, f64::min) {
+        return Err(Error::Breakdown);
+    }
+    // One unknown for each node that a condition grounds, by itself or through open vessels, and whose pressure is not fixed.
+    let grounded = grounded(circuit, &open);
+    let nodes = 0..circuit.node_count();
+    let free: Vec<usize> = nodes.clone().filter(|node| grounded[*node] && circuit.fixed[*node].is_none()).collect();
+    let unknown = |node: usize| free.binary_search(&node).ok();
+    let mut matrix: Vec<_> = free.iter().enumerate().map(|(i, node)| Triplet::new(i, i, circuit.shunt[*node])).collect();
+    let mut right = Col::from_fn(free.len(), |i| circuit.source[free[i]]);
+    for (vessel, [a, b]) in vessels() {
+        let c = circuit.conductance[vessel];
+        for (here, there) in [(*a, *b), (*b, *a)] {
+            let Some(i) = unknown(here) else { continue };
+            matrix.push(Triplet::new(i, i, c));
+            match unknown(there) {
+                Some(j) => matrix.push(Triplet::new(i, j, -c)),
+                None => right[i] += c * circuit.fixed[there].unwrap_or(0.0),
+            }
+        }
+    }
+    let mut pressure: Vec<f64> = circuit.fixed.iter().map(|fixed| fixed.unwrap_or(0.0)).collect();
+    if !free.is_empty() {
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(free.len(), free.len(), &matrix);
+        let factor = matrix.ok().and_then(|matrix| matrix.sp_cholesky(Side::Lower).ok()).ok_or(Error::Breakdown)?;
+        let solved = factor.solve(right);
+        free.iter().enumerate().for_each(|(i, node)| pressure[*node] = solved[i]);
+    }
+    // Nothing flows in a dead end; a factorisation leaves rounding there that could pass for flow.
+    DeadEnds::new(circuit).level(&open, &mut dead_ends::Workspace::default(), &mut pressure, &circuit.fixed);
+    Ok(pressure)
+}
+
+/// The minimum spanning forest of 1/ρ over the vessels with ρ > 0: their [`key`]s are in the order of ρ.
+fn spanning_forest(ends: &[[usize; 2]], resilience: &[f64]) -> Vec<usize> {
+    let diffused = ends.iter().zip(resilience).enumerate().filter(|(_, (_, rho))| **rho > 0.0);
+    let edges = diffused.map(|(row, ([a, b], rho))| (*a as u32, *b as u32, Reverse(key(*rho, row))));
+    let graph = UnGraph::<(), Reverse<u64>>::from_edges(edges);
+    let row = |element| if let Element::Edge { weight: Reverse(key), .. } = element { Some(vessel(key)) } else { None };
+    min_spanning_tree(&graph).filter_map(row).collect()
+}
