@@ -23,4 +23,5 @@ mod report;
 mod sampling;
 mod simulation;
 mod support;
+#[cfg(feature = "training")]
 mod training;
