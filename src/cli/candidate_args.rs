@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use willis::error::Result;
 use willis::internals::candidates;
-use willis::internals::candidates::search::Search;
+use willis::internals::candidates::search::SearchOptions;
 use willis::internals::candidates::{Attach, CandidateRadius};
 use willis::internals::network::RadiusRule;
 
@@ -53,7 +53,11 @@ impl CandidateArgs {
         let (attach, radius) =
             if paper { (AttachTo::Ends, RadiusOfCandidate::Mean) } else { (AttachTo::Centerline, RadiusOfCandidate::Min) };
         let params = candidates::CandidateOptions {
-            k: self.k.unwrap_or(if evidence { Search::default().branches } else { candidates::CandidateOptions::default().k }),
+            k: self.k.unwrap_or(if evidence {
+                SearchOptions::default().branches
+            } else {
+                candidates::CandidateOptions::default().k
+            }),
             max_gap: length("--max-gap", self.max_gap.as_ref())?,
             attach: match self.attach.unwrap_or(attach) {
                 AttachTo::Centerline => Attach::Centerline,

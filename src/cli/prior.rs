@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use willis::error::{Error, Fault, Result};
 use willis::internals::candidates;
 use willis::internals::candidates::model::Weights;
-use willis::internals::candidates::{build, build_probable};
+use willis::internals::candidates::{build, build_with_evidence};
 use willis::internals::flow::Boundary;
 use willis::internals::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
 use willis::internals::network::{Network, Role};
@@ -139,7 +139,7 @@ impl Prior {
                 let found: BTreeSet<usize> = boundary.found_inlets.iter().copied().collect();
                 let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !found.contains(node);
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
-                build_probable(&network, &inlets, params, weights)?
+                build_with_evidence(&network, &inlets, params, weights)?
             }
             _ => build(&network, params)?,
         };

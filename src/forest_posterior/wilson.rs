@@ -1,4 +1,4 @@
-//! Draws explanations from the posterior by Wilson's algorithm: loop-erased random walks (Wilson 1996).
+//! Draws forests from the posterior by Wilson's algorithm: loop-erased random walks (Wilson 1996).
 
 use rand::{Rng, RngExt};
 
@@ -9,9 +9,9 @@ use super::Forests;
 pub struct Wilson {
     /// Per fragment where its choices start.
     start: Vec<usize>,
-    /// Sums of weights: those of a fragment's root, then its bridges.
+    /// Sums of weights: those of a fragment's root, then its edges.
     sum: Vec<f64>,
-    /// The bridge of each choice and the fragment it leads to; `None` for the root.
+    /// The edge of each choice and the fragment it leads to; `None` for the root.
     choice: Vec<Option<(usize, usize)>>,
 }
 
@@ -20,8 +20,8 @@ impl Wilson {
     pub fn new(forests: &Forests) -> Self {
         let scaled = super::marginals::Scaled::new(forests);
         let mut of = vec![Vec::new(); forests.fragments()];
-        for (row, bridge) in forests.bridges().iter().enumerate() {
-            of[bridge.child].push((row, bridge.parent));
+        for (row, edge) in forests.edges().iter().enumerate() {
+            of[edge.child].push((row, edge.parent));
         }
         let mut walk = Self { start: vec![0], sum: Vec::new(), choice: Vec::new() };
         for (fragment, own) in of.into_iter().enumerate() {
@@ -29,7 +29,7 @@ impl Wilson {
             walk.sum.push(sum);
             walk.choice.push(None);
             for (row, parent) in own {
-                sum += scaled.bridge[row];
+                sum += scaled.edge[row];
                 walk.sum.push(sum);
                 walk.choice.push(Some((row, parent)));
             }
@@ -38,7 +38,7 @@ impl Wilson {
         walk
     }
 
-    /// One explanation: per fragment the bridge it hangs by, `None` for a root. `None` when `limit` steps did not suffice; draws
+    /// One forest: per fragment the edge that attaches it, `None` for a root. `None` when `limit` steps did not suffice; draws
     /// that end are then no longer fair, so a limit should be far above the mean, Σ_c P(root c) Σ(w, v)/v, which is vast where
     /// fragments strongly prefer one another to any root.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, limit: u64) -> Option<Vec<Option<usize>>> {

@@ -6,6 +6,7 @@ mod contraction;
 pub(crate) mod fragments;
 pub(crate) mod locate;
 mod node;
+pub(crate) mod paths;
 pub mod quantity;
 mod serialize;
 pub mod units;

@@ -71,9 +71,10 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
-    /// What speaks for leaving the fragment of this node alone, where the evidence says so: the posterior probability that it
-    /// hangs on no other, times the price of that (`candidates::prior::alone`).
-    pub alone: Option<f64>,
+    /// The score of leaving the fragment of this node a root, where there is evidence: the posterior probability that it is attached to
+    /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
+    #[serde(rename = "alone")]
+    pub root_score: Option<f64>,
 }
 
 /// What a node is to the flow.

@@ -7,7 +7,7 @@ use crate::error::{Error, Fault, Result};
 
 /// Folders further down are not looked into.
 const DEEPEST: usize = 8;
-/// The answer beside the fragments, under the names that people and `willis phantom` give it.
+/// The truth beside the fragments, under the names that people and `willis phantom` give it.
 const TRUTHS: [&str; 2] = ["truth.json", "fragments.truth.json"];
 const LINKS: &str = "links.csv";
 const LOOPS: [&str; 2] = ["loops.csv", "fragments.loops.csv"];
@@ -19,15 +19,15 @@ pub struct CaseFolder {
     pub names: Vec<String>,
     /// The centerlines.
     pub fragments: PathBuf,
-    /// The answer, JSON or CSV.
-    pub answer: PathBuf,
+    /// The truth, JSON or CSV.
+    pub truth: PathBuf,
     /// Positions of inlets, where given.
     pub inlets: Option<PathBuf>,
     /// Links that SWC cannot hold.
     pub loops: Option<PathBuf>,
 }
 
-/// The case folders in a folder, itself among them, in the order of their names; and how many folders have fragments but no answer.
+/// The case folders in a folder, itself among them, in the order of their names; and how many folders have fragments but no truth.
 pub fn find(data_set: &Path) -> Result<(Vec<CaseFolder>, usize)> {
     let (mut found, mut unanswered) = (Vec::new(), 0);
     walk(data_set, &mut Vec::new(), &mut found, &mut unanswered)?;
@@ -39,18 +39,18 @@ fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, una
     let mut entries =
         fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unread)?;
     entries.sort();
-    let beside = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
-    let answers: Vec<PathBuf> = TRUTHS.into_iter().chain([LINKS]).filter_map(beside).collect();
-    match &answers[..] {
+    let file = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
+    let truths: Vec<PathBuf> = TRUTHS.into_iter().chain([LINKS]).filter_map(file).collect();
+    match &truths[..] {
         [] => {}
-        [answer] => {
+        [truth] => {
             let own = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             found.push(CaseFolder {
                 names: if names.is_empty() { vec![own] } else { names.clone() },
                 fragments: fragments(folder, &entries)?,
-                answer: answer.clone(),
-                inlets: beside("inlets.csv"),
-                loops: LOOPS.into_iter().find_map(beside),
+                truth: truth.clone(),
+                inlets: file("inlets.csv"),
+                loops: LOOPS.into_iter().find_map(file),
             });
             return Ok(());
         }

@@ -1,24 +1,24 @@
-//! Cases to train the prior with, from folders.
+//! Fits the evidence model to cases: extractions whose true connections are known, read from folders.
 
 mod case_folders;
 pub mod cross_validation;
 pub mod example;
-pub mod figures;
 pub mod fit;
-pub mod known_links;
+pub mod known_connections;
 pub mod logistic;
 pub mod minimise;
 pub mod objective;
 mod read_case;
+pub mod scores;
 mod truth_file;
 
 pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
 pub use example::{Case, Example};
-pub use figures::{average_precision, calibration_error, figures, told};
 pub use fit::{Step, TrainParams, fit, goes_without_inlets, train};
-pub use known_links::Right;
+pub use known_connections::Match;
 pub use logistic::calibrate;
 pub use objective::{Objective, case_weights};
+pub use scores::{average_precision, calibration_error, case_scores, held_out_scores};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,18 +31,18 @@ use crate::support::in_order;
 pub struct Cases {
     /// The cases by data set, in the order of their names there.
     pub cases: Vec<Case>,
-    /// What a person should know about how they were read, with the number of cases it is true of.
+    /// What a person should know about how they were read, with the number of cases concerned.
     pub notes: BTreeMap<String, usize>,
 }
 
 /// Reads all cases in some folders, each a data set.
 ///
-/// A case folder holds `fragments.swc` (or one other file of centerlines of that name) and the answer: `truth.json`, or
+/// A case folder holds `fragments.swc` (or one other file of centerlines of that name) and the truth: `truth.json`, or
 /// `links.csv`. Beside them may lie `inlets.csv`, the nodes where blood is known to enter, and `loops.csv`, links that SWC cannot hold.
 ///
 /// # Errors
 ///
-/// A folder without a case; a file that cannot be read or is wrong; an answer that does not fit its fragments.
+/// A folder without a case; a file that cannot be read or is wrong; a truth that does not fit its fragments.
 pub fn read_cases(data_sets: &[PathBuf]) -> Result<Cases> {
     let mut found = Cases::default();
     let mut folders = Vec::new();

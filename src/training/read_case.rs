@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::case_folders::CaseFolder;
 use super::example::Case;
-use super::known_links::KnownLinks;
+use super::known_connections::KnownConnections;
 use super::truth_file;
 use crate::candidates::features::Extraction;
 use crate::error::{Fault, Result};
@@ -14,7 +14,7 @@ use crate::network::units::millimetres;
 use crate::network::{Network, RadiusRule, locate};
 use crate::support::geometry::distance;
 
-/// An end of a listed bridge is a point no more than so many spacings away.
+/// An end of a listed connection is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
 
 /// The case in a folder, and what a person should know about how it was read.
@@ -22,14 +22,14 @@ pub fn read(data_set: &str, folder: &CaseFolder) -> Result<(Case, Vec<String>)> 
     let (network, mut notes) = network(folder)?;
     let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
     let extraction = Extraction::new(&network, &inlets)?;
-    let bytes = bytes_of(&folder.answer)?;
-    let here = |fault: Fault| fault.in_file(&folder.answer);
-    let (answer, subject) = if folder.answer.extension().is_some_and(|ending| ending == "json") {
+    let bytes = bytes_of(&folder.truth)?;
+    let here = |fault: Fault| fault.in_file(&folder.truth);
+    let (truth, subject) = if folder.truth.extension().is_some_and(|ending| ending == "json") {
         truth_file::read(&bytes, &network, &extraction).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
     };
-    if answer.links() == 0 {
+    if truth.connections() == 0 {
         notes.push("an answer of no link: every fragment stands alone".into());
     }
     let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
@@ -40,7 +40,7 @@ pub fn read(data_set: &str, folder: &CaseFolder) -> Result<(Case, Vec<String>)> 
         name: folder.names.join("/"),
         network,
         inlets,
-        answer,
+        truth,
     };
     Ok((case, notes))
 }
@@ -70,23 +70,23 @@ fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
     Ok(out)
 }
 
-/// The answer that a table of right bridges gives.
-fn listed(bytes: &[u8], extraction: &Extraction, inlets: &[usize]) -> Result<KnownLinks, Fault> {
-    let mut bridges = Vec::new();
-    for bridge in read_links(bytes)? {
+/// The connections that a table lists.
+fn listed(bytes: &[u8], extraction: &Extraction, inlets: &[usize]) -> Result<KnownConnections, Fault> {
+    let mut pairs = Vec::new();
+    for listed in read_links(bytes)? {
         let mut ends = [0; 2];
-        for (end, position) in ends.iter_mut().zip(bridge.ends) {
+        for (end, position) in ends.iter_mut().zip(listed.ends) {
             let away = extraction.position.iter().enumerate().map(|(point, p)| (distance(*p, position), point));
             let nearest = away.min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, point)) = nearest.filter(|(away, _)| *away <= MOST_SPACINGS * extraction.spacing) else {
                 let [x, y, z] = position.map(millimetres);
                 let away = nearest.map_or(f64::INFINITY, |(away, _)| millimetres(away));
                 let found = format!("an end at {x},{y},{z}, {away:.3} mm from the nearest point of the fragments");
-                return Err(Fault::line(bridge.line, found, "expected the positions of two points"));
+                return Err(Fault::line(listed.line, found, "expected the positions of two points"));
             };
             *end = point;
         }
-        bridges.push(ends);
+        pairs.push(ends);
     }
-    Ok(KnownLinks::bridging(extraction, &bridges, inlets))
+    Ok(KnownConnections::between(extraction, &pairs, inlets))
 }

@@ -136,15 +136,15 @@ fn prior(item: &Item) -> Result<f64, Fault> {
     Ok(item.share("prior")?.unwrap_or(1.0))
 }
 
-/// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.
+/// The probability that the edge states, that of attaching each end to the other, and the odds of continuing at each.
 fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
     if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        evidence.hangs = [a, b];
+        evidence.attached = [a, b];
     }
     if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
-        evidence.continues = [a, b];
+        evidence.continuation_odds = [a, b];
     }
     Ok(Some(evidence))
 }
