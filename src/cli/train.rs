@@ -10,7 +10,6 @@ use willis::error::{Error, Result};
 use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
-use willis::internals::support::in_order;
 use willis::internals::training::read_cases;
 use willis::internals::training::{
     Case, CrossValidation, Example, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
@@ -61,13 +60,14 @@ impl TrainArgs {
         let began = Instant::now();
         let read = read_cases(&self.cases)?;
         say_notes(terminal, &read.notes, "case");
+        let all: Vec<&Case> = read.cases.iter().collect();
         if self.folds > 0 {
-            check_folds(&read.cases.iter().collect::<Vec<_>>(), self.folds)?;
+            check_folds(&all, self.folds)?;
         }
-        let judged = measured(&read.cases, |_| true)?;
+        let judged = Example::measure(&all, |_| true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
-        let without: Vec<Case> = read.cases.iter().filter(|case| bare(case)).cloned().collect();
-        let unfed = measured(&without, |_| false)?;
+        let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
+        let unfed = Example::measure(&without, |_| false)?;
         let mut rest = unfed.iter();
         let training: Vec<&Example> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
         say_cases(terminal, &judged);
@@ -126,11 +126,6 @@ impl TrainArgs {
         let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
         Ok([self.output.clone()].into_iter().chain((1..=folds).map(of_fold)).collect())
     }
-}
-
-/// The cases with their candidates measured.
-fn measured(cases: &[Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Example<'_>>> {
-    in_order(cases, |_, case| Example::new(case, with_inlets(case))).into_iter().collect()
 }
 
 /// What was read, by data set.

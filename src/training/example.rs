@@ -9,6 +9,7 @@ use crate::candidates::model::feature_table::CandidateTable;
 use crate::candidates::search::{SearchOptions, search};
 use crate::error::Result;
 use crate::network::Network;
+use crate::support::in_order;
 
 /// An extraction with its known connections.
 #[derive(Debug, Clone)]
@@ -60,6 +61,15 @@ impl<'a> Example<'a> {
             matches[*pair] = case.truth.matching(*from, *to).or(matches[*pair]);
         }
         Ok(Self { case, extraction, table, allowed, matches })
+    }
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    pub fn measure(cases: &[&'a Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case, with_inlets(case))).into_iter().collect()
     }
 
     /// How many of the candidates that the truth needs are among those found.

@@ -75,18 +75,6 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
     share_of(&["inlets", &case.subject, &case.name]) < share
 }
 
-/// Fits weights to cases, measured first: a share of them without their inlets.
-///
-/// # Errors
-///
-/// Parameters out of range, no case, none with a true connection within reach, a node without position.
-pub fn train(cases: &[Case], params: &TrainParams, progress: &mut dyn FnMut(&Step)) -> Result<Weights> {
-    params.validate()?;
-    let measured = in_order(cases, |_, case| Example::new(case, !goes_without_inlets(case, params.without_inlets)));
-    let examples = measured.into_iter().collect::<Result<Vec<_>>>()?;
-    fit(&examples.iter().collect::<Vec<_>>(), params, progress)
-}
-
 /// Fits weights to measured cases; `progress` is called after every pass.
 ///
 /// Pass k starts from the weights of the pass before and sees the features of its posterior. The same cases give the same bits

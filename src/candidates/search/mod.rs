@@ -12,7 +12,7 @@ pub use neighbours::join_nearest;
 use std::collections::BTreeMap;
 
 use super::features::extraction::Extraction;
-use super::features::smoothing::{compare, steady};
+use super::features::smoothing::steady;
 use super::{Attach, CandidateOptions};
 use crate::error::Result;
 use crate::network::paths::ShortestPaths;
@@ -153,15 +153,15 @@ impl Neighbourhood<'_> {
         let from = e.position[self.end.point];
         let hits = self.off_branch();
         let free = hits.iter().filter(|hit| e.end_at[hit.point].is_some());
-        let mut places: Vec<([f64; 3], usize)> = free.map(|hit| (hit.order, hit.point)).collect();
+        let mut places: Vec<(f64, usize)> = free.map(|hit| (hit.distance, hit.point)).collect();
         if options.attach == Attach::Centerline {
             places.extend(self.by_branch(usize::MAX, &hits).iter().map(|hits| {
                 let met = least_bent(e, hits).point;
                 let end = Some(snapped(e, met)).filter(|end| distance(e.position[*end], from) <= self.reach);
-                (hits[0].order, end.unwrap_or(met))
+                (hits[0].distance, end.unwrap_or(met))
             }));
         }
-        places.sort_by(|a, b| compare(&a.0, &b.0).then(a.1.cmp(&b.1)));
+        places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut chosen: Vec<usize> = Vec::new();
         for (_, point) in places {
             if chosen.len() < options.k && !chosen.contains(&point) {

@@ -1,4 +1,4 @@
-//! Writes the candidate bridges of an extraction by a rule: `candidate-bridges RULE FRAGMENTS.swc INLETS.csv EDGES.csv`.
+//! Writes the candidate bridges of an extraction by a rule: `candidates RULE FRAGMENTS.swc INLETS.csv EDGES.csv`.
 
 use std::collections::BTreeSet;
 use std::fs;
