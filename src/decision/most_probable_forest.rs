@@ -6,23 +6,23 @@ use crate::error::Result;
 use crate::forest_posterior::{Bridge, Forests, arborescence};
 use crate::network::{Network, Origin, Vessel, fragments};
 
-/// A candidate that closes a loop within one fragment is kept from this probability on: there is nothing that it must beat.
+/// A candidate that closes a loop within one fragment competes with no other. It is kept if it has at least this probability.
 const KEPT_CLOSURE: f64 = 0.2;
 
 /// The usual root factor.
 pub const ROOT_FACTOR: f64 = 1.0;
 
-/// Whether the network knows how probably its fragments stay alone, as one built by evidence does.
+/// Whether the network has the probabilities that its fragments stay alone, as one that was built by evidence has.
 pub fn knows_fragments(network: &Network) -> bool {
     network.nodes().any(|n| n.alone.is_some())
 }
 
-/// Whether the evidence says how probable candidates are; there may be none that it takes for possible.
+/// Whether the network has evidence on its candidates. There may be evidence and no candidate that it takes for possible.
 pub fn has_evidence(network: &Network) -> bool {
     knows_fragments(network) || network.vessels().any(|(_, v)| v.evidence.is_some())
 }
 
-/// The calibrated probability of each vessel: that of its evidence; one where it is observed or certain; `None` where nothing is known.
+/// The calibrated probability of each vessel: one if it is observed or certain, else that of its evidence; `None` without evidence.
 pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
     let probability = |v: &Vessel| v.evidence.map(|e| e.probability);
     network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
@@ -31,8 +31,8 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
 /// Per vessel whether it is observed, or in the forest of fragments with the largest sum of the probabilities by which
 /// fragments hang on one another and, times `root_factor`, stay alone; or closes a probable loop.
 ///
-/// A candidate marked certain joins its fragments to one beforehand. A node's own word on how probably its fragment stays alone comes
-/// before what its bridges leave of one.
+/// A candidate marked certain joins its fragments to one beforehand. The probability that a node itself gives for
+/// its fragment to stay alone is used rather than one minus those of its candidates.
 ///
 /// # Errors
 ///
@@ -76,13 +76,13 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
 /// How many errors a decision is expected to make among the candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedErrors {
-    /// Candidates kept that are no true connection.
+    /// Kept candidates that are no true connection.
     pub wrong: f64,
     /// True connections that are not kept: pairs of fragments that belong together and that no kept candidate joins, and loops.
     pub missed: f64,
 }
 
-/// The errors that the probabilities expect of what is kept; `None` without evidence.
+/// The expected number of errors among the vessels `kept`, by the probabilities; `None` without evidence.
 ///
 /// Two fragments belong together as probably as either hangs on the other by the candidate that stands for them: candidates a
 /// few voxels apart are other places of one connection, so their probabilities do not add up.
