@@ -17,7 +17,7 @@ pub const LANES: usize = 8;
 #[derive(Debug)]
 pub struct Solver<'a> {
     circuit: &'a Circuit,
-    solver: BatchSolver,
+    batch: BatchSolver,
     instructions: InstructionSet,
     grounded: Vec<bool>,
     /// Nodes whose injected flow has nowhere to go, in every instance.
@@ -41,7 +41,7 @@ impl<'a> Solver<'a> {
         let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
         Ok(Self {
             circuit,
-            solver: BatchSolver::for_few(circuit)?,
+            batch: BatchSolver::for_few(circuit)?,
             instructions: InstructionSet::detect(),
             grounded: grounded(circuit, open),
             stranded: stranded(circuit, &masks, LANES),
@@ -50,12 +50,12 @@ impl<'a> Solver<'a> {
 
     /// The solver's name: `lanes` or `gradients`.
     pub fn name(&self) -> &'static str {
-        self.solver.name()
+        self.batch.name()
     }
 
     /// Memory for one worker.
     pub fn memory(&self) -> Memory {
-        Memory { conductance: Vec::new(), work: self.solver.workspace(0) }
+        Memory { conductance: Vec::new(), work: self.batch.workspace(0) }
     }
 
     /// Solves up to [`LANES`] instances by the conductances of their vessels, m³/(Pa s).
@@ -69,10 +69,10 @@ impl<'a> Solver<'a> {
         let lanes = |vessel| Lanes(std::array::from_fn(|lane| instances.get(lane).map_or(0.0, |c| c[vessel])));
         conductance.clear();
         conductance.extend((0..vessels).map(lanes));
-        self.instructions.run(SideBySide { solver: &self.solver, conductance, stranded: &self.stranded, work });
-        if matches!(self.solver, BatchSolver::Gradients(_)) {
+        self.instructions.run(SideBySide { solver: &self.batch, conductance, stranded: &self.stranded, work });
+        if matches!(self.batch, BatchSolver::Gradients(_)) {
             for (lane, own) in instances.iter().enumerate() {
-                let pressure = |node: usize| work.pressure()[self.solver.slot(node)][lane];
+                let pressure = |node: usize| work.pressure()[self.batch.slot(node)][lane];
                 let residual = Check::default().residual(self.circuit, |vessel| own[vessel], &self.stranded, pressure);
                 if residual.backward > MOST_BACKWARD {
                     return Err(Error::Breakdown);
@@ -84,7 +84,7 @@ impl<'a> Solver<'a> {
 
     /// The pressures of an instance that has been solved, Pa above the circuit's level; `None` in floating components.
     pub fn above_level(&self, lane: usize, memory: &Memory) -> Vec<Option<f64>> {
-        let pressure = |node: usize| memory.work.pressure()[self.solver.slot(node)][lane];
+        let pressure = |node: usize| memory.work.pressure()[self.batch.slot(node)][lane];
         self.grounded.iter().enumerate().map(|(node, grounded)| grounded.then(|| pressure(node))).collect()
     }
 }
@@ -102,6 +102,6 @@ impl Kernel for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.solver.solve_with(simd, self.conductance, self.stranded, self.work);
+        self.batch.solve_with(simd, self.conductance, self.stranded, self.work);
     }
 }
