@@ -102,6 +102,6 @@ impl Kernel for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.batch.solve_with(simd, self.conductance, self.stranded, self.work);
+        self.solver.solve_with(simd, self.conductance, self.stranded, self.work);
     }
 }
