@@ -22,7 +22,7 @@ pub fn has_evidence(network: &Network) -> bool {
     knows_fragments(network) || network.vessels().any(|(_, v)| v.evidence.is_some())
 }
 
-/// The calibrated probability of each vessel: that of its evidence; one where it is observed or certain; `None` where nothing is known.
+/// The calibrated probability of each vessel: one if it is observed or certain, else that of its evidence; `None` without evidence.
 pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
     let probability = |v: &Vessel| v.evidence.map(|e| e.probability);
     network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
@@ -76,13 +76,13 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
 /// How many errors a decision is expected to make among the candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedErrors {
-    /// Candidates kept that are no true connection.
+    /// Kept candidates that are no true connection.
     pub wrong: f64,
     /// True connections that are not kept: pairs of fragments that belong together and that no kept candidate joins, and loops.
     pub missed: f64,
 }
 
-/// The errors that the probabilities expect of what is kept; `None` without evidence.
+/// The expected number of errors among the vessels `kept`, by the probabilities; `None` without evidence.
 ///
 /// The probability that two fragments belong together is that of the candidate that represents them, over both directions:
 /// candidates a few voxels from it are other places of the same connection, so their probabilities are not added.

@@ -12,7 +12,7 @@ use super::sums::{PerSample, expectation, pairwise};
 use super::ties;
 use crate::flow::batch::solver::Workspace;
 use crate::flow::residual::{Check, Residual};
-use crate::flow::resilience::{diffused_resilience, rounding_drop};
+use crate::flow::resilience::{diffused_resilience, rounding_drops};
 use crate::support::random::BLOCK;
 use crate::support::simd::{Kernel, Lanes, Simd, map, masked, plus_product, splat, zip};
 
@@ -146,13 +146,8 @@ impl Group<'_> {
     /// ρ from the pressures at two ends, what is conducted between them, and ρ over the square of the flow.
     #[inline(always)]
     fn resilience<S: Simd>(&self, simd: S, [a, b]: [&Lanes<B>; 2], conductance: f64, factor: f64) -> Lanes<B> {
-        let [level, conductance] = [self.level, conductance].map(|x| simd.splat_f64s(x));
-        zip(simd, a, b, |a, b| {
-            let drop = simd.sub_f64s(a, b);
-            let rounding = [a, b].map(|p| rounding_drop(simd, simd.add_f64s(p, level)));
-            let rounding = simd.max_f64s(rounding[0], rounding[1]);
-            diffused_resilience(simd, factor, simd.mul_f64s(conductance, drop), drop, rounding)
-        })
+        let (at_a, at_b) = (rounding_drops(simd, a, self.level), rounding_drops(simd, b, self.level));
+        diffused_resilience(simd, [a, b], [&at_a, &at_b], Some(conductance), factor)
     }
 
     /// The forests of the group's samples, one after another.
