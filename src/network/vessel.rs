@@ -81,7 +81,7 @@ pub struct PathPoint {
 pub struct Vessel {
     /// Length along the centerline, m.
     pub length: f64,
-    /// Radius that stands for the whole vessel, m.
+    /// The single radius of the vessel, m.
     pub radius: f64,
     /// Resistance, Pa s/m³, where the input states one instead of leaving it to Poiseuille's law.
     pub resistance: Option<f64>,
@@ -95,7 +95,7 @@ pub struct Vessel {
     pub certain: bool,
     /// The evidence for a candidate.
     pub evidence: Option<Evidence>,
-    /// Whether an earlier run kept the vessel, where the input says so.
+    /// Whether an earlier run kept the vessel, if the input states it.
     pub kept: Option<bool>,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,

@@ -206,7 +206,7 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
 }
 
 /// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
-/// stands over a pressure, which is then the result of an earlier run.
+/// replaces a pressure, which is then the result of an earlier run.
 fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
     let pressure = item.finite("pressure_mmHg")?;
     let resistance = item.finite(RESISTANCE)?;
