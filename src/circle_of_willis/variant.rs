@@ -146,21 +146,6 @@ impl Variant {
         );
         words.join(", ")
     }
-
-    /// The complete variant and the ten published ones, in the order of Padmos et al. 2022. A missing P1 with a PComm means a fetal type.
-    pub fn published() -> Vec<Self> {
-        let lacking = |missing: &[Artery]| {
-            let mut variant = Self::COMPLETE;
-            for artery in missing {
-                variant.set(*artery, false);
-            }
-            for side in Side::BOTH {
-                variant.set_fetal(side, || false);
-            }
-            variant
-        };
-        std::iter::once(Self::COMPLETE).chain(PUBLISHED.iter().map(|missing| lacking(missing))).collect()
-    }
 }
 
 /// For each vessel of a graph file whether it counts as present, and a note where some do not. Vessels count that an earlier run kept, or
