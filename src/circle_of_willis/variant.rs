@@ -82,7 +82,7 @@ impl Variant {
         }
     }
 
-    /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` tells whether
+    /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` returns whether
     /// PComm is wider by a twentieth, by the 25th percentiles of the radii along both (Musio et al. 2026).
     pub(crate) fn set_fetal(&mut self, side: Side, wider: impl FnOnce() -> bool) {
         self.fetal[side.index()] = self.has(Artery::PComm(side)) && (!self.has(Artery::P1(side)) || wider());
