@@ -20,6 +20,30 @@
 //!
 //! These functions do exactly what the commands of the same names do, with the same defaults. Everything behind them is in
 //! [`internals`], which promises nothing. Inside, everything is in SI units; lengths in files are in mm, pressures in mmHg.
+//!
+//! | the paper | here |
+//! |---|---|
+//! | the whole method, one sample after another, slow and obvious | `sampling/reference.rs` |
+//! | the steps of a run | [`internals::pipeline`] |
+//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `network/contraction.rs`: [`RadiusRule::Mean`] |
+//! | R = 8µl/(πr⁴) | [`internals::flow::poiseuille`] |
+//! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `flow/batch/` |
+//! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`], [`internals::flow::state`] |
+//! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`internals::perturbation::Occlusion`] |
+//! | MST(1/ρ) | `sampling/forest.rs` |
+//! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`Likelihood`] |
+//! | median threshold | [`Keep::Median`] |
+//! | forward simulation under stenosis and occlusion | [`simulate`], [`internals::simulation`] |
+//! | resistance modulation, hypertension | [`modulate`], [`internals::modulation`] |
+//!
+//! | the evidence | here |
+//! |---|---|
+//! | w = exp(β·x), v = exp(γ·z) | [`internals::candidates::features`], [`internals::candidates::model`] |
+//! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`internals::forest_posterior::marginals`] |
+//! | maximum conditional likelihood | `training/fit.rs` |
+//! | the most probable forest | `decision/most_probable_forest.rs` |
+//! | whole topologies with their weights | `decision/whole_topologies.rs` |
+//! | the variant of a circle, and its probability | [`internals::circle_of_willis`] |
 
 pub mod error;
 pub mod internals;
@@ -40,6 +64,7 @@ mod report;
 mod sampling;
 mod simulation;
 mod support;
+#[cfg(feature = "training")]
 mod training;
 
 pub use candidates::{Attach, CandidateOptions, CandidateRadius};

@@ -82,7 +82,7 @@ impl Variant {
         }
     }
 
-    /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` tells whether
+    /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` returns whether
     /// PComm is wider by a twentieth, by the 25th percentiles of the radii along both (Musio et al. 2026).
     pub(crate) fn set_fetal(&mut self, side: Side, wider: impl FnOnce() -> bool) {
         self.fetal[side.index()] = self.has(Artery::PComm(side)) && (!self.has(Artery::P1(side)) || wider());
@@ -145,21 +145,6 @@ impl Variant {
             FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is).map(|(a, _)| format!("{a} fenestrated")),
         );
         words.join(", ")
-    }
-
-    /// The complete variant and the ten published ones, in the order of Padmos et al. 2022. A missing P1 with a PComm means a fetal type.
-    pub fn published() -> Vec<Self> {
-        let lacking = |missing: &[Artery]| {
-            let mut variant = Self::COMPLETE;
-            for artery in missing {
-                variant.set(*artery, false);
-            }
-            for side in Side::BOTH {
-                variant.set_fetal(side, || false);
-            }
-            variant
-        };
-        std::iter::once(Self::COMPLETE).chain(PUBLISHED.iter().map(|missing| lacking(missing))).collect()
     }
 }
 

@@ -115,8 +115,8 @@ impl Territory {
         let mut before = self.from;
         for vessel in 1..=vessels {
             let on_line = lerp(start, tip, vessel as f64 / vessels as f64);
-            let beside = on_line.map(|x| x + BEND * length * rng.sample::<f64, _>(StandardNormal));
-            let position = if vessel == vessels { tip } else { beside };
+            let off_line = on_line.map(|x| x + BEND * length * rng.sample::<f64, _>(StandardNormal));
+            let position = if vessel == vessels { tip } else { off_line };
             let next = add_node(network, position, None);
             params.add_vessel(network, [before, next], self.radius);
             before = next;

@@ -59,7 +59,7 @@ fn make_inlet(network: &mut Network, row: usize) {
 }
 
 /// Refuses a value out of its range.
-fn check_range<T: PartialOrd + Display>(name: &str, value: T, least: T, most: T) -> Result<()> {
+fn check_range<T: PartialOrd + Display + Copy>(name: &str, value: T, least: T, most: T) -> Result<()> {
     if least <= value && value <= most {
         return Ok(());
     }
@@ -72,7 +72,7 @@ fn check_length(name: &str, value: f64) -> Result<()> {
 }
 
 /// Refuses two values that are out of their range or not in order.
-fn check_pair<T: PartialOrd + Display>(name: &str, [low, high]: [T; 2], least: T, most: T) -> Result<()> {
+fn check_pair<T: PartialOrd + Display + Copy>(name: &str, [low, high]: [T; 2], least: T, most: T) -> Result<()> {
     if least <= low && low <= high && high <= most {
         return Ok(());
     }

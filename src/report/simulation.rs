@@ -204,7 +204,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     }
     let bars = flow_bars(&flows(simulated))?;
     bars.write(folder, dpi)?;
-    let caption = "The flow of every vessel, and beside it the flow in the perturbed network where there is one.";
+    let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
     let figures = vec![Picture::new("Flow", caption, &bars)?];
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);

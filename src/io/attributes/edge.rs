@@ -138,10 +138,10 @@ fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
     if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        evidence.hangs = [a, b];
+        evidence.attached = [a, b];
     }
     if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
-        evidence.continues = [a, b];
+        evidence.continuation_odds = [a, b];
     }
     Ok(Some(evidence))
 }

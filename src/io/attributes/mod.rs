@@ -174,7 +174,7 @@ pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &S
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
-            alone: item.share("alone")?,
+            root_score: item.share("alone")?,
             ..Node::default()
         });
     }

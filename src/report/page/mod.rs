@@ -23,7 +23,7 @@ use crate::error::Result;
 use crate::io::{Column, Values, escape};
 use scene::Scene;
 
-/// A page, whatever command it is of.
+/// The page of a run, of any command.
 #[derive(Debug, Clone)]
 pub struct Page {
     /// The heading.
