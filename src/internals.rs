@@ -68,6 +68,7 @@ pub mod support {
     pub use crate::support::*;
 }
 /// See `src/training`.
+#[cfg(feature = "training")]
 pub mod training {
     pub use crate::training::*;
 }

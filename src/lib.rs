@@ -40,6 +40,7 @@ mod report;
 mod sampling;
 mod simulation;
 mod support;
+#[cfg(feature = "training")]
 mod training;
 
 pub use candidates::{Attach, CandidateOptions, CandidateRadius};

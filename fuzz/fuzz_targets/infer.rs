@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use libfuzzer_sys::fuzz_target;
 use willis::internals::candidates::model::Weights;
 use willis::internals::candidates;
-use willis::internals::candidates::{build, build_probable};
+use willis::internals::candidates::{build, build_with_evidence};
 use willis::internals::io::{ReadOptions, read_graphml, read_swc};
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::decision::{Keep, decide};
@@ -33,7 +33,7 @@ fn graph(bytes: &[u8]) -> Option<Network> {
     if bytes.len() % 2 == 0 {
         return build(&network, &params).ok();
     }
-    let graph = build_probable(&network, &[], &params, &WEIGHTS).ok()?;
+    let graph = build_with_evidence(&network, &[], &params, &WEIGHTS).ok()?;
     assert!(graph.vessels().all(|(_, vessel)| (0.0..=1.0).contains(&vessel.prior)));
     Some(graph)
 }

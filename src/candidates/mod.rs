@@ -1,26 +1,26 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
-mod by_evidence;
 pub mod features;
 pub mod model;
+mod over_connected;
 pub mod search;
-mod split;
-
-pub use by_evidence::build_probable;
-
-use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::network::units::{as_stored, millimetres};
-use crate::network::{Evidence, Network, Origin, PathPoint, RadiusRule, Vessel};
-use crate::support::geometry::{Point, distance};
-use crate::support::parallel::in_order;
-use search::branches::{Surroundings, Target};
-use search::free_ends::free_ends;
-use search::limits::{Looks, check_junctions};
-use split::{Cuts, split};
+use crate::network::units::millimetres;
+use crate::network::{Evidence, Network, RadiusRule};
+use crate::support::geometry::distance;
+use features::extraction::Extraction;
+use model::posterior::{Posterior, posterior};
+use model::weights::Weights;
+use over_connected::{NewVessel, over_connected};
+use search::{Candidate, SearchOptions, search, search_nearest};
+
+/// Connections between fragments that are less probable than this are left out ...
+const LEAST_PROBABLE: f64 = 1e-3;
+/// ... and loops less probable than this.
+const LEAST_PROBABLE_LOOP: f64 = 1e-2;
 
 /// Where a candidate may end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -48,15 +48,15 @@ pub enum CandidateRadius {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CandidateOptions {
-    /// Nearest branches and free ends that every free end is joined to, at least 1; by default 6, by evidence 5 branches and four free ends
-    /// beside them.
+    /// How many of the nearest branches and free ends each free end is joined to, at least 1; by default 6, and with evidence 5 branches and
+    /// four free ends beside them.
     pub k: Option<usize>,
-    /// The longest gap to bridge, m, positive; without it 20 point spacings + 5 end diameters alone limit the reach.
+    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach.
     #[serde(rename = "max_gap_m")]
     pub max_gap: Option<f64>,
     /// Where a candidate may end.
     pub attach: Attach,
-    /// How its radius comes about.
+    /// How a candidate's radius comes from those at its ends.
     #[serde(rename = "candidate_radius")]
     pub radius: CandidateRadius,
     /// The largest radius of a candidate, m, positive.
@@ -102,14 +102,6 @@ pub enum NetworkPoint {
     },
 }
 
-/// A point of a network where a candidate may hold, with its position (m) and local radius (m).
-#[derive(Debug, Clone, Copy)]
-pub struct Anchor {
-    place: NetworkPoint,
-    position: Point,
-    radius: f64,
-}
-
 /// Joins every free end of the observed vessels to its nearest branches and free ends by candidate vessels.
 ///
 /// The nodes of `network` keep their rows; nodes where a vessel is split follow. The parts of the observed vessels come
@@ -119,86 +111,82 @@ pub struct Anchor {
 /// # Errors
 ///
 /// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
-pub fn build(network: &Network, params: &CandidateOptions) -> Result<Network> {
-    params.validate()?;
-    if let Some(node) = network.nodes().find(|n| n.position.is_none()) {
-        return Err(Error::parameter(
-            format!("node {}", node.id),
-            "without coordinates",
-            "candidates need the position of every node",
-        ));
-    }
-    check_junctions(network)?;
-    let around = Surroundings::new(network);
-    let ends = free_ends(network, around.spacing);
-    let looks = Looks::around(ends.len());
-    let targets = in_order(&ends, |_, end| around.targets(end, params, &looks));
-    looks.check()?;
-    let found = targets.into_iter().flatten().map(|target| (target, None)).collect();
-    Ok(with_candidates(network, found, params).0)
+pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
+    options.validate()?;
+    let e = Extraction::new(network, &[])?;
+    let found = search_nearest(&e, options)?.into_iter().map(|candidate| {
+        let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
+        NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None }
+    });
+    Ok(over_connected(network, &e, found.collect(), options).0)
 }
 
-/// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
-/// a vessel is split.
-fn with_candidates(
+/// Joins the fragments of the observed vessels by the candidates that the evidence allows.
+///
+/// Every candidate has its [`Evidence`], its probability is its prior, and every node knows how probably its fragment is a root.
+/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them.
+///
+/// # Errors
+///
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
+pub fn build_with_evidence(
     network: &Network,
-    mut found: Vec<(Target, Option<Evidence>)>,
-    params: &CandidateOptions,
-) -> (Network, BTreeMap<NetworkPoint, usize>) {
-    let mut joined: BTreeSet<[NetworkPoint; 2]> =
-        network.vessels().map(|(ends, _)| pair(NetworkPoint::Node(ends[0]), NetworkPoint::Node(ends[1]))).collect();
-    found.retain(|(target, _)| joined.insert(pair(target.from.place, target.to.place)));
-    let mut cuts = Cuts::new();
-    for (target, _) in &found {
-        for anchor in [&target.from, &target.to] {
-            if let NetworkPoint::Along { vessel, point } = anchor.place {
-                cuts.entry(vessel).or_default().insert(point);
-            }
-        }
-    }
-    let (mut graph, node_at) = split(network, &cuts, params.radius_rule);
-    for (target, evidence) in found {
-        let ends = [&target.from, &target.to].map(|anchor| match anchor.place {
-            NetworkPoint::Node(node) => node,
-            place @ NetworkPoint::Along { .. } => node_at[&place],
-        });
-        let prior = evidence.map_or(1.0, |e| e.probability);
-        graph.add_vessel(ends, Vessel { prior, evidence, ..candidate(&target, params) });
-    }
-    store(&mut graph);
-    (graph, node_at)
-}
-
-fn pair(a: NetworkPoint, b: NetworkPoint) -> [NetworkPoint; 2] {
-    [a.min(b), a.max(b)]
-}
-
-fn candidate(target: &Target, params: &CandidateOptions) -> Vessel {
-    let (a, b) = (target.from.radius, target.to.radius);
-    let radius = match params.radius {
-        CandidateRadius::Min => a.min(b),
-        CandidateRadius::Mean => 0.5 * (a + b),
+    inlets: &[usize],
+    options: &CandidateOptions,
+    weights: &Weights,
+) -> Result<Network> {
+    options.validate()?;
+    let e = Extraction::new(network, inlets)?;
+    let mut candidates = search(
+        &e,
+        &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
+    )?;
+    candidates.retain(|c| {
+        let gap = distance(e.position[e.ends[c.end].point], e.position[c.point]);
+        let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
+        options.max_gap.is_none_or(|most| gap <= most) && may_end
+    });
+    let posterior = posterior(&e, &candidates, weights)?;
+    let mut found = probable(&posterior);
+    let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
+    found.extend(loops.map(|(candidate, p)| {
+        (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
+    }));
+    let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
+        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence) }
     };
-    let radius = params.max_radius.map_or(radius, |most| radius.min(most));
-    let length = distance(target.from.position, target.to.position);
-    let path = [&target.from, &target.to].map(|s| PathPoint { position: s.position, radius, id: None }).to_vec();
-    Vessel { path, ..Vessel::new(length, radius, Origin::Candidate) }
-}
-
-/// Makes every length one that survives being written in millimetres.
-fn store(network: &mut Network) {
-    for row in 0..network.vessel_count() {
-        let vessel = network.vessel_mut(row);
-        vessel.length = as_stored(vessel.length);
-        vessel.radius = as_stored(vessel.radius);
-        for point in &mut vessel.path {
-            point.radius = as_stored(point.radius);
-            point.position = point.position.map(as_stored);
+    let (mut graph, node_at) = over_connected(network, &e, found.into_iter().map(new_vessel).collect(), options);
+    for (place, fragment) in e.place.iter().zip(&e.fragment) {
+        let node = match place {
+            NetworkPoint::Node(node) => Some(node),
+            NetworkPoint::Along { .. } => node_at.get(place),
+        };
+        if let Some(node) = node {
+            graph.node_mut(*node).root_score = Some(posterior.root_scores[*fragment]);
         }
     }
-    for row in 0..network.node_count() {
-        let node = network.node_mut(row);
-        node.radius = node.radius.map(as_stored);
-        node.position = node.position.map(|p| p.map(as_stored));
+    Ok(graph)
+}
+
+/// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
+/// represents both.
+fn probable(posterior: &Posterior) -> Vec<(Candidate, Evidence)> {
+    let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
+    let mut found: Vec<(Candidate, f64, Evidence)> = Vec::new();
+    for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
+        let p = posterior.marginals.edges[row];
+        let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());
+        let attached = posterior.attachment_scores[row];
+        if let Some(at) = first[*pair] {
+            let (_, sum, evidence) = &mut found[at];
+            *sum += p;
+            (evidence.attached[1], evidence.continuation_odds[1]) = (attached, odds);
+        } else {
+            first[*pair] = Some(found.len());
+            let probability = posterior.probability[row];
+            found.push((*candidate, p, Evidence { probability, attached: [attached, 0.0], continuation_odds: [odds, 0.0] }));
+        }
     }
+    found.into_iter().filter(|(_, sum, _)| *sum > LEAST_PROBABLE).map(|(candidate, _, evidence)| (candidate, evidence)).collect()
 }

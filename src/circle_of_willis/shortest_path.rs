@@ -1,12 +1,10 @@
 //! The shortest way between sets of nodes over some of the vessels.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
 use crate::network::Network;
+use crate::network::paths::ShortestPaths;
 
 /// A way through a network.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -30,51 +28,24 @@ pub(crate) fn marks(network: &Network, nodes: impl IntoIterator<Item = usize>) -
 }
 
 /// The shortest way by length from any node of `from` to any of `to` over the vessels that `may` admits, through no node of `avoid`
-/// but at its ends; a node of both sets is a way without vessels. Ways longer than `most` (m) do not count. Dijkstra's algorithm.
+/// but at its ends; a node of both sets is a way without vessels. Ways longer than `most` (m) do not count.
 pub(crate) fn shortest(network: &Network, [from, to, avoid]: [&Marks; 3], may: impl Fn(usize) -> bool, most: f64) -> Option<Way> {
-    let mut best = vec![f64::INFINITY; network.node_count()];
-    let mut came: Vec<Option<(usize, usize)>> = vec![None; network.node_count()];
-    // Lengths are never negative, so that their bits are in their order.
-    let mut open = BinaryHeap::new();
-    for node in (0..from.len()).filter(|node| from[*node]) {
-        best[node] = 0.0;
-        open.push(Reverse((0_u64, node)));
-    }
-    while let Some(Reverse((bits, node))) = open.pop() {
-        let length = f64::from_bits(bits);
-        if length > best[node] {
-            continue;
-        }
-        if to[node] {
-            return Some(back(&came, node));
-        }
-        if avoid[node] && !from[node] {
-            continue;
-        }
-        for edge in network.graph().edges(NodeIndex::new(node)) {
-            let (vessel, next) = (edge.id().index(), edge.target().index());
-            let further = length + edge.weight().length.max(0.0);
-            if may(vessel) && further < best[next] && further <= most {
-                best[next] = further;
-                came[next] = Some((node, vessel));
-                open.push(Reverse((further.to_bits(), next)));
-            }
-        }
-    }
-    None
-}
-
-fn back(came: &[Option<(usize, usize)>], end: usize) -> Way {
-    let mut way = Way { nodes: vec![end], vessels: Vec::new() };
-    let mut at = end;
-    while let Some((node, vessel)) = came[at] {
-        way.nodes.push(node);
-        way.vessels.push(vessel);
-        at = node;
-    }
-    way.nodes.reverse();
-    way.vessels.reverse();
-    way
+    let sources: Vec<usize> = (0..from.len()).filter(|node| from[*node]).collect();
+    let vessels = |node: usize| {
+        let passable = from[node] || !avoid[node];
+        let edges = network.graph().edges(NodeIndex::new(node)).filter(move |_| passable);
+        edges.map(|e| (e.id().index(), e.target().index(), e.weight().length.max(0.0))).filter(|(vessel, ..)| may(*vessel))
+    };
+    let mut paths = ShortestPaths::new(network.node_count());
+    let mut end = None;
+    paths.search(&sources, most, vessels, |_, node| {
+        end = Some(node).filter(|node| to[*node]);
+        end.is_none()
+    });
+    end.map(|end| {
+        let (nodes, vessels) = paths.path_to(end);
+        Way { nodes, vessels }
+    })
 }
 
 impl Way {

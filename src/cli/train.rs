@@ -1,4 +1,4 @@
-//! `willis train`: fit the evidence model to extractions whose right links are known.
+//! `willis train`: fit the evidence model to extractions whose true connections are known.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -7,10 +7,9 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use willis::error::{Error, Result};
-use willis::internals::candidates::model::Figures;
+use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
-use willis::internals::support::in_order;
 use willis::internals::training::read_cases;
 use willis::internals::training::{
     Case, CrossValidation, Example, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
@@ -22,7 +21,7 @@ use super::print::notes::say_notes;
 use super::print::{Terminal, count, plural};
 use super::shell::print_json;
 
-/// Fit the evidence model to extractions whose right links are known
+/// Fit the evidence model to extractions whose true connections are known
 ///
 /// Each argument is a data set, searched for case folders. A case folder holds fragments.swc (or one other file of centerlines
 /// called fragments) and the answer: truth.json as `willis phantom --break` writes it, or links.csv with the columns
@@ -45,7 +44,7 @@ pub struct TrainArgs {
     /// Penalty of large weights
     #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,
-    /// Passes over the bridges: each sees what the one before makes of a bridge's surroundings
+    /// Passes over the candidates: each pass uses the probabilities that the one before gave to the candidates around
     #[arg(long, value_name = "N", default_value_t = TrainParams::default().iterations.len(), value_parser = whole::<usize>, allow_negative_numbers = true)]
     passes: usize,
     /// Print a summary on standard output, as JSON
@@ -61,13 +60,14 @@ impl TrainArgs {
         let began = Instant::now();
         let read = read_cases(&self.cases)?;
         say_notes(terminal, &read.notes, "case");
+        let all: Vec<&Case> = read.cases.iter().collect();
         if self.folds > 0 {
-            check_folds(&read.cases.iter().collect::<Vec<_>>(), self.folds)?;
+            check_folds(&all, self.folds)?;
         }
-        let judged = measured(&read.cases, |_| true)?;
+        let judged = Example::measure(&all, |_| true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
-        let without: Vec<Case> = read.cases.iter().filter(|case| bare(case)).cloned().collect();
-        let unfed = measured(&without, |_| false)?;
+        let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
+        let unfed = Example::measure(&without, |_| false)?;
         let mut rest = unfed.iter();
         let training: Vec<&Example> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
         say_cases(terminal, &judged);
@@ -128,17 +128,12 @@ impl TrainArgs {
     }
 }
 
-/// The cases with their bridges measured.
-fn measured(cases: &[Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Example<'_>>> {
-    in_order(cases, |_, case| Example::new(case, with_inlets(case))).into_iter().collect()
-}
-
 /// What was read, by data set.
 fn say_cases(terminal: Terminal, examples: &[Example]) {
     for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
         let subjects: BTreeSet<&str> = of_set.iter().map(|e| e.case.subject.as_str()).collect();
         let sum = |of: &dyn Fn(&Example) -> usize| of_set.iter().map(of).sum::<usize>();
-        let (needed, reached) = (sum(&|e| e.case.answer.needed()), sum(&|e| e.reached()));
+        let (needed, reached) = (sum(&|e| e.case.truth.needed()), sum(&|e| e.reached()));
         terminal.say(
             "read",
             format!(
@@ -147,9 +142,9 @@ fn say_cases(terminal: Terminal, examples: &[Example]) {
                 plural(of_set.len(), "case"),
                 plural(subjects.len(), "subject"),
                 plural(sum(&|e| e.extraction.fragments.len()), "fragment"),
-                plural(needed, "right link"),
+                plural(needed, "true connection"),
                 count(reached as u64),
-                plural(sum(&|e| e.rows.links), "bridge")
+                plural(sum(&|e| e.table.pairs), "candidate")
             ),
         );
     }
@@ -161,7 +156,7 @@ fn say_step(terminal: Terminal, heading: &str, step: &Step) {
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 
-fn say_figures(terminal: Terminal, figures: &Figures) {
+fn say_figures(terminal: Terminal, figures: &HeldOutScores) {
     let or_none = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.3}"));
     terminal.say(
         "held out",
@@ -177,7 +172,7 @@ fn say_figures(terminal: Terminal, figures: &Figures) {
     );
 }
 
-fn summary(cases: &[Case], outputs: &[String], figures: &[Figures]) -> Value {
+fn summary(cases: &[Case], outputs: &[String], figures: &[HeldOutScores]) -> Value {
     let figures = figures.iter().map(|f| {
         json!({
             "of": f.of, "cases": f.cases, "subjects": f.subjects, "average_precision": f.average_precision,

@@ -8,9 +8,9 @@ use crate::flow::floating::parts_that_carry;
 use crate::network::{Network, Origin, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
 
-/// A vessel whose L lies within so many standard errors of the threshold is undecided.
+/// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
-/// A vessel whose probability lies so near to the cut is undecided; [`Keep::Probable`] counts as a cut of one half.
+/// A vessel whose probability is closer to the cut than this is undecided. The cut of [`Keep::Probable`] is one half.
 pub const UNDECIDED_BAND: f64 = 0.2;
 
 /// The decision on every vessel.
@@ -20,15 +20,15 @@ pub struct Decision {
     pub threshold: Option<f64>,
     /// The median of L over the uncertain vessels with L > 0, W/m³.
     pub median: Option<f64>,
-    /// Vessels kept by the rule; those not uncertain always are.
+    /// Whether each vessel is kept by the rule. Vessels that are not uncertain always are.
     pub kept: Vec<bool>,
-    /// Vessels above the median; those not uncertain always are.
+    /// Whether each vessel is above the median. Vessels that are not uncertain always are.
     pub above_median: Vec<bool>,
     /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
 }
 
-/// A count of what a kept graph holds.
+/// The size and the connections of a kept graph.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Topology {
     /// Uncertain vessels that stay.
@@ -120,8 +120,8 @@ fn decided(distance: f64, error: f64) -> bool {
     distance.abs() >= UNDECIDED_Z * error
 }
 
-/// The figure at which a decision would flip: a threshold that is itself one of the figures, as a median is, flips none
-/// until a rank changes, midway between the nearest figures on its two sides.
+/// The figure at which a decision would flip. A threshold that is itself one of the figures, such as a median, flips no decision until a
+/// rank changes; then it lies midway between the nearest figures on its two sides.
 fn flipping_point(rule: Keep, cut: f64, result: &Likelihood) -> Option<f64> {
     if matches!(rule, Keep::Value(_) | Keep::Frequency(_)) {
         return Some(cut);

@@ -3,36 +3,36 @@
 use std::collections::BTreeMap;
 
 use crate::error::Result;
-use crate::forest_posterior::{Bridge, Forests, arborescence};
+use crate::forest_posterior::{Edge, Forests, arborescence};
 use crate::network::{Network, Origin, Vessel, fragments};
 
-/// A candidate that closes a loop within one fragment is kept from this probability on: there is nothing that it must beat.
+/// A candidate that closes a loop within one fragment is kept from this probability on: it has no rival.
 const KEPT_CLOSURE: f64 = 0.2;
 
 /// The usual root factor.
 pub const ROOT_FACTOR: f64 = 1.0;
 
-/// Whether the network knows how probably its fragments stay alone, as one built by evidence does.
+/// Whether the network knows how probably its fragments are roots, as one built by evidence does.
 pub fn knows_fragments(network: &Network) -> bool {
-    network.nodes().any(|n| n.alone.is_some())
+    network.nodes().any(|n| n.root_score.is_some())
 }
 
-/// Whether the evidence says how probable candidates are; there may be none that it takes for possible.
+/// Whether the evidence says how probable candidates are; it may allow none.
 pub fn has_evidence(network: &Network) -> bool {
     knows_fragments(network) || network.vessels().any(|(_, v)| v.evidence.is_some())
 }
 
-/// The calibrated probability of each vessel: that of its evidence; one where it is observed or certain; `None` where nothing is known.
+/// The calibrated probability of each vessel: one if it is observed or certain, else that of its evidence; `None` without evidence.
 pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
     let probability = |v: &Vessel| v.evidence.map(|e| e.probability);
     network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
 }
 
-/// Per vessel whether it is observed, or in the forest of fragments with the largest sum of the probabilities by which
-/// fragments hang on one another and, times `root_factor`, stay alone; or closes a probable loop.
+/// Per vessel whether it is observed, or in the forest of fragments with the largest sum of scores (of attachments and, times
+/// `root_factor`, of roots), or closes a probable loop.
 ///
-/// A candidate marked certain joins its fragments to one beforehand. A node's own word on how probably its fragment stays alone comes
-/// before what its bridges leave of one.
+/// A candidate marked certain joins its fragments to one beforehand. A fragment whose nodes have no root score gets what its candidates
+/// leave of one.
 ///
 /// # Errors
 ///
@@ -40,12 +40,12 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
 pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
     let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
     let parts = fragments(network, |_, v| given(v));
-    let mut alone = vec![f64::NAN; parts.count];
+    let mut known = vec![f64::NAN; parts.count];
     for (node, part) in network.nodes().zip(&parts.of_node) {
-        alone[*part] = node.alone.map_or(alone[*part], |p| p.min(alone[*part]));
+        known[*part] = node.root_score.map_or(known[*part], |p| p.min(known[*part]));
     }
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
-    let (mut bridges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
     for (row, ([a, b], v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
         let Some(evidence) = v.evidence else { continue };
@@ -54,21 +54,21 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
             kept[row] = evidence.probability >= KEPT_CLOSURE;
             continue;
         }
-        for (child, parent, score) in [(a, b, evidence.hangs[0]), (b, a, evidence.hangs[1])] {
+        for (child, parent, score) in [(a, b, evidence.attached[0]), (b, a, evidence.attached[1])] {
             if score > 0.0 {
                 left[child] -= score;
-                bridges.push(Bridge { child, parent, log_weight: 0.0 });
+                edges.push(Edge { child, parent, log_weight: 0.0 });
                 scores.push(score);
                 vessel.push(row);
             }
         }
     }
     let roots: Vec<f64> =
-        alone.iter().zip(&left).map(|(alone, left)| if alone.is_nan() { left.max(0.0) } else { *alone }).collect();
-    let forests = Forests::new(vec![0.0; parts.count], bridges)?;
+        known.iter().zip(&left).map(|(known, left)| if known.is_nan() { left.max(0.0) } else { *known }).collect();
+    let forests = Forests::new(vec![0.0; parts.count], edges)?;
     let scaled: Vec<f64> = roots.iter().map(|p| root_factor * p).collect();
-    for bridge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
-        kept[vessel[bridge]] = true;
+    for edge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
+        kept[vessel[edge]] = true;
     }
     Ok(kept)
 }
@@ -76,23 +76,23 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
 /// How many errors a decision is expected to make among the candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedErrors {
-    /// Candidates kept that are no true connection.
+    /// Kept candidates that are no true connection.
     pub wrong: f64,
     /// True connections that are not kept: pairs of fragments that belong together and that no kept candidate joins, and loops.
     pub missed: f64,
 }
 
-/// The errors that the probabilities expect of what is kept; `None` without evidence.
+/// The expected number of errors among the vessels `kept`, by the probabilities; `None` without evidence.
 ///
-/// Two fragments belong together as probably as either hangs on the other by the candidate that stands for them: candidates a
-/// few voxels apart are other places of one connection, so their probabilities do not add up.
+/// The probability that two fragments belong together is that of the candidate that represents them, over both directions:
+/// candidates a few voxels from it are other places of the same connection, so their probabilities are not added.
 pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedErrors> {
     if !has_evidence(network) {
         return None;
     }
     let parts = fragments(network, |_, v| v.origin == Origin::Observed || v.certain);
     let (mut wrong, mut missed) = (0.0, 0.0);
-    // Per pair of fragments how probably the one and the other hangs, and whether they are joined.
+    // Per pair of fragments the largest score of attaching the one and the other, and whether they are joined.
     let mut pairs: BTreeMap<[usize; 2], ([f64; 2], bool)> = BTreeMap::new();
     for ((ends, v), kept) in network.vessels().zip(kept) {
         let Some(evidence) = v.evidence else { continue };
@@ -102,10 +102,10 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
             missed += if *kept { 0.0 } else { evidence.probability };
             continue;
         }
-        let [x, y] = evidence.hangs;
-        let (pair, hangs) = if a < b { ([a, b], [x, y]) } else { ([b, a], [y, x]) };
+        let [x, y] = evidence.attached;
+        let (pair, scores) = if a < b { ([a, b], [x, y]) } else { ([b, a], [y, x]) };
         let (most, joined) = pairs.entry(pair).or_default();
-        *most = [most[0].max(hangs[0]), most[1].max(hangs[1])];
+        *most = [most[0].max(scores[0]), most[1].max(scores[1])];
         *joined |= *kept;
     }
     missed += pairs.values().filter(|(_, joined)| !joined).map(|([x, y], _)| f64::min(x + y, 1.0)).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Which likelihood is enough: the median of the paper, and other rules.
+//! The rules that decide which vessels are kept: the median of the paper, and others.
 
 use std::fmt;
 use std::str::FromStr;

@@ -4,7 +4,7 @@
 //!
 //! - [`TopologySource::FreeEnds`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that
 //!   is neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
-//!   ([`Evidence::continues`](crate::network::Evidence)) against 1 for ending there, whatever the others do. Loops are allowed. A
+//!   ([`continuation_odds`](crate::network::Evidence::continuation_odds)) against 1 for ending there, whatever the others do. Loops are allowed. A
 //!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
 //! - [`TopologySource::Samples`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
 //!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
@@ -177,7 +177,7 @@ impl KnownEnds<'_> {
             let Some(evidence) = vessel.evidence.filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
             };
-            for (node, odds) in ends.into_iter().zip(evidence.continues) {
+            for (node, odds) in ends.into_iter().zip(evidence.continuation_odds) {
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
                     at.entry(node).or_default().push((row, odds));
                 }

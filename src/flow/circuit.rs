@@ -5,10 +5,10 @@ use super::poiseuille::Tube;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
 
-/// Pressures closer than this share of the larger one are one.
+/// Pressures that differ by less than this share of the larger one count as equal.
 const SAME: f64 = 1e-12;
 
-/// Whether two pressures, Pa above a circuit's level, are one but for rounding.
+/// Whether two pressures, Pa above a circuit's level, are equal up to rounding.
 pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.max(b)
 }
@@ -109,7 +109,7 @@ impl Circuit {
         self.fixed[node].is_none() && self.shunt[node] == 0.0 && self.source[node] == 0.0
     }
 
-    /// The pressures (Pa) of nodes that lie so far above the level.
+    /// The pressures (Pa) of nodes from those above the level.
     pub fn pressures(&self, above_level: &[Option<f64>]) -> Vec<Option<f64>> {
         above_level.iter().map(|p| p.map(|p| p + self.level)).collect()
     }
@@ -129,9 +129,9 @@ pub fn conductances(network: &Network, tubes: &[Tube]) -> Result<Vec<f64>> {
     tubes.iter().enumerate().map(conductance).collect()
 }
 
-/// The error of a vessel so large or small that no double can hold what it `has`.
-pub fn beyond_doubles(network: &Network, row: usize, has: &str) -> Error {
+/// The error for a vessel so large or small that no double can hold its `quantity`.
+pub fn beyond_doubles(network: &Network, row: usize, quantity: &str) -> Error {
     let vessel = network.vessel(row);
     let size = format!("of length {:e} m and radius {:e} m", vessel.length, vessel.radius);
-    Error::parameter(network.vessel_name(row), size, format!("expected a {has} that a double can hold"))
+    Error::parameter(network.vessel_name(row), size, format!("expected a {quantity} that a double can hold"))
 }

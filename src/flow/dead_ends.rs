@@ -1,5 +1,5 @@
-//! Dead ends: parts that a single junction, or a single pressure, cuts off from everything that drives flow. Nothing flows
-//! there, a structural fact; an elimination that subtracts leaves rounding that could pass for flow.
+//! Dead ends: parts that a single junction, or a single pressure, separates from everything that drives flow. Nothing flows there. They are
+//! found by structure, because a solver that subtracts leaves rounding there that could pass for flow.
 
 use super::circuit::{Circuit, same_pressure};
 
@@ -64,7 +64,7 @@ impl DeadEnds {
         Self { start, links: lists.concat(), nodes, levels }
     }
 
-    /// Gives every node in a dead end the pressure of the junction or condition that it hangs on.
+    /// Gives every node in a dead end the pressure of the junction or condition where the dead end begins.
     pub fn level(&self, open: impl Fn(usize) -> bool, work: &mut Workspace, pressure: &mut [f64], fixed: &[Option<f64>]) {
         let all = self.start.len() - 1;
         let root = all - 1;

@@ -1,5 +1,4 @@
-//! Floating components: parts of a sampled circuit that no boundary condition grounds. A structural fact, never a
-//! matter of small pivots.
+//! Floating components: parts of a sampled circuit that no boundary condition grounds. They are found by structure, never by small pivots.
 
 use petgraph::unionfind::UnionFind;
 

@@ -1,7 +1,7 @@
-//! Peeling: dead ends and certain chains are dealt with once, exactly, before any sample.
+//! Peeling removes dead ends and merges chains of certain vessels, once and exactly, before any sample.
 //!
-//! A vessel to a free node without terminal that leads nowhere else carries no flow in any sample. Certain vessels in
-//! series share one flow: they become one resistance, and equal radii then have equal resilience to the last bit.
+//! A vessel that ends at a free node without a terminal or another vessel carries no flow in any sample. Certain vessels in series carry one
+//! flow: they become one resistance, so vessels of equal radii have equal resilience to the last bit.
 
 use super::circuit::Circuit;
 

@@ -1,4 +1,4 @@
-//! The steady pressures of one network, all its vessels open or some of them closed.
+//! The steady pressures of one network, with all of its vessels open or some of them closed.
 
 use super::batch::solver::BatchSolver;
 use super::circuit::Circuit;
@@ -7,10 +7,10 @@ use super::residual::Check;
 use crate::error::{Error, Result};
 use crate::support::simd::Scalar;
 
-/// A backward error beyond this means that pressures were not found.
+/// A solver with a backward error above this has not found the pressures.
 pub const MOST_BACKWARD: f64 = 1e-10;
 
-/// A circuit compiled to be solved with one pattern of open vessels after another.
+/// A compiled circuit, which can be solved for one pattern of open vessels after another.
 #[derive(Debug)]
 pub struct PressureSolver<'a> {
     circuit: &'a Circuit,
@@ -27,7 +27,7 @@ impl<'a> PressureSolver<'a> {
         Ok(Self { circuit, solver: BatchSolver::for_few(circuit)? })
     }
 
-    /// The pressure of every node with the vessels `open`, Pa above the circuit's level, from which drops are taken without a loss;
+    /// The pressure of every node with the vessels `open`, Pa above the circuit's level, so that drops keep all of their digits;
     /// `None` in floating components, where it is undefined.
     ///
     /// # Errors

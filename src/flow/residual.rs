@@ -2,12 +2,12 @@
 
 use super::circuit::Circuit;
 
-/// What is left in one sample.
+/// The residual of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Residual {
     /// ‖b - A P‖/‖b‖.
     pub relative: f64,
-    /// ‖b - A P‖ beside what flows through all conductances at these pressures, which rounding alone leaves at 1e-16 or so.
+    /// ‖b - A P‖ over the norm of the flows through all conductances at these pressures; about 1e-16 from rounding alone.
     pub backward: f64,
 }
 

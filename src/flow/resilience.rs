@@ -1,8 +1,10 @@
 //! Neurovascular resilience: the energy that flow dissipates per unit volume of a vessel.
 
+#![expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+
 use std::f64::consts::PI;
 
-use crate::support::simd::{Scalar, Simd};
+use crate::support::simd::{Lanes, Scalar, Simd};
 
 /// Pressure drops below this share of the larger pressure are rounding, not flow.
 pub const DROP_CUT: f64 = 1e-12;
@@ -27,33 +29,57 @@ pub fn resilience_per_square_flow(viscosity: f64, radius: f64) -> f64 {
     8.0 * viscosity / (PI * PI * radius.powi(6))
 }
 
-/// The drop (Pa) that is no more than rounding beside a pressure (Pa) at one end of a vessel.
-#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+/// Whether the drop of a vessel is more than rounding beside the pressures at its ends.
 #[inline(always)]
-pub fn rounding_drop<S: Simd>(simd: S, pressure: S::f64s) -> S::f64s {
+fn is_flow<S: Simd>(simd: S, drop: S::f64s, rounding: [S::f64s; 2]) -> S::m64s {
+    simd.greater_than_f64s(simd.abs_f64s(drop), simd.max_f64s(rounding[0], rounding[1]))
+}
+
+/// The drop (Pa) that is only rounding beside a pressure (Pa).
+#[inline(always)]
+fn rounding<S: Simd>(simd: S, pressure: S::f64s) -> S::f64s {
     simd.mul_f64s(simd.splat_f64s(DROP_CUT), simd.abs_f64s(pressure))
 }
 
-/// Whether vessels are diffused: their drop is more than what is only `rounding` beside the pressures
-/// at their ends, the larger [`rounding_drop`] of the two.
-#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+/// The drops (Pa) that are only rounding beside pressures given in Pa above `level`.
 #[inline(always)]
-pub fn diffused<S: Simd>(simd: S, drop: S::f64s, rounding: S::f64s) -> S::m64s {
-    simd.greater_than_f64s(simd.abs_f64s(drop), rounding)
+pub fn rounding_drops<S: Simd, const B: usize>(simd: S, above_level: &Lanes<B>, level: f64) -> Lanes<B> {
+    let (mut out, level) = (Lanes::ZERO, simd.splat_f64s(level));
+    for (out, p) in out.vectors_mut::<S>().iter_mut().zip(above_level.vectors::<S>()) {
+        *out = rounding(simd, simd.add_f64s(*p, level));
+    }
+    out
 }
 
-/// ρ = `factor`·x² of vessels, at most [`MOST_RESILIENCE`], and zero where they are not diffused. x is the drop, or the flow, whichever
-/// the factor belongs to.
-#[expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+/// ρ = `factor`·x² of a vessel in a group of samples, at most [`MOST_RESILIENCE`], and zero where the vessel is not diffused. x is the flow
+/// where a `conductance` is given, else the drop. At each end of the vessel stand the pressures and the
+/// [`rounding_drops`] beside them.
+// Without closures, which are not sure to be compiled into the caller's instruction set.
 #[inline(always)]
-pub fn diffused_resilience<S: Simd>(simd: S, factor: f64, x: S::f64s, drop: S::f64s, rounding: S::f64s) -> S::f64s {
-    let rho = simd.mul_f64s(simd.mul_f64s(x, x), simd.splat_f64s(factor));
-    let rho = simd.min_f64s(rho, simd.splat_f64s(MOST_RESILIENCE));
-    simd.select_f64s(diffused(simd, drop, rounding), rho, simd.splat_f64s(0.0))
+pub fn diffused_resilience<S: Simd, const B: usize>(
+    simd: S,
+    [a, b]: [&Lanes<B>; 2],
+    [at_a, at_b]: [&Lanes<B>; 2],
+    conductance: Option<f64>,
+    factor: f64,
+) -> Lanes<B> {
+    let [factor, most, zero] = [factor, MOST_RESILIENCE, 0.0].map(|x| simd.splat_f64s(x));
+    let mut out = Lanes::ZERO;
+    let ends = a.vectors::<S>().iter().zip(b.vectors::<S>()).zip(at_a.vectors::<S>().iter().zip(at_b.vectors::<S>()));
+    for (out, ((a, b), (at_a, at_b))) in out.vectors_mut::<S>().iter_mut().zip(ends) {
+        let drop = simd.sub_f64s(*a, *b);
+        let x = match conductance {
+            Some(conductance) => simd.mul_f64s(simd.splat_f64s(conductance), drop),
+            None => drop,
+        };
+        let rho = simd.min_f64s(simd.mul_f64s(simd.mul_f64s(x, x), factor), most);
+        *out = simd.select_f64s(is_flow(simd, drop, [*at_a, *at_b]), rho, zero);
+    }
+    out
 }
 
 /// Whether a vessel between pressures `a` and `b` (Pa) with drop `drop` carries flow at all, beyond rounding.
 pub fn is_diffused(drop: f64, a: f64, b: f64) -> bool {
     let simd = Scalar::new();
-    diffused(simd, drop, simd.max_f64s(rounding_drop(simd, a), rounding_drop(simd, b)))
+    is_flow(simd, drop, [rounding(simd, a), rounding(simd, b)])
 }

@@ -1,4 +1,4 @@
-//! The best single explanation: the maximum spanning arborescence over a virtual ground, by Edmonds' algorithm.
+//! The best single forest: the maximum spanning arborescence over a virtual ground, by Edmonds' algorithm.
 //!
 //! In O(m log n), with mergeable heaps and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
 
@@ -8,40 +8,40 @@ use super::Forests;
 const MOST_SCORE: f64 = 1000.0;
 /// Scores are compared in units of 2⁻⁶⁰.
 const SCORE_BITS: i32 = 60;
-/// Below them, the sum of the bridges' rows. Lowered costs stay within twice the largest: 119 bits.
+/// Below them, the sum of the edges' rows. Lowered costs stay within twice the largest: 119 bits.
 const ROW_BITS: u32 = 48;
 
-/// The explanation with the largest sum of scores: per fragment the bridge it hangs by, `None` for a root.
+/// The forest with the largest sum of scores: per fragment the edge that attaches it, `None` for a root.
 ///
-/// `bridges` and `roots` are the scores of each; they are taken to 2⁻⁶⁰ and summed exactly, cut at ±1000. A bridge scored -∞ is not taken.
-/// Among explanations of the same score the one with the smallest sum of rows wins, roots counted after all bridges;
+/// `edges` and `roots` are the scores of each; they are taken to 2⁻⁶⁰ and summed exactly, cut at ±1000. An edge scored -∞ is not taken.
+/// Among forests of the same score the one with the smallest sum of rows wins, roots counted after all edges;
 /// what still ties goes to the lower row.
 ///
 /// # Panics
 ///
 /// The scores belong to other forests.
-pub fn arborescence(forests: &Forests, bridges: &[f64], roots: &[f64]) -> Vec<Option<usize>> {
-    assert_eq!(bridges.len(), forests.bridges().len(), "one score per bridge");
+pub fn arborescence(forests: &Forests, edges: &[f64], roots: &[f64]) -> Vec<Option<usize>> {
+    assert_eq!(edges.len(), forests.edges().len(), "one score per edge");
     assert_eq!(roots.len(), forests.fragments(), "one score per fragment");
     let ground = forests.fragments();
-    let between = forests.bridges().iter().zip(bridges).enumerate().map(|(row, (bridge, score))| Arc {
-        from: bridge.parent,
-        to: bridge.child,
+    let between = forests.edges().iter().zip(edges).enumerate().map(|(row, (edge, score))| Arc {
+        from: edge.parent,
+        to: edge.child,
         cost: cost(*score, row),
         row: Some(row),
     });
     let to_ground = roots.iter().enumerate().map(|(fragment, score)| Arc {
         from: ground,
         to: fragment,
-        cost: cost(*score, bridges.len() + fragment),
+        cost: cost(*score, edges.len() + fragment),
         row: None,
     });
-    let possible = between.filter(|arc| arc.row.is_some_and(|row| bridges[row] != f64::NEG_INFINITY));
+    let possible = between.filter(|arc| arc.row.is_some_and(|row| edges[row] != f64::NEG_INFINITY));
     let arcs: Vec<Arc> = possible.chain(to_ground).collect();
     chosen(&arcs, ground).into_iter().map(|arc| arcs[arc].row).collect()
 }
 
-/// An arc from what a fragment hangs on to the fragment.
+/// An arc from a parent to its child.
 struct Arc {
     from: usize,
     to: usize,

@@ -10,7 +10,7 @@ use crate::support::elimination::Star;
 /// Fragments that are solved together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Clique {
-    /// First those that are eliminated here, then those that stand in the parent too.
+    /// First those that are eliminated here, then those that are in the parent too.
     pub nodes: Vec<usize>,
     /// How many are eliminated here.
     pub pivots: usize,
@@ -45,8 +45,8 @@ fn merged(stars: &[Star], guess: Guess) -> Vec<Clique> {
         let Some(parent) = *parent else { continue };
         let [small, large] = [child, parent].map(|clique| pivots[clique].len() + shared[clique].len());
         let message = if guess == Guess::Whole { large } else { 1 + shared[parent].len() };
-        let apart = escapes(small) + escapes(large) + cube(message) / 3.0 + CLIQUE;
-        if escapes(pivots[child].len() + large) <= apart {
+        let separate = escapes(small) + escapes(large) + cube(message) / 3.0 + CLIQUE;
+        if escapes(pivots[child].len() + large) <= separate {
             let moved = std::mem::take(&mut pivots[child]);
             pivots[parent].splice(0..0, moved);
             shared[child].clear();

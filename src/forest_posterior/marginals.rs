@@ -1,21 +1,21 @@
-//! The probability of every bridge and every root.
+//! The probability of every edge and every root.
 
 use super::cliques::{Clique, cliques};
 use super::escape::escapes;
 use super::messages::complete;
 use super::random_walk::Walk;
-use super::{Bridge, Forests};
+use super::{Edge, Forests};
 use crate::error::{Error, Result};
 use crate::support::elimination::{Star, least_degree};
 
-/// Marginal probabilities of the posterior; those of a fragment's bridges and its root sum to one.
+/// Marginal probabilities of the posterior; those of a fragment's edges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marginals {
-    /// Per bridge, that it is the one its child hangs by.
-    pub bridges: Vec<f64>,
-    /// Per fragment, that it hangs on nothing.
+    /// Per edge, that it is the one that attaches its child.
+    pub edges: Vec<f64>,
+    /// Per fragment, that it is a root.
     pub roots: Vec<f64>,
-    /// ln Z: the log of the sum of the weights of all explanations.
+    /// ln Z: the log of the sum of the weights of all forests.
     pub log_total: f64,
 }
 
@@ -29,7 +29,7 @@ const MOST_PAIRS: usize = 500_000_000;
 ///
 /// Elimination brings together more than 500 million pairs.
 pub fn check_tangle(forests: &Forests) -> Result<()> {
-    let links: Vec<[usize; 2]> = forests.bridges().iter().map(|b| [b.child, b.parent]).collect();
+    let links: Vec<[usize; 2]> = forests.edges().iter().map(|b| [b.child, b.parent]).collect();
     if least_degree(forests.fragments(), &links, MOST_PAIRS).is_some() {
         return Ok(());
     }
@@ -51,14 +51,14 @@ pub fn marginals(forests: &Forests) -> Marginals {
         clique.nodes[..clique.pivots].iter().for_each(|node| home[*node] = number);
     }
     let mut held = vec![Vec::new(); cliques.len()];
-    for (row, bridge, _) in scaled.possible(forests) {
-        held[home[bridge.child].min(home[bridge.parent])].push(row);
+    for (row, edge, _) in scaled.possible(forests) {
+        held[home[edge.child].min(home[edge.parent])].push(row);
     }
     let mut place = vec![0; forests.fragments()];
     let own = cliques.iter().zip(&held).map(|(clique, held)| own_walk(clique, held, forests, &scaled, &mut place)).collect();
     let (walks, log_sum) = complete(&cliques, own);
     log_total += log_sum;
-    let mut escape = vec![0.0; forests.bridges().len()];
+    let mut escape = vec![0.0; forests.edges().len()];
     for ((clique, walk), held) in cliques.iter().zip(&walks).zip(&held) {
         let (q, log_det) = escapes(walk);
         if clique.parent.is_none() {
@@ -66,20 +66,20 @@ pub fn marginals(forests: &Forests) -> Marginals {
         }
         clique.nodes.iter().enumerate().for_each(|(at, node)| place[*node] = at);
         for row in held {
-            let Bridge { child, parent, .. } = forests.bridges()[*row];
+            let Edge { child, parent, .. } = forests.edges()[*row];
             escape[*row] = q.get(place[parent], place[child]);
         }
     }
-    let odds: Vec<f64> = scaled.bridge.iter().zip(&escape).map(|(w, q)| w * q).collect();
+    let odds: Vec<f64> = scaled.edge.iter().zip(&escape).map(|(w, q)| w * q).collect();
     let mut sum = scaled.root.clone();
-    for (bridge, odds) in forests.bridges().iter().zip(&odds) {
-        sum[bridge.child] += odds;
+    for (edge, odds) in forests.edges().iter().zip(&odds) {
+        sum[edge.child] += odds;
     }
-    let bridges = forests.bridges().iter().zip(&odds).map(|(bridge, odds)| odds / sum[bridge.child]).collect();
-    Marginals { bridges, roots: scaled.root.iter().zip(&sum).map(|(root, sum)| root / sum).collect(), log_total }
+    let edges = forests.edges().iter().zip(&odds).map(|(edge, odds)| odds / sum[edge.child]).collect();
+    Marginals { edges, roots: scaled.root.iter().zip(&sum).map(|(root, sum)| root / sum).collect(), log_total }
 }
 
-/// The walk of a clique from the bridges that it holds and the roots that are eliminated there.
+/// The walk of a clique from the edges that it holds and the roots that are eliminated there.
 fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled, place: &mut [usize]) -> Walk {
     let mut walk = Walk::new(clique.nodes.len());
     for (at, node) in clique.nodes.iter().enumerate() {
@@ -89,8 +89,8 @@ fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled,
         }
     }
     for row in held {
-        let Bridge { child, parent, .. } = forests.bridges()[*row];
-        walk.add(place[child], place[parent], scaled.bridge[*row]);
+        let Edge { child, parent, .. } = forests.edges()[*row];
+        walk.add(place[child], place[parent], scaled.edge[*row]);
     }
     walk
 }
@@ -98,8 +98,8 @@ fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled,
 /// Weights relative to the largest of the same fragment.
 #[derive(Debug, Clone)]
 pub struct Scaled {
-    /// Per bridge, 0 to 1.
-    pub bridge: Vec<f64>,
+    /// Per edge, 0 to 1.
+    pub edge: Vec<f64>,
     /// Per fragment, above 0, up to 1.
     pub root: Vec<f64>,
     /// ln of the product of what was divided by.
@@ -110,24 +110,24 @@ impl Scaled {
     /// Scales the weights.
     pub fn new(forests: &Forests) -> Self {
         let mut most = forests.log_roots.clone();
-        for bridge in &forests.bridges {
-            most[bridge.child] = most[bridge.child].max(bridge.log_weight);
+        for edge in &forests.edges {
+            most[edge.child] = most[edge.child].max(edge.log_weight);
         }
         // Exponents first: the difference of two logarithms would be rounded by more than the quotient of two weights.
-        let bridge = forests.bridges.iter().map(|b| b.log_weight.exp() / most[b.child].exp()).collect();
+        let edge = forests.edges.iter().map(|b| b.log_weight.exp() / most[b.child].exp()).collect();
         let root = forests.log_roots.iter().zip(&most).map(|(root, most)| root.exp() / most.exp()).collect();
-        Self { bridge, root, log_scale: most.iter().sum() }
+        Self { edge, root, log_scale: most.iter().sum() }
     }
 
-    /// The bridges that can be, each with its row and scaled weight.
-    pub fn possible<'a>(&'a self, forests: &'a Forests) -> impl Iterator<Item = (usize, &'a Bridge, f64)> {
-        let bridges = forests.bridges.iter().zip(&self.bridge).enumerate();
-        bridges.filter(|(_, (_, weight))| **weight > 0.0).map(|(row, (bridge, weight))| (row, bridge, *weight))
+    /// The edges that can be, each with its row and scaled weight.
+    pub fn possible<'a>(&'a self, forests: &'a Forests) -> impl Iterator<Item = (usize, &'a Edge, f64)> {
+        let edges = forests.edges.iter().zip(&self.edge).enumerate();
+        edges.filter(|(_, (_, weight))| **weight > 0.0).map(|(row, (edge, weight))| (row, edge, *weight))
     }
 
-    /// The order in which fragments are eliminated, each with its neighbours then: least degree over the bridges that can be.
+    /// The order in which fragments are eliminated, each with its neighbours then: least degree over the edges that can be.
     pub fn stars(&self, forests: &Forests) -> Vec<Star> {
-        let links: Vec<[usize; 2]> = self.possible(forests).map(|(_, bridge, _)| [bridge.child, bridge.parent]).collect();
+        let links: Vec<[usize; 2]> = self.possible(forests).map(|(_, edge, _)| [edge.child, edge.parent]).collect();
         // Without a limit there is always an order.
         least_degree(forests.fragments(), &links, usize::MAX).unwrap_or_default()
     }

@@ -1,7 +1,7 @@
 //! Messages along a clique tree: what the rest of the walk looks like from within a clique.
 //!
-//! Upwards, a clique tells its parent how the walk goes on among shared fragments by way of those below. Downwards, the
-//! parent tells each child the same of all others; it never takes a child's word back out, which would be a subtraction.
+//! Upwards, a clique tells its parent how the walk continues among shared fragments through those below. Downwards, the parent tells
+//! each child the same of all others. It never subtracts a child's own message.
 
 use super::cliques::Clique;
 use super::random_walk::Walk;
@@ -62,7 +62,7 @@ fn reduced(walk: Walk, nodes: &[usize], kept: &[usize]) -> (Message, f64) {
     (Message { nodes: stays.iter().map(|at| nodes[*at]).collect(), walk: walk.part(&last) }, log_sum)
 }
 
-/// Adds to each child what all but the child itself tell: halves of the children share the work.
+/// Adds to each child the messages of all but the child itself: halves of the children share the work.
 fn descend(
     start: Message,
     children: &[usize],

@@ -1,11 +1,11 @@
-//! The exact posterior over forests of fragments: which fragment hangs on which, and by which bridge.
+//! The exact posterior over forests of fragments: which fragment is attached to which, and by which edge.
 //!
-//! Each of n fragments hangs on one other by one directed bridge e of weight w_e, or is a root of weight v_c. An explanation is
+//! Each of n fragments is attached to one other by one directed edge e of weight w_e, or is a root of weight v_c. A forest is
 //! a choice for every fragment without a cycle; its probability is the product of its weights over the sum Z of all such
 //! products. By the matrix-tree theorem (Chaiken and Kleitman 1978) Z = det L with L_cc = v_c + Σ w, L_cp = -Σ w, and
 //! marginals come from G = L⁻¹: P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc.
 //!
-//! The difference loses every digit of an improbable bridge, so it is never formed. L belongs to a random walk that steps
+//! The difference loses every digit of an improbable edge, so it is never formed. L belongs to a random walk that steps
 //! from c along e with odds w_e and dies at c with odds v_c. With q_pc the probability that the walk from p dies before it
 //! meets c, G_cc - G_pc = G_cc q_pc and 1/G_cc = v_c + Σ w_e q_pc. Eliminating a fragment from the walk needs no subtraction
 //! (Grassmann, Taksar and Heyman 1985), so every marginal is accurate in its own digits, however small.
@@ -26,56 +26,56 @@ pub use rooted::rooted_in;
 
 use crate::error::{Error, Result};
 
-/// The largest absolute log weight: e^±100 stays apart from 0 and infinity through all products.
+/// The largest absolute log weight: products of e^±100 neither vanish nor overflow.
 pub const MOST_LOG_WEIGHT: f64 = 100.0;
 
-/// A way for one fragment to hang on another.
+/// A directed edge by which one fragment may be attached to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bridge {
-    /// The fragment that hangs.
+pub struct Edge {
+    /// The fragment that is attached.
     pub child: usize,
-    /// The fragment it hangs on.
+    /// The fragment that it is attached to.
     pub parent: usize,
-    /// ln w; -∞ for a bridge that cannot be.
+    /// ln w; -∞ for an edge that cannot be.
     pub log_weight: f64,
 }
 
-/// What every fragment may do: the weights of all explanations.
+/// The weights of all forests: of every root and every edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forests {
     log_roots: Vec<f64>,
-    bridges: Vec<Bridge>,
+    edges: Vec<Edge>,
 }
 
 impl Forests {
-    /// Fragments with the log weights ln v of being a root, shape (n), and the bridges between them, parallel ones among them.
+    /// Fragments with the log weights ln v of being a root, shape (n), and the edges between them, parallel ones among them.
     ///
     /// # Errors
     ///
-    /// A bridge from a fragment to itself or to one that is not there; a log weight beyond ±[`MOST_LOG_WEIGHT`], except -∞ for
-    /// a bridge; more than 2³¹ fragments or bridges.
-    pub fn new(log_roots: Vec<f64>, bridges: Vec<Bridge>) -> Result<Self> {
+    /// An edge from a fragment to itself or to one that is not there; a log weight beyond ±[`MOST_LOG_WEIGHT`], except -∞ for
+    /// an edge; more than 2³¹ fragments or edges.
+    pub fn new(log_roots: Vec<f64>, edges: Vec<Edge>) -> Result<Self> {
         let fragments = log_roots.len();
-        let size = fragments.max(bridges.len());
+        let size = fragments.max(edges.len());
         if size >= 1 << 31 {
-            return Err(Error::parameter("fragments or bridges", size, "fewer than 2147483648"));
+            return Err(Error::parameter("fragments or edges", size, "fewer than 2147483648"));
         }
         let wild = |log_weight: f64| log_weight.is_nan() || log_weight.abs() > MOST_LOG_WEIGHT;
         if let Some((fragment, log_weight)) = log_roots.iter().enumerate().find(|(_, w)| wild(**w)) {
             let accepted = format!("a number from -{MOST_LOG_WEIGHT} to {MOST_LOG_WEIGHT}");
             return Err(Error::parameter(format!("log weight of root {fragment}"), log_weight, accepted));
         }
-        for (row, Bridge { child, parent, log_weight }) in bridges.iter().enumerate() {
+        for (row, Edge { child, parent, log_weight }) in edges.iter().enumerate() {
             if *child >= fragments || *parent >= fragments || child == parent {
                 let accepted = format!("two different fragments below {fragments}");
-                return Err(Error::parameter(format!("ends of bridge {row}"), format!("{child}, {parent}"), accepted));
+                return Err(Error::parameter(format!("ends of edge {row}"), format!("{child}, {parent}"), accepted));
             }
             if *log_weight != f64::NEG_INFINITY && wild(*log_weight) {
                 let accepted = format!("a number from -{MOST_LOG_WEIGHT} to {MOST_LOG_WEIGHT}, or -inf");
-                return Err(Error::parameter(format!("log weight of bridge {row}"), log_weight, accepted));
+                return Err(Error::parameter(format!("log weight of edge {row}"), log_weight, accepted));
             }
         }
-        Ok(Self { log_roots, bridges })
+        Ok(Self { log_roots, edges })
     }
 
     /// ln v per fragment.
@@ -83,9 +83,9 @@ impl Forests {
         &self.log_roots
     }
 
-    /// The bridges.
-    pub fn bridges(&self) -> &[Bridge] {
-        &self.bridges
+    /// The edges.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
     }
 
     /// How many fragments there are.

@@ -38,8 +38,8 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
         Turn { fragment: star.center, to, out: vec![0.0; rays], into: vec![0.0; rays], death }
     };
     let mut turns: Vec<Turn> = stars.iter().map(turn).collect();
-    for (_, bridge, odds) in scaled.possible(forests) {
-        let [child, parent] = [bridge.child, bridge.parent].map(|fragment| place[fragment]);
+    for (_, edge, odds) in scaled.possible(forests) {
+        let [child, parent] = [edge.child, edge.parent].map(|fragment| place[fragment]);
         let turn = &mut turns[child.min(parent)];
         let ray = turn.to.partition_point(|to| *to < child.max(parent));
         *(if child < parent { &mut turn.out[ray] } else { &mut turn.into[ray] }) += odds;

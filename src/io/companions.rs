@@ -48,13 +48,13 @@ fn head(path: &Path) -> Vec<u8> {
     bytes
 }
 
-/// The table of nodes beside a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
+/// The table of nodes in the folder of a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
 /// `vertices.csv`.
 pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
     first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
 }
 
-/// The table of edges beside a table of nodes, by the same names.
+/// The table of edges in the folder of a table of nodes, by the same names.
 pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
     first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))
 }
@@ -83,14 +83,14 @@ pub(crate) fn edges_refer_to_rows(edges: &Path) -> bool {
         .is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
 }
 
-/// Where the table of nodes goes beside a table of edges that is written; `None` when that is its own name.
+/// The path of the table of nodes for a table of edges that is written; `None` if the two would be the same.
 pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
     let name = edges.file_name()?.to_string_lossy();
     let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
     (nodes != name).then(|| edges.with_file_name(nodes))
 }
 
-/// The table of vessels beside a tracing of iCafe.
+/// The table of vessels in the folder of an iCafe tracing.
 pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
 }
@@ -100,7 +100,7 @@ pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
     Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
 }
 
-/// The one tracing beside a table of vessels.
+/// The one tracing in the folder of a table of vessels.
 pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -175,7 +175,7 @@ pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
     Some(())
 }
 
-/// Reads a table of edges, with the table of nodes beside it if there is one.
+/// Reads a table of edges, and the table of nodes in its folder if there is one.
 pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
     let found = find_nodes_table(path);
     let read = |nodes: &PathBuf| {

@@ -33,7 +33,8 @@ impl Target {
     ///
     /// # Errors
     ///
-    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of nodes.
+    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of
+    /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
         let words = || Self::words().collect::<Vec<_>>().join(", ");
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
@@ -161,6 +162,8 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
 /// Lengths and radii that differ by less than this fraction are equal.
 const SAME: f64 = 1e-9;
 
+use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
+
 /// A property of a network that a format may be unable to store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Property {
@@ -182,7 +185,6 @@ enum Property {
 
 /// The properties of a network that a format cannot store.
 fn lacks(format: Format, network: &Network) -> Vec<Property> {
-    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     match format {
         Format::GraphMl | Format::Csv => vec![],
         Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
@@ -198,7 +200,6 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
 
 /// What is lost when a network is written in a format, one text for each thing.
 pub fn losses(network: &Network, format: Format) -> Vec<String> {
-    use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
     let lacks = lacks(format, network);
     let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
@@ -229,7 +230,7 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     ];
     let mut lost: Vec<String> = counts
         .into_iter()
-        .filter(|(thing, count, _)| *count > 0 && lacks.contains(thing))
+        .filter(|(property, count, _)| *count > 0 && lacks.contains(property))
         .map(|(_, count, what)| what.replace("{}", &count.to_string()))
         .collect();
     let joints = degree.iter().filter(|d| **d == 2).count();

@@ -39,7 +39,7 @@ pub enum Format {
     Vtk,
     /// GraphML.
     GraphMl,
-    /// A table of edges, with a table of nodes beside it or not.
+    /// A table of edges, with or without a table of nodes in the same folder.
     Csv,
     /// A table of points, `fragment,x,y,z,radius`.
     Points,
@@ -99,7 +99,7 @@ impl Format {
         NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
     }
 
-    /// Reads a file of this format, and those beside it that belong to it. An SWC file with a table of vessels is one of iCafe.
+    /// Reads a file of this format, and the other files that belong to it. An SWC file with a table of vessels is one of iCafe.
     pub(crate) fn read(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Self, Content, Vec<String>)> {
         let lines = |(lines, notes): (Centerlines, Vec<String>)| (Content::Centerlines(lines), notes);
         let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
@@ -123,8 +123,8 @@ impl Format {
         Ok((self, content, notes))
     }
 
-    /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the format
-    /// cannot hold them.
+    /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the
+    /// format cannot hold them.
     pub(crate) fn write(
         self,
         network: &Network,
@@ -226,7 +226,7 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
 /// The table that a header line begins.
 ///
 /// Edges by the columns `Source ID,Target ID` are VesselVio's, and so are edges by `source,target` whose table of nodes has
-/// no names (`node`, `id`): these can only be rows. So is a table of positions without names beside a table of edges.
+/// no names (`node`, `id`): these can only be rows. So is a table of positions without names in the folder of a table of edges.
 fn table(path: &Path, header: &str) -> Option<Format> {
     let header = header.trim_start_matches('\u{feff}');
     let columns: Vec<&str> = header.split(delimiter(header)).map(|column| column.trim().trim_matches('"')).collect();

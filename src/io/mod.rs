@@ -1,6 +1,7 @@
 //! Readers and writers, one file or folder for each family of formats; `format` decides which of them a file needs.
 
 mod attributes;
+mod binary;
 mod companions;
 pub mod convert;
 mod format;

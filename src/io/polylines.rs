@@ -94,7 +94,7 @@ pub(crate) fn is_straight(network: &Network) -> bool {
 /// # Errors
 ///
 /// A node without a position; a vessel without points between two nodes that another such vessel joins, or from a node to
-/// itself, which a reader could not tell apart (`InvalidInput`).
+/// itself, which a reader could not distinguish (`InvalidInput`).
 pub(crate) fn skeleton(network: &Network) -> io::Result<Skeleton> {
     let (points, lines) = cells(network)?;
     let mut out = Skeleton { points, links: Vec::new(), vessel: Vec::new() };
@@ -113,8 +113,8 @@ pub(crate) fn skeleton(network: &Network) -> io::Result<Skeleton> {
     Ok(out)
 }
 
-/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand, so
-/// that coincident points are merged only where they belong to different parts.
+/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand,
+/// so that coincident points are merged only where they belong to different parts.
 pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], label: impl Fn(usize) -> String) -> Centerlines {
     let mut parts = UnionFind::<u32>::new(points.len());
     for [a, b] in links {

@@ -47,8 +47,8 @@ pub struct Document {
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
     pub scale: Scale,
-    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array with
-    /// "area" in its name holds areas.
+    /// The array of a VTK file, or the measurement of markups, that holds the radius, if it has none of the usual names. An array
+    /// with "area" in its name holds areas.
     pub radius_array: Option<String>,
     /// Which radius stands for a vessel.
     #[serde(rename = "radius")]
@@ -121,8 +121,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(Document { format, content, notes, sha256 })
 }
 
-/// Reads a file without those beside it, and its SHA-256; GraphML, of which the text is much longer than the graph, as a
-/// stream.
+/// Reads a file and computes its SHA-256. GraphML is read as a stream.
 fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
     let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };

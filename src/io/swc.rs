@@ -20,10 +20,10 @@ type Parent = Option<(usize, u64)>;
 
 /// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
 ///
-/// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be repaired
-/// along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child point: the name
-/// that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are no labels where
-/// all are the same, or where only the first and last points of trees have one.
+/// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be
+/// repaired along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child
+/// point: the name that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are
+/// no labels where all are the same, or where only the first and last points of trees have one.
 ///
 /// # Errors
 ///
@@ -225,7 +225,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
 
 /// Writes centerlines as SWC in mm and returns the id pairs of the links that would close a loop.
 ///
-/// A point's parent is the first point of the first link that ends in it; the type stands for the label of that link; a missing
+/// A point's parent is the first point of the first link that ends in it; the type means the label of that link; a missing
 /// radius is 0.
 ///
 /// # Errors
@@ -311,12 +311,12 @@ fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
     if lines.links.iter().all(|link| child(link) == first) {
         return false;
     }
-    let mut sides = vec![[false; 2]; types.len()];
+    let mut linked = vec![[false; 2]; types.len()];
     for [parent, child] in &lines.links {
-        sides[*parent as usize][1] = true;
-        sides[*child as usize][0] = true;
+        linked[*parent as usize][1] = true;
+        linked[*child as usize][0] = true;
     }
-    let mut inner = sides.iter().zip(types).filter(|(sides, _)| **sides == [true, true]).peekable();
+    let mut inner = linked.iter().zip(types).filter(|(linked, _)| **linked == [true, true]).peekable();
     inner.peek().is_none() || inner.any(|(_, code)| *code != 0)
 }
 

@@ -36,7 +36,7 @@ pub(in crate::io) struct Tag {
     /// The text between the angle brackets.
     content: String,
     /// The length of the name with its prefix.
-    whole_name: usize,
+    name_length: usize,
 }
 
 /// Reads an XML file as a stream, element by element.
@@ -92,7 +92,7 @@ impl<R: BufRead> Events<R> {
                 Err(error) => return Err(broken(&error)),
                 Ok(Event::Start(tag)) => {
                     self.tag.line = line;
-                    self.tag.whole_name = tag.name().into_inner().len();
+                    self.tag.name_length = tag.name().into_inner().len();
                     self.tag.content.clear();
                     self.tag.content.push_str(&tag);
                     return self.start().map(|()| Some(Step::Start));
@@ -101,8 +101,8 @@ impl<R: BufRead> Events<R> {
                     self.depth -= 1;
                     return Ok(Some(Step::End));
                 }
-                Ok(Event::Text(text)) if inside => put(&mut self.part, &text.xml10_content()),
-                Ok(Event::CData(text)) if inside => put(&mut self.part, &text.xml10_content()),
+                Ok(Event::Text(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
+                Ok(Event::CData(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
                 Ok(Event::GeneralRef(name)) if inside => {
                     self.part.clear();
                     match name.resolve_char_ref().map_err(|error| broken(&error))? {
@@ -146,7 +146,7 @@ impl<R: BufRead> Events<R> {
         if self.depth > MOST_DEPTH {
             return Err(fault(format!("more than {MOST_DEPTH} elements within one another"), "expected fewer"));
         }
-        for (count, attribute) in Attributes::new(&self.tag.content, self.tag.whole_name).enumerate() {
+        for (count, attribute) in Attributes::new(&self.tag.content, self.tag.name_length).enumerate() {
             if count == MOST_ATTRIBUTES {
                 return Err(fault(format!("an element with more than {MOST_ATTRIBUTES} attributes"), "expected fewer"));
             }
@@ -192,7 +192,7 @@ impl<R: BufRead> Events<R> {
 impl Tag {
     /// Its name without prefix.
     pub(in crate::io) fn name(&self) -> &str {
-        self.content[..self.whole_name].rsplit(':').next().unwrap_or_default()
+        self.content[..self.name_length].rsplit(':').next().unwrap_or_default()
     }
 
     /// The value of an attribute, its references resolved.
@@ -215,7 +215,7 @@ impl Tag {
 
     /// The attributes, which were checked when the element began.
     fn raw(&self) -> impl Iterator<Item = Attribute<'_>> {
-        let mut all = Attributes::new(&self.content, self.whole_name);
+        let mut all = Attributes::new(&self.content, self.name_length);
         all.with_checks(false);
         all.flatten()
     }
@@ -230,11 +230,6 @@ impl Tag {
             Some(byte) => Err(Fault::line(self.line, format!("attribute {name}: character {byte}"), ACCEPTED)),
         }
     }
-}
-
-fn put(part: &mut String, text: &str) {
-    part.clear();
-    part.push_str(text);
 }
 
 /// Whether XML forbids a character.
@@ -293,7 +288,7 @@ pub(in crate::io) struct Element {
     pub(in crate::io) name: String,
     /// The name of the element around it; empty for the root.
     pub(in crate::io) within: String,
-    /// The text that stands directly within it.
+    /// The text directly within it.
     pub(in crate::io) text: String,
     attributes: Vec<(String, String)>,
     children: Vec<Element>,
@@ -359,7 +354,7 @@ pub(crate) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
         let end: &[u8] = match rest {
             [b'<', b'?', ..] => b"?>",
             [b'<', b'!', b'-', b'-', ..] => b"-->",
-            // What a document type declares stands in brackets.
+            // The declarations of a document type are in brackets.
             [b'<', b'!', ..] if find(rest, b"[") < find(rest, b">") && find(rest, b"[").is_some() => b"]>",
             [b'<', b'!', ..] => b">",
             [b'<', ..] => break,
@@ -380,8 +375,8 @@ pub(crate) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
 pub(crate) fn escape(text: &str) -> Cow<'_, str> {
-    let stands = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
-    if text.chars().all(stands) {
+    let is_plain = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
+    if text.chars().all(is_plain) {
         return text.into();
     }
     let mut out = String::with_capacity(text.len());

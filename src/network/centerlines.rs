@@ -9,7 +9,7 @@ use crate::support::geometry::Point;
 pub struct Centerlines {
     /// Positions, m.
     pub points: Vec<Point>,
-    /// Radii, m; whatever the file said, so NaN, zero and negative values are missing radii.
+    /// Radii, m, as in the file: NaN, zero and negative values are missing radii.
     pub radii: Vec<f64>,
     /// The point's number in the file (SWC index, VTP row).
     pub ids: Vec<u64>,

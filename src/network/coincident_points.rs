@@ -60,7 +60,8 @@ impl Centerlines {
         self.merge(&class)
     }
 
-    /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or double.
+    /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
+    /// double.
     fn merge(&mut self, class: &[usize]) -> usize {
         let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
         let mut new_index = vec![0_u32; class.len()];

@@ -40,7 +40,7 @@ impl RadiusRule {
         }
     }
 
-    /// The radius (m) that stands for a vessel with these points.
+    /// The single radius (m) of a vessel with these points.
     pub fn radius(self, path: &[PathPoint]) -> f64 {
         let (mut length, mut sum) = (0.0, 0.0);
         for pair in path.windows(2) {

@@ -48,12 +48,12 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
     let rows = |is_called: &dyn Fn(&Node) -> bool| -> Vec<usize> {
         network.nodes().enumerate().filter(|(_, n)| is_called(n)).map(|(row, _)| row).collect()
     };
-    let ways = [
+    let matches = [
         (rows(&|n| n.id == spec), FoundBy::Name),
         (rows(&|n| n.also.iter().any(|id| id == spec)), FoundBy::Merged),
         (rows(&|n| !n.label.is_empty() && n.label == spec), FoundBy::Name),
     ];
-    for (rows, by) in ways {
+    for (rows, by) in matches {
         match rows[..] {
             [node] => return Ok(Located { node, by }),
             [] => {}

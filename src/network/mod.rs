@@ -5,6 +5,7 @@ mod coincident_points;
 mod contraction;
 pub(crate) mod locate;
 mod node;
+pub(crate) mod paths;
 pub mod quantity;
 pub mod units;
 mod vessel;

@@ -71,9 +71,10 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
-    /// The weight for leaving the fragment of this node unconnected, where the evidence states it: the posterior probability that it
-    /// is fed by no other, times the weight of an unconnected fragment.
-    pub alone: Option<f64>,
+    /// The score of leaving the fragment of this node a root, where there is evidence: the posterior probability that it is attached to
+    /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
+    #[serde(rename = "alone")]
+    pub root_score: Option<f64>,
 }
 
 /// What a node is to the flow.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::support::geometry::Point;
 
-/// The odds that a free end of which nothing is known ends where it is, on the scale on which a candidate of weight w has the odds
-/// w: e⁻², between a value that leaves gaps open and one that connects every end.
+/// The odds that a free end, known neither as inlet nor as outlet, is a true end, where a candidate of weight w has the odds w: e⁻²,
+/// between a value that leaves gaps open and one that closes every gap.
 pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 
 /// The evidence for a candidate vessel between two nodes.
@@ -15,18 +15,20 @@ pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,
-    /// Per end, the posterior probability that the fragment at that end is fed by the fragment at the other end through this candidate, or
-    /// through one at nearly the same place there, in [0, 1]; zero for both ends if it closes a loop within one fragment.
-    pub hangs: [f64; 2],
-    /// Per end, the odds w/e⁻² by which a vessel that breaks off there continues along this candidate, against ending there; zero
-    /// where no free end is.
-    pub continues: [f64; 2],
+    /// Per end, the posterior probability that the fragment at that end is attached to the fragment at the other end by this candidate,
+    /// or by one nearly at the same place, in [0, 1]; zero for both where it closes a loop within one fragment. `hangs` in files.
+    #[serde(rename = "hangs")]
+    pub attached: [f64; 2],
+    /// Per end, the odds w/e⁻² that a vessel which breaks off there continues along this candidate instead of ending; zero where there
+    /// is no free end. `continues` in files.
+    #[serde(rename = "continues")]
+    pub continuation_odds: [f64; 2],
 }
 
 impl Evidence {
-    /// The evidence of a probability without a direction: either fragment may feed the other, either end may continue.
+    /// That of a probability without a direction: the same for both ends.
     pub fn undirected(probability: f64) -> Self {
-        Self { probability, hangs: [0.5 * probability; 2], continues: [Self::odds(probability); 2] }
+        Self { probability, attached: [0.5 * probability; 2], continuation_odds: [Self::odds(probability); 2] }
     }
 
     /// The odds of continuing by a candidate of weight w.
@@ -79,7 +81,7 @@ pub struct PathPoint {
 pub struct Vessel {
     /// Length along the centerline, m.
     pub length: f64,
-    /// Radius that stands for the whole vessel, m.
+    /// The single radius of the vessel, m.
     pub radius: f64,
     /// Resistance, Pa s/m³, where the input states one instead of leaving it to Poiseuille's law.
     pub resistance: Option<f64>,
@@ -93,7 +95,7 @@ pub struct Vessel {
     pub certain: bool,
     /// The evidence for a candidate.
     pub evidence: Option<Evidence>,
-    /// Whether an earlier run kept the vessel, where the input says so.
+    /// Whether an earlier run kept the vessel, if the input states it.
     pub kept: Option<bool>,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,

@@ -12,8 +12,8 @@ use crate::io::bytes_of;
 use crate::output::atomic::write_file;
 use crate::output::names::RECORD;
 
-/// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which finish what they
-/// began in any case, then report no second error.
+/// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which
+/// finish what they began in any case, then report no second error.
 #[derive(Debug)]
 pub struct DiskFile {
     file: File,

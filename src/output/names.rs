@@ -16,7 +16,7 @@ pub const LIKELIHOOD: &str = "likelihood.npz";
 pub const GRAPH: &str = "candidates.graphml";
 /// What was kept, with an ending for each format.
 pub const TOPOLOGY: &str = "topology";
-/// What lies above the median.
+/// The vessels above the median, with an ending for each format.
 pub const MEDIAN_TOPOLOGY: &str = "topology-median";
 /// The flow as a picture.
 pub const FLOW_PICTURE: &str = "flow";

@@ -41,7 +41,7 @@ pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
     fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
 }
 
-/// Whether a path has the name of a file that stands in the folder of a cohort.
+/// Whether a path has the name of a file of a cohort.
 pub fn is_cohort_file(path: &Path) -> bool {
     is_named(path, COHORT_FILES)
 }

@@ -23,7 +23,8 @@ fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
 /// Writes a part of a run, all float64, with m nodes of the dyadic tree of blocks, V vessels, T of them uncertain:
 ///
 /// - `run` (2): samples of the whole run, blocks between two points of the convergence record
-/// - `blocks` (m, 2): first block and number of blocks of each node; `samples` (m), `rho_G` (m): Σ ρ_G in it, W/m³; `residual` (m)
+/// - `blocks` (m, 2): first block and number of blocks of each node; `samples` (m), `rho_G` (m): Σ ρ_G in it, W/m³; `residual`
+///   (m)
 /// - `likelihood`, `square`, `count` (m, V): Σ of each vessel's contributions, of their squares, of its times in the forest
 /// - `step` (k), `trace` (k, T): which points of the convergence record are finished, and L over the blocks of each
 ///

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 
 use super::options::SourceFile;
 use crate::candidates::model::Weights;
-use crate::candidates::{CandidateOptions, NEAREST, build, build_probable};
+use crate::candidates::search::SearchOptions;
+use crate::candidates::{CandidateOptions, NEAREST, build, build_with_evidence};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
@@ -132,7 +133,7 @@ impl LoadedPrior {
 
     /// [`CandidateOptions::k`] where none is given.
     pub(crate) fn usual_k(&self) -> usize {
-        if self.is_evidence() { crate::candidates::search::by_evidence::Search::default().branches } else { NEAREST }
+        if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
     }
 
     /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior.
@@ -149,7 +150,7 @@ impl LoadedPrior {
                 let found: BTreeSet<usize> = boundary.found_inlets.iter().copied().collect();
                 let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !found.contains(node);
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
-                build_probable(&network, &inlets, options, weights)?
+                build_with_evidence(&network, &inlets, options, weights)?
             }
             _ => build(&network, options)?,
         };

@@ -17,11 +17,11 @@ use crate::flow::circuit::beyond_doubles;
 use crate::flow::floating::stranded;
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::residual::Check;
-use crate::flow::resilience::{diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drop};
+use crate::flow::resilience::{diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drops};
 use crate::flow::{Circuit, StarMesh};
 use crate::network::Network;
 use crate::support::random::BLOCK;
-use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, splat, zip};
+use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, masked, plus, splat, zip};
 
 /// A graph with all that its samples share.
 #[derive(Debug)]
@@ -220,10 +220,9 @@ impl FullGraph {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
     fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, memory: &mut Memory) -> Lanes<B> {
-        let level = simd.splat_f64s(self.circuit.level);
         for (node, pressure) in memory.nodes.iter_mut().zip(&memory.flow.pressure) {
             node.pressure = *pressure;
-            node.rounding = map(simd, pressure, |p| rounding_drop(simd, simd.add_f64s(p, level)));
+            node.rounding = rounding_drops(simd, pressure, self.circuit.level);
         }
         let (nodes, key) = (&memory.nodes[..], &mut memory.key[..]);
         let mut sum = Lanes::ZERO;
@@ -231,10 +230,8 @@ impl FullGraph {
         let vessels = self.vessels.iter().zip(masks).zip(&self.key_slots).zip(resilience);
         for (row, (((vessel, mask), key_slot), resilience)) in vessels.enumerate() {
             let [a, b] = vessel.slots.map(|slot| &nodes[slot as usize]);
-            let drop = zip(simd, &a.pressure, &b.pressure, |a, b| simd.sub_f64s(a, b));
-            let rounding = zip(simd, &a.rounding, &b.rounding, |a, b| simd.max_f64s(a, b));
-            let rho =
-                zip(simd, &drop, &rounding, |drop, rounding| diffused_resilience(simd, vessel.factor, drop, drop, rounding));
+            let (ends, rounding) = ([&a.pressure, &b.pressure], [&a.rounding, &b.rounding]);
+            let rho = diffused_resilience(simd, ends, rounding, None, vessel.factor);
             let rho = masked(simd, &rho, *mask, group * B);
             sum = plus(simd, &sum, &rho);
             *resilience = rho;

@@ -1,4 +1,4 @@
-//! From an over-connected graph to its likelihood matrix and its plausible topology.
+//! Samples an over-connected graph: which vessels are open, flow, resilience, spanning forest, and the likelihood summed over all samples.
 
 mod choose;
 mod dyadic_sums;

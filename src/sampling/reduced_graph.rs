@@ -60,7 +60,7 @@ pub struct ChainFlow {
     pub may_close: bool,
 }
 
-/// How the resilience in a tree follows from the pressure P at the node that it hangs on.
+/// How the resilience in a tree follows from the pressure P at its root in the core.
 #[derive(Debug, Clone, Copy)]
 pub struct TreeFlow {
     /// P₀, Pa above the level.

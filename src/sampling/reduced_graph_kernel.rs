@@ -12,9 +12,9 @@ use super::sums::{PerSample, expectation, pairwise};
 use super::ties;
 use crate::flow::batch::solver::Workspace;
 use crate::flow::residual::{Check, Residual};
-use crate::flow::resilience::{diffused_resilience, rounding_drop};
+use crate::flow::resilience::{diffused_resilience, rounding_drops};
 use crate::support::random::BLOCK;
-use crate::support::simd::{Kernel, Lanes, Simd, map, masked, plus_product, splat, zip};
+use crate::support::simd::{Kernel, Lanes, Simd, map, masked, plus, plus_product, splat, zip};
 
 /// The memory of one worker.
 pub struct Memory {
@@ -82,9 +82,12 @@ impl Kernel for BlockKernel<'_> {
             for (chain, rho) in graph.chains.iter().zip(&*resilience) {
                 total = plus_product(simd, &total, &splat(simd, chain.total_share), rho);
             }
+            // The order of a sum is part of what a seed gives: without a forest program the trees are summed by themselves.
+            let of_chains = if graph.forest.is_some() { Lanes::ZERO } else { std::mem::replace(&mut total, Lanes::ZERO) };
             group.each_tree(simd, |tree, rho, _| {
                 total = plus_product(simd, &total, &splat(simd, graph.trees[tree].total_share), rho);
             });
+            total = plus(simd, &of_chains, &total);
             let here = (samples - first).min(B);
             in_forest.fill([0; B]);
             match &graph.forest {
@@ -146,13 +149,8 @@ impl Group<'_> {
     /// ρ from the pressures at two ends, what is conducted between them, and ρ over the square of the flow.
     #[inline(always)]
     fn resilience<S: Simd>(&self, simd: S, [a, b]: [&Lanes<B>; 2], conductance: f64, factor: f64) -> Lanes<B> {
-        let [level, conductance] = [self.level, conductance].map(|x| simd.splat_f64s(x));
-        zip(simd, a, b, |a, b| {
-            let drop = simd.sub_f64s(a, b);
-            let rounding = [a, b].map(|p| rounding_drop(simd, simd.add_f64s(p, level)));
-            let rounding = simd.max_f64s(rounding[0], rounding[1]);
-            diffused_resilience(simd, factor, simd.mul_f64s(conductance, drop), drop, rounding)
-        })
+        let (at_a, at_b) = (rounding_drops(simd, a, self.level), rounding_drops(simd, b, self.level));
+        diffused_resilience(simd, [a, b], [&at_a, &at_b], Some(conductance), factor)
     }
 
     /// The forests of the group's samples, one after another.
@@ -180,7 +178,7 @@ impl Group<'_> {
         sums: &mut Sums,
     ) {
         let ReducedGraph { chains, trees, forest, weight, .. } = self.graph;
-        // The order of a sum is part of what a seed gives: pairwise with a forest program, sample after sample without one.
+        // Pairwise with a forest program, sample after sample without one.
         let pairs = forest.is_some();
         let add = |sum: &mut f64, lanes: &Lanes<B>| {
             if pairs { *sum += pairwise(lanes) } else { lanes.iter().for_each(|x| *sum += x) }

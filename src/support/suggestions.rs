@@ -13,8 +13,8 @@ pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Ve
     names
 }
 
-/// `did you mean "mmHg"? `, with a blank after it, for the nearest name; empty when no name is so near that no more than a third of
-/// the longer one differs.
+/// `did you mean "mmHg"? `, with a blank after it, for the nearest name; empty when no name is so near that no more than a third
+/// of the longer one differs.
 pub fn did_you_mean<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let wanted = wanted.trim();
     let is_near = |name: &&str| {

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::example::{Case, Example, share_of};
-use super::figures::{Told, figures, told};
 use super::fit::{Step, TrainParams, fit};
-use crate::candidates::model::weights::{Figures, Fold, Weights};
+use super::scores::{CaseScores, case_scores, held_out_scores};
+use crate::candidates::model::weights::{Fold, HeldOutScores, Weights};
 use crate::error::{Error, Result};
 use crate::support::in_order;
 
@@ -18,7 +18,7 @@ pub fn fold_of(subject: &str, folds: usize) -> usize {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
     /// Over all cases.
-    pub figures: Vec<Figures>,
+    pub figures: Vec<HeldOutScores>,
     /// Fold by fold.
     pub folds: Vec<Fold>,
     /// The weights of each fold.
@@ -26,7 +26,7 @@ pub struct CrossValidation {
 }
 
 /// Fits weights without each fold's subjects and judges them by those. `training` and `judged` are the same cases, measured for
-/// the one purpose and the other; `tell` hears of every pass with the number of the fold, counted from 1.
+/// the one purpose and the other; `progress` is called after every pass with the number of the fold, counted from 1.
 ///
 /// # Errors
 ///
@@ -36,28 +36,28 @@ pub fn cross_validate(
     judged: &[&Example],
     folds: usize,
     params: &TrainParams,
-    tell: &mut dyn FnMut(usize, &Step),
+    progress: &mut dyn FnMut(usize, &Step),
 ) -> Result<CrossValidation> {
     let all: Vec<&Case> = training.iter().map(|e| e.case).collect();
     check_folds(&all, folds)?;
     let outside = |e: &Example, fold: usize| fold_of(&e.case.subject, folds) == fold;
     let mut out = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
-    let mut everything: Vec<(&Example, Told)> = Vec::new();
+    let mut everything: Vec<(&Example, CaseScores)> = Vec::new();
     for fold in 0..folds {
         let inner: Vec<&Example> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
-        let mut weights = fit(&inner, params, &mut |step| tell(fold + 1, step))?;
+        let mut weights = fit(&inner, params, &mut |step| progress(fold + 1, step))?;
         let outer: Vec<&Example> = judged.iter().copied().filter(|e| outside(e, fold)).collect();
-        let answers = in_order(&outer, |_, e| told(e, &weights)).into_iter().collect::<Result<Vec<Told>>>()?;
+        let scores = in_order(&outer, |_, e| case_scores(e, &weights)).into_iter().collect::<Result<Vec<CaseScores>>>()?;
         let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         let held_out: Vec<String> = held_out.into_iter().cloned().collect();
         weights.provenance.held_out.clone_from(&held_out);
-        let of: Vec<(&Example, &Told)> = outer.iter().copied().zip(&answers).collect();
-        weights.provenance.figures = figures(&of);
+        let of: Vec<(&Example, &CaseScores)> = outer.iter().copied().zip(&scores).collect();
+        weights.provenance.figures = held_out_scores(&of);
         out.folds.push(Fold { held_out, figures: weights.provenance.figures.clone() });
         out.weights.push(weights);
-        everything.extend(outer.into_iter().zip(answers));
+        everything.extend(outer.into_iter().zip(scores));
     }
-    out.figures = figures(&everything.iter().map(|(e, t)| (*e, t)).collect::<Vec<_>>());
+    out.figures = held_out_scores(&everything.iter().map(|(e, t)| (*e, t)).collect::<Vec<_>>());
     Ok(out)
 }
 

@@ -1,21 +1,22 @@
-//! A case: an extraction whose right links are known.
+//! A case: an extraction whose true connections are known.
 
 use sha2::{Digest, Sha256};
 
-use super::figures::found;
-use super::known_links::{KnownLinks, Right};
+use super::known_connections::{KnownConnections, Match};
+use super::scores::found;
 use crate::candidates::features::Extraction;
-use crate::candidates::model::feature_table::Rows;
-use crate::candidates::search::{Search, search};
+use crate::candidates::model::feature_table::CandidateTable;
+use crate::candidates::search::{SearchOptions, search};
 use crate::error::Result;
 use crate::network::Network;
+use crate::support::in_order;
 
-/// An extraction with its answer.
+/// An extraction with its known connections.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// The data set it belongs to, for figures.
+    /// The data set it belongs to, for scores.
     pub data_set: String,
-    /// The folder within the data set, for figures; empty without one.
+    /// The folder within the data set, for scores; empty without one.
     pub group: String,
     /// Whom it shows. No subject is on both sides of a fold.
     pub subject: String,
@@ -25,46 +26,55 @@ pub struct Case {
     pub network: Network,
     /// The nodes where blood is known to enter.
     pub inlets: Vec<usize>,
-    /// The right links, by the points of [`Extraction`].
-    pub answer: KnownLinks,
+    /// The known connections, by the points of [`Extraction`].
+    pub truth: KnownConnections,
 }
 
-/// A case with its bridges measured.
+/// A case with its candidates measured.
 pub struct Example<'a> {
     /// The case.
     pub case: &'a Case,
     /// Its extraction, with or without inlets.
     pub extraction: Extraction,
-    /// Its bridges.
-    pub rows: Rows,
-    /// Per bridge whether its child may hang by it.
+    /// Its candidates.
+    pub table: CandidateTable,
+    /// Per candidate whether the truth allows its child to be attached by it.
     pub allowed: Vec<bool>,
-    /// Per link of [`Rows`] what it makes, if it is right.
-    pub right: Vec<Option<Right>>,
+    /// Per pair of the table the connection that it makes, if it is right.
+    pub matches: Vec<Option<Match>>,
 }
 
 impl<'a> Example<'a> {
-    /// Searches and measures the bridges of a case, with its inlets or as if nobody had named any.
+    /// Searches and measures the candidates of a case, with its inlets or as if nobody had named any.
     ///
     /// # Errors
     ///
     /// A node without a position.
     pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
         let extraction = Extraction::new(&case.network, if with_inlets { &case.inlets } else { &[] })?;
-        let rows = Rows::new(&extraction, &search(&extraction, &Search::default())?);
-        let points = |bridge: usize| [extraction.ends[rows.bridges[bridge].end].point, rows.bridges[bridge].point];
-        let bridges: Vec<_> = (0..rows.bridges.len()).map(|bridge| (points(bridge), rows.fragments[bridge])).collect();
-        let allowed = case.answer.allowed(&bridges);
-        let mut right = vec![None; rows.links];
-        for (bridge, ([from, to], _)) in bridges.iter().enumerate() {
-            right[rows.link[bridge]] = case.answer.right(*from, *to).or(right[rows.link[bridge]]);
+        let table = CandidateTable::new(&extraction, &search(&extraction, &SearchOptions::default())?);
+        let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
+        let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();
+        let allowed = case.truth.allowed(&candidates);
+        let mut matches = vec![None; table.pairs];
+        for (([from, to], _), pair) in candidates.iter().zip(&table.pair) {
+            matches[*pair] = case.truth.matching(*from, *to).or(matches[*pair]);
         }
-        Ok(Self { case, extraction, rows, allowed, right })
+        Ok(Self { case, extraction, table, allowed, matches })
     }
 
-    /// How many of the bridges that the answer needs are among those found.
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    pub fn measure(cases: &[&'a Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case, with_inlets(case))).into_iter().collect()
+    }
+
+    /// How many of the candidates that the truth needs are among those found.
     pub fn reached(&self) -> usize {
-        found(self.right.iter().flatten().copied())
+        found(self.matches.iter().flatten().copied())
     }
 }
 

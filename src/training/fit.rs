@@ -9,15 +9,14 @@ use super::logistic::{calibrate, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
-use crate::candidates::model::belief::last_pass;
 use crate::candidates::model::closures::{Closure, closures};
-use crate::candidates::model::decision_scores::{alone, hangs};
+use crate::candidates::model::posterior::{attachment_scores, root_scores};
 use crate::candidates::model::weights::{Pass, Provenance, Weights};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use crate::support::in_order;
 
-/// Links no more probable than this are left out of calibration and figures.
+/// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
 /// Penalty of the standardised weights of closures.
 const CLOSURE_L2: f64 = 1e-3;
@@ -76,39 +75,27 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
     share_of(&["inlets", &case.subject, &case.name]) < share
 }
 
-/// Fits weights to cases, measured first: a share of them without their inlets.
-///
-/// # Errors
-///
-/// Parameters out of range, no case, none with a right bridge within reach, a node without position.
-pub fn train(cases: &[Case], params: &TrainParams, tell: &mut dyn FnMut(&Step)) -> Result<Weights> {
-    params.validate()?;
-    let measured = in_order(cases, |_, case| Example::new(case, !goes_without_inlets(case, params.without_inlets)));
-    let examples = measured.into_iter().collect::<Result<Vec<_>>>()?;
-    fit(&examples.iter().collect::<Vec<_>>(), params, tell)
-}
-
-/// Fits weights to measured cases; `tell` hears of every pass.
+/// Fits weights to measured cases; `progress` is called after every pass.
 ///
 /// Pass k starts from the weights of the pass before and sees the features of its posterior. The same cases give the same bits
 /// at any number of threads.
 ///
 /// # Errors
 ///
-/// Parameters out of range, no case, none with a right bridge within reach.
-pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&Step)) -> Result<Weights> {
+/// Parameters out of range, no case, none with a true connection within reach.
+pub fn fit(examples: &[&Example], params: &TrainParams, progress: &mut dyn FnMut(&Step)) -> Result<Weights> {
     params.validate()?;
     if !examples.iter().any(|e| e.allowed.contains(&true)) {
-        return Err(Error::parameter("cases", examples.len(), "expected one at least with a right bridge within reach"));
+        return Err(Error::parameter("cases", examples.len(), "expected one at least with a true connection within reach"));
     }
-    let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.rows.bridge)).collect();
+    let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.table.features)).collect();
     let mut posteriors: Vec<(Forests, Marginals)> = Vec::new();
     let mut passes: Vec<Pass> = Vec::new();
     for (number, iterations) in params.iterations.iter().enumerate() {
         if number > 0 {
             let next = in_order(examples, |at, e| {
                 let (forests, marginals) = &posteriors[at];
-                Cow::Owned(e.rows.beside(&Feedback::new(&e.extraction, &e.rows.bridges).features(forests, marginals)))
+                Cow::Owned(e.table.features_and(&Feedback::new(&e.extraction, &e.table.candidates).features(forests, marginals)))
             });
             designs = next;
         }
@@ -117,36 +104,36 @@ pub fn fit(examples: &[&Example], params: &TrainParams, tell: &mut dyn FnMut(&St
         let before = objective.at(&start).0;
         let found = minimise(start, *iterations, &|y| objective.at(y));
         let pass = objective.pass(&found.point);
-        tell(&Step { pass: number + 1, objective: [before, found.value], evaluations: found.evaluations });
-        let next = in_order(examples, |at, e| e.rows.forests(&pass, &designs[at]).map(|f| (marginals(&f), f)));
+        progress(&Step { pass: number + 1, objective: [before, found.value], evaluations: found.evaluations });
+        let next = in_order(examples, |at, e| e.table.forests(&pass, &designs[at]).map(|f| (marginals(&f), f)));
         posteriors = next.into_iter().map(|p| p.map(|(m, f)| (f, m))).collect::<Result<_>>()?;
         passes.push(pass);
     }
-    let mut links = Vec::new();
+    let mut pairs = Vec::new();
     for ((example, (_, marginals)), weight) in examples.iter().zip(&posteriors).zip(case_weights(examples)) {
-        let p = example.rows.summed(&marginals.bridges);
-        let listed = p.iter().zip(&example.right).filter(|(p, _)| **p > LEAST_LISTED);
-        links.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
+        let p = example.table.summed_by_pair(&marginals.edges);
+        let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
+        pairs.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
     }
     let closure = fit_closures(examples, &passes[0], &posteriors);
     let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    Ok(Weights { passes, calibration: calibrate(&links).0, closure, provenance })
+    Ok(Weights { passes, calibration: calibrate(&pairs).0, closure, provenance })
 }
 
 /// The weights of closures by logistic regression; none where no case has a right one within reach.
 fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
     let of_case = in_order(examples, |at, e| {
         let (forests, marginals) = &posteriors[at];
-        let hangs = hangs(&e.extraction, &e.rows.bridges, marginals);
-        let kept = arborescence(forests, &hangs, &alone(&e.extraction, marginals));
-        let found = closures(&e.extraction, &e.rows, first, marginals, &kept);
-        let point = |c: &Closure| e.extraction.ends[c.bridge.end].point;
+        let attached = attachment_scores(&e.extraction, &e.table.candidates, marginals);
+        let kept = arborescence(forests, &attached, &root_scores(&e.extraction, marginals));
+        let found = closures(&e.extraction, &e.table, first, marginals, &kept);
+        let point = |c: &Closure| e.extraction.ends[c.candidate.end].point;
         found
             .iter()
-            .map(|c| (c.features.to_vec(), e.case.answer.right(point(c), c.bridge.point).is_some(), 1.0))
+            .map(|c| (c.features.to_vec(), e.case.truth.matching(point(c), c.candidate.point).is_some(), 1.0))
             .collect::<Vec<_>>()
     });
     let rows: Vec<_> = of_case.into_iter().flatten().collect();
@@ -155,12 +142,8 @@ fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Mar
 
 /// Zeros, or the weights of the pass before with zeros for what it did not know.
 fn first_guess(number: usize, before: Option<&Pass>) -> Pass {
-    let mut pass = before.cloned().unwrap_or_else(|| Pass { bridge: Vec::new(), root: vec![0.0; Pass::root_features().count()] });
-    pass.bridge.resize(Pass::bridge_features(number).count(), 0.0);
+    let mut pass =
+        before.cloned().unwrap_or_else(|| Pass { candidate: Vec::new(), root: vec![0.0; Pass::root_features().count()] });
+    pass.candidate.resize(Pass::candidate_features(number).count(), 0.0);
     pass
-}
-
-/// The posterior of the last pass of given weights on a measured case.
-pub(crate) fn posterior(example: &Example, weights: &Weights) -> Result<(Forests, Marginals)> {
-    last_pass(&example.extraction, &example.rows, weights)
 }

@@ -1,7 +1,7 @@
 //! Logistic regression with a penalty of large slopes.
 
 use super::minimise::minimise;
-use crate::candidates::model::belief::Calibration;
+use crate::candidates::model::posterior::Calibration;
 use crate::support::statistics::sigmoid;
 
 const ITERATIONS: usize = 300;
@@ -40,9 +40,9 @@ pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
 
 const L2: f64 = 1e-5;
 
-/// The calibration of links with their probability by the model, whether they are right, and how much each counts.
-pub fn calibrate(links: &[(f64, bool, f64)]) -> Calibration {
-    let rows: Vec<Row> = links.iter().map(|(p, right, weight)| (Calibration::design(*p).to_vec(), *right, *weight)).collect();
+/// The calibration of pairs of points with their probability by the model, whether they are right, and how much each counts.
+pub fn calibrate(pairs: &[(f64, bool, f64)]) -> Calibration {
+    let rows: Vec<Row> = pairs.iter().map(|(p, right, weight)| (Calibration::design(*p).to_vec(), *right, *weight)).collect();
     let found = logistic(&rows, L2);
     Calibration([0, 1, 2].map(|k| found.get(k).copied().unwrap_or(0.0)))
 }

@@ -58,7 +58,7 @@ impl CostFunction for Problem<'_> {
     type Output = f64;
 
     fn cost(&self, x: &Vec<f64>) -> Result<f64, Error> {
-        // A line search would look for a way down for ever.
+        // Without this a line search would never end.
         let value = self.at(x, |e| e.0);
         if value.is_nan() { Err(Error::msg("no number")) } else { Ok(value) }
     }
@@ -84,7 +84,7 @@ pub fn minimise(start: Vec<f64>, iterations: usize, function: &dyn Fn(&[f64]) ->
         let executor = Executor::new(problem, solver).configure(|s| s.param(start).max_iters(iterations as u64));
         executor.run().map(|result| result.state().get_iter())
     };
-    // A line search that finds no way down any more ends the search: the best point stands.
+    // A line search that finds no descent any more ends the search; the best point is the answer.
     let _: Result<u64, Error> = run();
     best.into_inner()
 }

@@ -1,57 +1,59 @@
-//! What a fit minimises: the penalised negative log-likelihood of the answers to all cases, in standardised weights.
+//! What a fit minimises: the penalised negative log-likelihood of the truth of all cases, in standardised weights.
 
 use std::borrow::Cow;
 
 use ndarray::{Array2, ArrayView1};
 
 use super::example::Example;
-use crate::candidates::model::feature_table::{is_cut, weighed};
+use crate::candidates::model::feature_table::is_cut;
 use crate::candidates::model::weights::Pass;
 use crate::error::Result;
 use crate::forest_posterior::{log_likelihood, marginals};
 use crate::support::in_order;
 
-/// Added to the spread of a bridge's feature. One that hardly varies at all is taken as it stands.
+/// Added to the spread of a candidate's feature. One that hardly varies at all is not scaled.
 const LEAST_SPREAD: f64 = 1e-6;
 /// The least spread of a root's feature.
 const LEAST_ROOT_SPREAD: f64 = 0.3;
 
-/// λ Σ y² - Σ ω ln P(answer) / Σ ω over cases, y = weight times standard deviation of its feature over all rows, ω the share of
+/// λ Σ y² - Σ ω ln P(truth) / Σ ω over cases, y = weight times standard deviation of its feature over all rows, ω the share of
 /// [`case_weights`].
 pub struct Objective<'a> {
     examples: &'a [&'a Example<'a>],
-    /// Per case the features of its bridges in this pass.
+    /// Per case the features of its candidates in this pass.
     designs: &'a [Cow<'a, Array2<f64>>],
     case_weights: Vec<f64>,
-    /// Standard deviations: bridge features, then root features.
+    /// Standard deviations: candidate features, then root features.
     scale: Vec<f64>,
-    bridge_features: usize,
+    candidate_features: usize,
     l2: f64,
 }
 
 impl<'a> Objective<'a> {
-    /// The objective of cases with the features of their bridges, shape (bridges, features) each.
+    /// The objective of cases with the features of their candidates, shape (candidates, features) each.
     pub fn new(examples: &'a [&'a Example<'a>], designs: &'a [Cow<'a, Array2<f64>>], l2: f64) -> Self {
         let standing = |s: f64| if s > LEAST_SPREAD { s + LEAST_SPREAD } else { 1.0 };
         let mut scale: Vec<f64> =
             spread(&designs.iter().map(AsRef::as_ref).collect::<Vec<_>>()).into_iter().map(standing).collect();
-        let bridge_features = scale.len();
+        let candidate_features = scale.len();
         scale.extend(
-            spread(&examples.iter().map(|e| &e.rows.root).collect::<Vec<_>>()).into_iter().map(|s| s.max(LEAST_ROOT_SPREAD)),
+            spread(&examples.iter().map(|e| &e.table.root_features).collect::<Vec<_>>())
+                .into_iter()
+                .map(|s| s.max(LEAST_ROOT_SPREAD)),
         );
-        Self { examples, designs, case_weights: case_weights(examples), scale, bridge_features, l2 }
+        Self { examples, designs, case_weights: case_weights(examples), scale, candidate_features, l2 }
     }
 
     /// The standardised weights of a pass.
     pub fn standardised(&self, pass: &Pass) -> Vec<f64> {
-        pass.bridge.iter().chain(&pass.root).zip(&self.scale).map(|(w, s)| w * s).collect()
+        pass.candidate.iter().chain(&pass.root).zip(&self.scale).map(|(w, s)| w * s).collect()
     }
 
     /// The pass of standardised weights.
     pub fn pass(&self, y: &[f64]) -> Pass {
         let weights: Vec<f64> = y.iter().zip(&self.scale).map(|(y, s)| y / s).collect();
-        let (bridge, root) = weights.split_at(self.bridge_features);
-        Pass { bridge: bridge.to_vec(), root: root.to_vec() }
+        let (candidate, root) = weights.split_at(self.candidate_features);
+        Pass { candidate: candidate.to_vec(), root: root.to_vec() }
     }
 
     /// Value and gradient. Infinite where a weight is no number.
@@ -71,19 +73,18 @@ impl<'a> Objective<'a> {
     }
 }
 
-/// ln P of a case's answer and its derivatives by the weights of the bridge's and the root's features.
+/// ln P of a case's truth and its derivatives by the weights of the candidates' and the roots' features.
 fn gradient(example: &Example, design: &Array2<f64>, pass: &Pass) -> Result<(f64, Vec<f64>)> {
-    let (beta, gamma) = (ArrayView1::from(&pass.bridge), ArrayView1::from(&pass.root));
-    let forests = weighed(&example.rows.fragments, (design, beta), (&example.rows.root, gamma))?;
+    let forests = example.table.forests(pass, design)?;
     let (value, gradient) = log_likelihood(&forests, &marginals(&forests), &example.allowed);
-    let mut out = vec![0.0; pass.bridge.len() + pass.root.len()];
-    let (of_bridge, of_root) = out.split_at_mut(pass.bridge.len());
-    let bridges = forests.bridges().iter().map(|b| b.log_weight).zip(gradient.bridges);
-    for (row, (log_weight, g)) in design.rows().into_iter().zip(bridges) {
-        add(of_bridge, if is_cut(log_weight) { 0.0 } else { g }, &row);
+    let mut out = vec![0.0; pass.candidate.len() + pass.root.len()];
+    let (of_candidate, of_root) = out.split_at_mut(pass.candidate.len());
+    let edges = forests.edges().iter().map(|edge| edge.log_weight).zip(gradient.edges);
+    for (row, (log_weight, g)) in design.rows().into_iter().zip(edges) {
+        add(of_candidate, if is_cut(log_weight) { 0.0 } else { g }, &row);
     }
     let roots = forests.log_roots().iter().zip(gradient.roots);
-    for (row, (log_weight, g)) in example.rows.root.rows().into_iter().zip(roots) {
+    for (row, (log_weight, g)) in example.table.root_features.rows().into_iter().zip(roots) {
         add(of_root, if is_cut(*log_weight) { 0.0 } else { g }, &row);
     }
     Ok((value, out))

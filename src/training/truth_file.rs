@@ -1,10 +1,10 @@
-//! The answer as JSON: links between pieces as `gapbench` writes them, or the breaks of `willis phantom --break`.
+//! The true connections as JSON: links between pieces as `gapbench` writes them, or the breaks of `willis phantom --break`.
 
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::known_links::{KnownLinks, Link, LinkSide};
+use super::known_connections::{KnownConnection, KnownConnections, Side};
 use crate::candidates::NetworkPoint;
 use crate::candidates::features::Extraction;
 use crate::error::Fault;
@@ -26,7 +26,7 @@ struct File {
 
 #[derive(Deserialize)]
 struct Member {
-    role: LinkSide,
+    role: Side,
     allowed: Vec<u64>,
 }
 
@@ -35,30 +35,30 @@ struct Gap {
     ids: [u64; 2],
 }
 
-/// The answer to an extraction, and the subject where it is named.
+/// The true connections of an extraction, and the subject where it is named.
 ///
 /// # Errors
 ///
 /// No such JSON, a node that is not there, links that no point of the extraction reaches.
-pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownLinks, Option<String>), Fault> {
+pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
     let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
-    let answer = match (file.links, file.breaks) {
+    let truth = match (file.links, file.breaks) {
         (Some(links), None) => of_links(&links, &file.nodes, file.voxel_mm, extraction)?,
         (None, Some(breaks)) => of_breaks(&breaks, &file.inlets, network, extraction)?,
         (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
         (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
     };
-    Ok((answer, file.subject))
+    Ok((truth, file.subject))
 }
 
-/// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a bridge may attach.
+/// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a candidate may attach.
 fn of_links(
     links: &[Vec<Member>],
     nodes: &[Vec<f64>],
     voxel_mm: Option<f64>,
     extraction: &Extraction,
-) -> Result<KnownLinks, Fault> {
+) -> Result<KnownConnections, Fault> {
     let mut points = Vec::with_capacity(nodes.len());
     for (row, node) in nodes.iter().enumerate() {
         match node[..] {
@@ -71,9 +71,9 @@ fn of_links(
         Some(h) => return Err(Fault::item("voxel_mm", h.to_string(), "expected a positive number")),
         None => extraction.spacing,
     };
-    let mut out: Vec<Link> = Vec::new();
+    let mut out: Vec<KnownConnection> = Vec::new();
     for (row, members) in links.iter().enumerate() {
-        let mut link = Link::new();
+        let mut link = KnownConnection::new();
         for member in members {
             let mut rows = Vec::new();
             for id in &member.allowed {
@@ -85,14 +85,14 @@ fn of_links(
         }
         out.push(link);
     }
-    let answer = KnownLinks::snapped(extraction, &points, voxel, &out);
-    match answer.unreachable() {
+    let truth = KnownConnections::snapped(extraction, &points, voxel, &out);
+    match truth.unreachable() {
         Some((link, piece)) => {
             let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();
             let found = format!("no point of the fragments is at its nodes {}", nodes.join(", "));
             Err(Fault::item(format!("link {link}"), found, "expected the answer to these fragments"))
         }
-        None => Ok(answer),
+        None => Ok(truth),
     }
 }
 
@@ -102,7 +102,7 @@ fn of_breaks(
     inlets: &[serde_json::Value],
     network: &Network,
     extraction: &Extraction,
-) -> Result<KnownLinks, Fault> {
+) -> Result<KnownConnections, Fault> {
     let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
     for (point, place) in extraction.place.iter().enumerate() {
         let id = match place {
@@ -115,15 +115,15 @@ fn of_breaks(
         let accepted = "expected the id of a point of the fragments";
         point_of.get(&id).copied().ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
     };
-    let mut bridges = Vec::new();
+    let mut pairs = Vec::new();
     for (row, gap) in gaps.iter().enumerate() {
         let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
-        bridges.push([a?, b?]);
+        pairs.push([a?, b?]);
     }
     let mut nodes = Vec::new();
     for id in inlets.iter().filter_map(serde_json::Value::as_u64) {
         let point = find("inlets".into(), id)?;
         nodes.extend(Some(point).filter(|point| *point < network.node_count()));
     }
-    Ok(KnownLinks::bridging(extraction, &bridges, &nodes))
+    Ok(KnownConnections::between(extraction, &pairs, &nodes))
 }

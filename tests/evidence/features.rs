@@ -5,9 +5,9 @@ use crate::vessels;
 use willis::internals::candidates::features::candidate_features::log_detour;
 use willis::internals::candidates::features::candidate_features::relative_size;
 use willis::internals::candidates::features::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, root_features, spans,
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, measured, root_features,
 };
-use willis::internals::candidates::search::{FoundBridge, Search, search};
+use willis::internals::candidates::search::{Candidate, SearchOptions, search};
 use willis::internals::forest_posterior;
 use willis::internals::forest_posterior::{Forests, marginals};
 use willis::internals::network::centerlines::Centerlines;
@@ -150,10 +150,10 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
         (end(0.0, 15.0), node(10.0, 0.0)),
         (end(10.0, 0.0), node(6.0, 5.0)),
     ];
-    let bridges = bridges.map(|(end, point)| FoundBridge { end, point, inside: false });
+    let bridges = bridges.map(|(end, point)| Candidate { end, point, within: false });
     let fragment = |place: usize| extraction.fragment[place];
     let log_weights = [0.3, -0.2, 0.5, -1.0, 0.1];
-    let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| forest_posterior::Bridge {
+    let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| forest_posterior::Edge {
         child: extraction.ends[b.end].fragment,
         parent: fragment(b.point),
         log_weight,
@@ -162,7 +162,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
     let forests = Forests::new(roots.clone(), each.collect()).expect("forests");
     let all = marginals(&forests);
     let got = Feedback::new(&extraction, &bridges).features(&forests, &all);
-    let p = &all.bridges;
+    let p = &all.edges;
     let [vessel, child, third] = [node(-10.0, 0.0), node(0.0, 5.0), node(6.0, 5.0)].map(fragment);
     // Blood enters the vessel on the left with the inlet, on the right with the last bridge.
     let more = all.roots[vessel] - p[4];
@@ -213,7 +213,8 @@ fn a_loop_has_no_direction() {
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let inlet = network.nodes().position(|n| n.position.is_some_and(|p| p[0] > 11.9)).expect("the tail's end");
     let extraction = Extraction::new(&network, &[inlet]).expect("positions");
-    let bridges: Vec<FoundBridge> = search(&extraction, &Search::default()).unwrap().into_iter().filter(|b| !b.inside).collect();
+    let bridges: Vec<Candidate> =
+        search(&extraction, &SearchOptions::default()).unwrap().into_iter().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &bridges);
     let got = Feedback::new(&extraction, &bridges).features(&forests, &marginals(&forests));
     let (mut on_ring, mut on_tail) = (0, 0);
@@ -240,9 +241,9 @@ fn a_gap_in_a_ring_has_a_detour() {
     points.links.extend((1..12).map(|i| [i - 1, i]));
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = [FoundBridge { end: 0, point: extraction.ends[1].point, inside: true }];
-    let span = &spans(&extraction, &bridges)[0];
-    assert!((log_detour(span) - 11_f64.ln()).abs() < 1e-12 && relative_size(span) == 0.0);
+    let bridges = [Candidate { end: 0, point: extraction.ends[1].point, within: true }];
+    let measured = &measured(&extraction, &bridges)[0];
+    assert!((log_detour(measured) - 11_f64.ln()).abs() < 1e-12 && relative_size(measured) == 0.0);
 }
 
 /// Nothing, a lone point, and vessels of which only the nodes are known.
@@ -250,7 +251,7 @@ fn a_gap_in_a_ring_has_a_detour() {
 fn what_has_no_points_is_no_error() {
     let of = |network: &Network| {
         let extraction = Extraction::new(network, &[]).expect("positions");
-        let bridges = search(&extraction, &Search::default()).unwrap();
+        let bridges = search(&extraction, &SearchOptions::default()).unwrap();
         assert!(features(&extraction, &bridges).iter().chain(&root_features(&extraction)).all(|x| x.is_finite()));
         bridges.len()
     };
@@ -275,9 +276,9 @@ fn what_has_no_points_is_no_error() {
 type Row = ([u32; 2], bool, Vec<f64>);
 
 /// Forests with some weights that depend on the bridges alone.
-fn weighed(extraction: &Extraction, bridges: &[FoundBridge]) -> Forests {
+fn weighed(extraction: &Extraction, bridges: &[Candidate]) -> Forests {
     let x = features(extraction, bridges);
-    let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| forest_posterior::Bridge {
+    let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| forest_posterior::Edge {
         child: extraction.ends[bridge.end].fragment,
         parent: extraction.fragment[bridge.point],
         log_weight: -x[1] - x[2],
@@ -303,7 +304,7 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
     let network = contract(&centerlines(points, names), RadiusRule::Mean, None).expect("vessels").network;
     let inlets: Vec<usize> = network.nodes().position(|n| n.id == "0").into_iter().filter(|_| inlet).collect();
     let extraction = Extraction::new(&network, &inlets).expect("positions");
-    let bridges = search(&extraction, &Search::default()).unwrap();
+    let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let name = |point: usize| match extraction.place[point] {
         willis::internals::candidates::NetworkPoint::Node(node) => network.node(node).id.parse().expect("a number"),
         willis::internals::candidates::NetworkPoint::Along { vessel, point } => {
@@ -311,13 +312,13 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
         }
     };
     let columns = features(&extraction, &bridges);
-    let between: Vec<FoundBridge> = bridges.iter().copied().filter(|b| !b.inside).collect();
+    let between: Vec<Candidate> = bridges.iter().copied().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &between);
     let feedback = Feedback::new(&extraction, &between).features(&forests, &marginals(&forests));
     let mut feedback = feedback.rows().into_iter();
     let rows = bridges.iter().zip(columns.rows()).map(|(b, x)| {
-        let more = if b.inside { vec![0.0; FEEDBACK_FEATURES.len()] } else { feedback.next().expect("a row").to_vec() };
-        ([extraction.ends[b.end].point, b.point].map(name), b.inside, [x.to_vec(), more].concat())
+        let more = if b.within { vec![0.0; FEEDBACK_FEATURES.len()] } else { feedback.next().expect("a row").to_vec() };
+        ([extraction.ends[b.end].point, b.point].map(name), b.within, [x.to_vec(), more].concat())
     });
     let mut rows: Vec<Row> = rows.collect();
     rows.sort_by_key(|row| (row.0, row.1));

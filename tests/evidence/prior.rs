@@ -1,8 +1,10 @@
 //! The prior: weights as files, and what they make of fragments, solved by hand.
 
 use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
-use willis::internals::candidates::model::{CLOSURE_FEATURES, Calibration, Figures, Fold, Pass, Provenance, Weights, believe};
-use willis::internals::candidates::search::{Search, search};
+use willis::internals::candidates::model::{
+    CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Provenance, Weights, posterior,
+};
+use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, RadiusRule, contract};
 
@@ -28,7 +30,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         names.iter().map(|n| given.iter().find(|(name, _)| name == n).map_or(0.0, |(_, w)| *w)).collect()
     };
     let pass = Pass {
-        bridge: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
+        candidate: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
         root: fill(ROOT_FEATURES.iter().map(|(n, _)| *n).collect(), root),
     };
     Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], closure: Vec::new(), provenance: Provenance::default() }
@@ -40,25 +42,26 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
 fn two_fragments_in_a_line_as_by_hand() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default()).unwrap();
-    let belief = believe(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
+    let bridges = search(&extraction, &SearchOptions::default()).unwrap();
+    let found = posterior(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
     let weight = |row: usize| {
-        let ends = [extraction.ends[belief.bridges[row].end].point, belief.bridges[row].point].map(|p| extraction.position[p][0]);
+        let ends = [extraction.ends[found.table.candidates[row].end].point, found.table.candidates[row].point]
+            .map(|p| extraction.position[p][0]);
         (-((ends[0] - ends[1]).abs() * 1e3 / 3.0).min(10.0)).exp()
     };
-    let rows = 0..belief.bridges.len();
+    let rows = 0..found.table.candidates.len();
     let total = 9.0 + 3.0 * rows.clone().map(weight).sum::<f64>();
     let facing = |row: &usize| (weight(*row) - (-4.0_f64 / 3.0).exp()).abs() < 1e-9;
     assert_eq!(rows.clone().filter(facing).count(), 2, "the facing ends see each other");
     for row in rows.clone() {
-        let same: f64 = rows.clone().filter(|r| belief.link[*r] == belief.link[row]).map(weight).sum();
-        assert!((belief.marginals.bridges[row] - 3.0 * weight(row) / total).abs() < 1e-12);
-        assert!((belief.probability[row] - 3.0 * same / total).abs() < 1e-11, "one probability for both directions");
+        let same: f64 = rows.clone().filter(|r| found.table.pair[*r] == found.table.pair[row]).map(weight).sum();
+        assert!((found.marginals.edges[row] - 3.0 * weight(row) / total).abs() < 1e-12);
+        assert!((found.probability[row] - 3.0 * same / total).abs() < 1e-11, "one probability for both directions");
     }
     let calibrated = Weights { calibration: [1.0, 2.0, 0.0], ..weights(&[("gap", -1.0)], &[("one", 3_f64.ln())]) };
-    let again = believe(&extraction, &bridges, &calibrated).expect("weights");
-    assert_eq!(again.marginals, belief.marginals);
-    for (p, q) in belief.probability.iter().zip(&again.probability) {
+    let again = posterior(&extraction, &bridges, &calibrated).expect("weights");
+    assert_eq!(again.marginals, found.marginals);
+    for (p, q) in found.probability.iter().zip(&again.probability) {
         assert!((q / (1.0 - q) - 1_f64.exp() * (p / (1.0 - p)).powi(2)).abs() < 1e-9);
     }
 }
@@ -68,15 +71,15 @@ fn two_fragments_in_a_line_as_by_hand() {
 fn log_weights_are_cut() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default()).unwrap();
-    let belief = believe(&extraction, &bridges, &weights(&[("is_end", 70.0)], &[("one", -70.0)])).expect("weights");
-    assert!(belief.forests.log_roots().iter().all(|w| *w == -25.0));
-    assert!(belief.forests.bridges().iter().all(|b| [0.0, 25.0].contains(&b.log_weight)));
+    let bridges = search(&extraction, &SearchOptions::default()).unwrap();
+    let found = posterior(&extraction, &bridges, &weights(&[("is_end", 70.0)], &[("one", -70.0)])).expect("weights");
+    assert!(found.forests.log_roots().iter().all(|w| *w == -25.0));
+    assert!(found.forests.edges().iter().all(|b| [0.0, 25.0].contains(&b.log_weight)));
 }
 
 /// Numbers that a decimal notation with few digits would lose.
 fn odd() -> Weights {
-    let figures = Figures {
+    let figures = HeldOutScores {
         of: "a \"set\"\\of\u{7f}".into(),
         cases: 3,
         subjects: 2,
@@ -85,7 +88,7 @@ fn odd() -> Weights {
         log_likelihood: -12.5,
     };
     let pass = |number: usize| Pass {
-        bridge: Pass::bridge_features(number)
+        candidate: Pass::candidate_features(number)
             .enumerate()
             .map(|(i, _)| (i as f64 + 0.1).sin() * 10_f64.powi(i as i32 % 9 - 6))
             .collect(),
@@ -124,7 +127,7 @@ fn the_shipped_weights_are_whole() {
     assert!(shipped.provenance.cases > 0 && !shipped.provenance.made_by.is_empty());
     // Near, straight and end to end is more probable than far, bent and sideways.
     let at = |name: &str| FEATURES.iter().position(|(n, _)| *n == name).expect(name);
-    assert!(shipped.passes[0].bridge[at("is_end")] > 0.0);
+    assert!(shipped.passes[0].candidate[at("is_end")] > 0.0);
     assert!(Calibration(shipped.calibration).apply(0.9) > Calibration(shipped.calibration).apply(0.1));
 }
 
@@ -159,11 +162,11 @@ fn a_wrong_name_or_number_is_named() {
 fn weights_of_other_features_are_no_panic() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = search(&extraction, &Search::default()).unwrap();
+    let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let mut short = weights(&[], &[]);
-    short.passes[0].bridge.pop();
-    let said = believe(&extraction, &bridges, &short).expect_err("too few").to_string();
+    short.passes[0].candidate.pop();
+    let said = posterior(&extraction, &bridges, &short).expect_err("too few").to_string();
     assert!(said.starts_with("pass 1 bridge has ") && said.ends_with(&format!("expected {}", FEATURES.len())), "{said}");
     short.passes.clear();
-    assert!(believe(&extraction, &bridges, &short).is_err());
+    assert!(posterior(&extraction, &bridges, &short).is_err());
 }

@@ -9,7 +9,7 @@ use ndarray::Array2;
 use willis::internals::candidates::features::{
     Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, features, root_features,
 };
-use willis::internals::candidates::search::{FoundBridge, Search, search};
+use willis::internals::candidates::search::{Candidate, SearchOptions, search};
 use willis::internals::forest_posterior;
 use willis::internals::forest_posterior::{Forests, marginals};
 use willis::internals::network::centerlines::Centerlines;
@@ -44,11 +44,11 @@ fn row_of(network: &Network, id: f64) -> usize {
 }
 
 /// The feedback on the bridges between fragments, weighed as the reference does; zero for those within one.
-fn feedback(e: &Extraction, bridges: &[FoundBridge], x: &Array2<f64>) -> Array2<f64> {
-    let rows: Vec<usize> = (0..bridges.len()).filter(|row| !bridges[*row].inside).collect();
-    let between: Vec<FoundBridge> = rows.iter().map(|row| bridges[*row]).collect();
+fn feedback(e: &Extraction, bridges: &[Candidate], x: &Array2<f64>) -> Array2<f64> {
+    let rows: Vec<usize> = (0..bridges.len()).filter(|row| !bridges[*row].within).collect();
+    let between: Vec<Candidate> = rows.iter().map(|row| bridges[*row]).collect();
     let at = |row: usize, name: &str| x[[row, FEATURES.iter().position(|(n, _)| *n == name).expect("a feature")]];
-    let weighed = |row: &usize| forest_posterior::Bridge {
+    let weighed = |row: &usize| forest_posterior::Edge {
         child: e.ends[bridges[*row].end].fragment,
         parent: e.fragment[bridges[*row].point],
         log_weight: at(*row, "kink") - at(*row, "gap") - at(*row, "bend_child_sq"),
@@ -103,7 +103,7 @@ fn bridges_and_features_are_those_of_the_reference() {
         let network = contract(&centerlines(&at("swc"), &at("loops.csv")), RadiusRule::Mean, None).expect("vessels").network;
         let inlets: Vec<usize> = numbers(&at("inlets.csv")).iter().map(|r| row_of(&network, r[0])).collect();
         let extraction = Extraction::new(&network, &inlets).expect("positions");
-        let bridges = search(&extraction, &Search::default()).unwrap();
+        let bridges = search(&extraction, &SearchOptions::default()).unwrap();
         let own = features(&extraction, &bridges);
         let from_others = feedback(&extraction, &bridges, &own);
         // By coordinates: the numbers of the points differ.
@@ -111,7 +111,7 @@ fn bridges_and_features_are_those_of_the_reference() {
         let mut mine = BTreeMap::new();
         for (row, bridge) in bridges.iter().enumerate() {
             let ends = [extraction.ends[bridge.end].point, bridge.point].map(|p| extraction.position[p]);
-            let place: Vec<f64> = ends.concat().into_iter().chain([f64::from(u8::from(bridge.inside))]).collect();
+            let place: Vec<f64> = ends.concat().into_iter().chain([f64::from(u8::from(bridge.within))]).collect();
             assert!(
                 mine.insert(key(&place), [own.row(row).to_vec(), from_others.row(row).to_vec()].concat()).is_none(),
                 "a bridge twice"

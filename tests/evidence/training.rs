@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::{folder, stderr, willis};
-use willis::internals::candidates::model::Figures;
+use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::training::read_cases;
 use willis::internals::training::{
-    Case, Example, Objective, Right, Step, TrainParams, average_precision, calibrate, calibration_error, case_weights, figures,
-    fit, fold_of, told, train,
+    Case, Example, Match, Objective, Step, TrainParams, average_precision, calibrate, calibration_error, case_scores,
+    case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
 };
 
 /// Broken trees as case folders `data/a0`, `data/a1`, ...
@@ -51,17 +51,18 @@ fn at_zero_weights_explanations_are_counted() {
     two_tubes(&here.path().join("data/line"), r#"{"inlets": [1], "breaks": [{"ids": [21, 22]}]}"#);
     let cases = cases(&here.path().join("data"));
     let example = Example::new(&cases[0], true).expect("bridges");
-    let n = example.rows.bridges.len();
+    let n = example.table.candidates.len();
     // Within two spacings of either loose end there are three points.
-    let point = |row: usize| [example.extraction.ends[example.rows.bridges[row].end].point, example.rows.bridges[row].point];
+    let point =
+        |row: usize| [example.extraction.ends[example.table.candidates[row].end].point, example.table.candidates[row].point];
     let at = |row: usize| point(row).map(|p| (example.extraction.position[p][0] * 1e3).round() as i32);
     let k = (0..n).filter(|row| at(*row)[0] == 24 && (18..=20).contains(&at(*row)[1])).count();
     assert_eq!(example.allowed, (0..n).map(|row| at(row)[0] == 24 && (18..=20).contains(&at(row)[1])).collect::<Vec<_>>());
     assert!(k > 0 && n > k);
-    assert_eq!((cases[0].answer.needed(), example.reached()), (1, 1));
-    let (examples, designs) = ([&example], [std::borrow::Cow::Borrowed(&example.rows.bridge)]);
+    assert_eq!((cases[0].truth.needed(), example.reached()), (1, 1));
+    let (examples, designs) = ([&example], [std::borrow::Cow::Borrowed(&example.table.features)]);
     let objective = Objective::new(&examples, &designs, 0.01);
-    let zeros = vec![0.0; example.rows.bridge.ncols() + example.rows.root.ncols()];
+    let zeros = vec![0.0; example.table.features.ncols() + example.table.root_features.ncols()];
     let (value, slope) = objective.at(&zeros);
     assert!((value - ((n + 1) as f64 / k as f64).ln()).abs() < 1e-12, "{value}");
     // The gradient is the slope of the objective.
@@ -78,7 +79,7 @@ fn at_zero_weights_explanations_are_counted() {
 /// Three of four links found, one of them twice, two wrong: by hand (1/1 + 2/3 + 3/5)/4; the second bridge of a link is passed over.
 #[test]
 fn average_precision_as_by_hand() {
-    let right = |link, a, b| Some(Right { link, pieces: [a, b] });
+    let right = |link, a, b| Some(Match { connection: link, pieces: [a, b] });
     let ranked = vec![
         (0.9, right(0, 0, 1)),
         (0.8, right(0, 1, 0)),
@@ -125,9 +126,9 @@ fn a_circle_of_right_bridges_is_opened() {
     let cases = cases(&here.path().join("data"));
     assert_eq!((cases[0].subject.as_str(), cases[0].name.as_str()), ("S", "ring"));
     let example = Example::new(&cases[0], true).expect("bridges");
-    assert_eq!((cases[0].answer.needed(), example.reached()), (3, 3));
+    assert_eq!((cases[0].truth.needed(), example.reached()), (3, 3));
     let hang: Vec<[usize; 2]> =
-        (0..example.allowed.len()).filter(|r| example.allowed[*r]).map(|r| example.rows.fragments[r]).collect();
+        (0..example.allowed.len()).filter(|r| example.allowed[*r]).map(|r| example.table.fragments[r]).collect();
     assert_eq!(hang.len(), 2, "{hang:?}");
     let (objective, ok) = (Vec::from([&example]), std::cell::Cell::new(false));
     let params = TrainParams { iterations: vec![200], ..TrainParams::default() };
@@ -153,12 +154,14 @@ fn what_was_learnt_holds_on_other_trees() {
     let here = folder();
     let cases = cases(&trees(here.path(), 12));
     let params = TrainParams { iterations: vec![40], ..TrainParams::default() };
-    let weights = train(&cases[..8], &params, &mut |_| ()).expect("weights");
+    let known: Vec<&Case> = cases[..8].iter().collect();
+    let examples = Example::measure(&known, |case| !goes_without_inlets(case, params.without_inlets)).expect("positions");
+    let weights = fit(&examples.iter().collect::<Vec<_>>(), &params, &mut |_| ()).expect("weights");
     assert_eq!((weights.provenance.cases, weights.provenance.subjects), (8, 8));
     let judged: Vec<Example> = cases[8..].iter().map(|c| Example::new(c, true).expect("bridges")).collect();
-    let answers: Vec<_> = judged.iter().map(|e| told(e, &weights).expect("features")).collect();
+    let answers: Vec<_> = judged.iter().map(|e| case_scores(e, &weights).expect("features")).collect();
     let of: Vec<_> = judged.iter().zip(&answers).collect();
-    let Figures { average_precision, cases, .. } = figures(&of)[0].clone();
+    let HeldOutScores { average_precision, cases, .. } = held_out_scores(&of)[0].clone();
     assert!(cases == 4 && average_precision.expect("links") > 0.6, "{average_precision:?}");
 }
 
@@ -195,16 +198,16 @@ fn optimum_and_calibration_are_those_of_scipy() {
     let weights = fit(&examples, &params, &mut |step| least = step.objective[1]).expect("weights");
     let put = |name: &str, text: String| fs::write(here.path().join(name), text).expect("a file");
     for (k, e) in examples.iter().enumerate() {
-        let bridges = (0..e.rows.bridges.len()).map(|row| {
-            let [child, parent] = e.rows.fragments[row];
+        let bridges = (0..e.table.candidates.len()).map(|row| {
+            let [child, parent] = e.table.fragments[row];
             let head = [child as f64, parent as f64, f64::from(u8::from(e.allowed[row]))];
-            head.into_iter().chain(e.rows.bridge.row(row).to_vec()).collect()
+            head.into_iter().chain(e.table.features.row(row).to_vec()).collect()
         });
         put(&format!("{k}.bridges.csv"), table(bridges));
-        put(&format!("{k}.roots.csv"), table(e.rows.root.rows().into_iter().map(|r| r.to_vec())));
+        put(&format!("{k}.roots.csv"), table(e.table.root_features.rows().into_iter().map(|r| r.to_vec())));
     }
     put("weights.csv", table(case_weights(&examples).into_iter().map(|w| vec![w])));
-    put("ours.csv", table(weights.passes[0].bridge.iter().chain(&weights.passes[0].root).map(|w| vec![*w])));
+    put("ours.csv", table(weights.passes[0].candidate.iter().chain(&weights.passes[0].root).map(|w| vec![*w])));
     // Probabilities on both sides of one half, right more often than they say.
     let links: Vec<(f64, bool, f64)> = (0..400)
         .map(|i| {
@@ -238,22 +241,22 @@ fn right_links_are_those_of_the_benchmark() {
     let (mut pairs, mut ours) = (String::new(), Vec::new());
     for case in &cases {
         let e = Example::new(case, true).expect("bridges");
-        for bridge in &e.rows.bridges {
+        for bridge in &e.table.candidates {
             let ends = [e.extraction.ends[bridge.end].point, bridge.point];
             let at: Vec<String> = ends.iter().flat_map(|p| e.extraction.position[*p]).map(|x| (x * 1e3).to_string()).collect();
             let _ = writeln!(pairs, "{}/{},{}", case.data_set, case.name, at.join(","));
-            ours.push(case.answer.right(ends[0], ends[1]));
+            ours.push(case.truth.matching(ends[0], ends[1]));
         }
     }
     fs::write(here.path().join("pairs.csv"), pairs).expect("a file");
     let needed = run(&python, "marks.py", &[&shared, &out]);
-    assert_eq!(needed[0], cases.iter().map(|c| c.answer.needed() as f64).collect::<Vec<_>>());
+    assert_eq!(needed[0], cases.iter().map(|c| c.truth.needed() as f64).collect::<Vec<_>>());
     let marks = fs::read_to_string(here.path().join("marks.csv")).expect("a table");
     let theirs: Vec<Vec<i32>> = marks.lines().map(|l| l.split(',').map(|x| x.parse().expect("a number")).collect()).collect();
     assert_eq!(theirs.len(), ours.len());
     assert!(ours.iter().flatten().count() > 100);
     for (ours, theirs) in ours.iter().zip(&theirs) {
-        let ours = ours.map_or([-1; 3], |r| [r.link, r.pieces[0], r.pieces[1]].map(|x| x as i32));
+        let ours = ours.map_or([-1; 3], |r| [r.connection, r.pieces[0], r.pieces[1]].map(|x| x as i32));
         assert_eq!(ours.to_vec(), *theirs);
     }
 }

@@ -18,7 +18,7 @@ use crate::draw::Draw;
 use crate::figure::Figure;
 use listed::{Listed, random};
 use serde::Deserialize;
-use willis::internals::forest_posterior::{Bridge, Forests, arborescence, log_likelihood, marginals, rooted_in};
+use willis::internals::forest_posterior::{Edge, Forests, arborescence, log_likelihood, marginals, rooted_in};
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;
@@ -42,10 +42,10 @@ fn every_marginal_is_right_in_its_own_digits() {
     let all: Vec<Reference> = serde_json::from_str(include_str!("posterior/reference.json")).expect("reference.json");
     assert_eq!(all.len(), 12);
     for Reference { name, log_total, roots, bridges } in all {
-        let bridge = |b: &(usize, usize, Figure, Figure)| Bridge { child: b.0, parent: b.1, log_weight: b.2.0 };
+        let bridge = |b: &(usize, usize, Figure, Figure)| Edge { child: b.0, parent: b.1, log_weight: b.2.0 };
         let forests = Forests::new(roots.iter().map(|r| r.0.0).collect(), bridges.iter().map(bridge).collect()).unwrap();
         let got = marginals(&forests);
-        let pairs = got.bridges.iter().zip(bridges.iter().map(|b| b.3.0));
+        let pairs = got.edges.iter().zip(bridges.iter().map(|b| b.3.0));
         let mut worst = 0.0_f64;
         for (got, exact) in pairs.chain(got.roots.iter().zip(roots.iter().map(|r| r.1.0))) {
             worst = worst.max((got - exact).abs() / exact);
@@ -63,7 +63,7 @@ fn marginals_are_sums_over_all_explanations() {
     for _ in 0..400 {
         let forests = random(&mut draw, 5, 4.0);
         let (listed, got) = (Listed::new(&forests), marginals(&forests));
-        for (got, sum) in got.bridges.iter().chain(&got.roots).zip(listed.bridges().iter().chain(&listed.roots())) {
+        for (got, sum) in got.edges.iter().chain(&got.roots).zip(listed.edges().iter().chain(&listed.roots())) {
             assert!(near(*got, *sum, 1e-12), "{forests:?}: {got} for {sum}");
         }
         assert!((got.log_total - listed.total().ln()).abs() < 1e-12);
@@ -104,7 +104,7 @@ fn where_trees_are_rooted_agrees_with_the_marginals() {
 /// e^-200 in its own digits, by hand: fragment 0 almost surely stays alone, else hangs on the marked one.
 #[test]
 fn an_improbable_root_keeps_its_digits() {
-    let bridges = vec![Bridge { child: 0, parent: 1, log_weight: -100.0 }];
+    let bridges = vec![Edge { child: 0, parent: 1, log_weight: -100.0 }];
     let forests = Forests::new(vec![100.0, 0.0], bridges).unwrap();
     assert!(near(rooted_in(&forests, &[false, true])[0], (-200.0_f64).exp(), 1e-13));
 }
@@ -116,22 +116,22 @@ fn the_log_likelihood_and_its_gradient_are_those_of_the_list() {
     for _ in 0..200 {
         let forests = random(&mut draw, 5, 3.0);
         // Allowed bridges lead to lower fragments: no cycle.
-        let mark = |b: &Bridge| b.parent < b.child && draw.below(2) == 0;
-        let allowed: Vec<bool> = forests.bridges().iter().map(mark).collect();
+        let mark = |b: &Edge| b.parent < b.child && draw.below(2) == 0;
+        let allowed: Vec<bool> = forests.edges().iter().map(mark).collect();
         none_allowed += usize::from(!allowed.contains(&true));
         let of_list = |forests: &Forests| Listed::new(forests).log_likelihood(forests, &allowed);
         let (value, gradient) = log_likelihood(&forests, &marginals(&forests), &allowed);
         assert!((value - of_list(&forests)).abs() < 1e-11, "{value} for {}", of_list(&forests));
         let step = 1e-4;
         let moved = |at: usize, by: f64| {
-            let (mut roots, mut bridges) = (forests.log_roots().to_vec(), forests.bridges().to_vec());
+            let (mut roots, mut bridges) = (forests.log_roots().to_vec(), forests.edges().to_vec());
             match at.checked_sub(roots.len()) {
                 None => roots[at] += by,
                 Some(bridge) => bridges[bridge].log_weight += by,
             }
             of_list(&Forests::new(roots, bridges).unwrap())
         };
-        for (at, slope) in gradient.roots.iter().chain(&gradient.bridges).enumerate() {
+        for (at, slope) in gradient.roots.iter().chain(&gradient.edges).enumerate() {
             let difference = (moved(at, step) - moved(at, -step)) / (2.0 * step);
             assert!((slope - difference).abs() < 1e-7, "{slope} for {difference}");
         }
@@ -142,23 +142,23 @@ fn the_log_likelihood_and_its_gradient_are_those_of_the_list() {
 #[test]
 fn the_gradient_is_right_far_from_balance() {
     let bridges =
-        vec![Bridge { child: 0, parent: 1, log_weight: -90.0 }, Bridge { child: 0, parent: 1, log_weight: f64::NEG_INFINITY }];
+        vec![Edge { child: 0, parent: 1, log_weight: -90.0 }, Edge { child: 0, parent: 1, log_weight: f64::NEG_INFINITY }];
     let forests = Forests::new(vec![90.0, 0.0], bridges).unwrap();
     let all = marginals(&forests);
-    assert!(near(all.bridges[0], (-180.0_f64).exp(), 1e-13) && all.bridges[1] == 0.0);
+    assert!(near(all.edges[0], (-180.0_f64).exp(), 1e-13) && all.edges[1] == 0.0);
     let (value, gradient) = log_likelihood(&forests, &all, &[true, true]);
     assert!(near(value, -180.0, 1e-14));
-    assert_eq!((gradient.bridges, gradient.roots), (vec![1.0 - all.bridges[0], 0.0], vec![-1.0, 0.0]));
+    assert_eq!((gradient.edges, gradient.roots), (vec![1.0 - all.edges[0], 0.0], vec![-1.0, 0.0]));
     let (value, gradient) = log_likelihood(&forests, &all, &[false, true]);
     assert_eq!(value, f64::NEG_INFINITY);
-    assert!(gradient.bridges.iter().chain(&gradient.roots).all(|slope| slope.is_finite()));
+    assert!(gradient.edges.iter().chain(&gradient.roots).all(|slope| slope.is_finite()));
 }
 
 #[test]
 fn a_fragment_without_bridges_is_a_root() {
     let forests = Forests::new(vec![-100.0, 3.0, 100.0], Vec::new()).unwrap();
     let all = marginals(&forests);
-    assert_eq!((all.roots, all.bridges.len()), (vec![1.0; 3], 0));
+    assert_eq!((all.roots, all.edges.len()), (vec![1.0; 3], 0));
     assert!(near(all.log_total, 3.0, 1e-15));
     assert_eq!(marginals(&Forests::new(Vec::new(), Vec::new()).unwrap()).log_total, 0.0);
 }
@@ -171,8 +171,8 @@ fn the_whole_range_stays_finite() {
         let fragments = 2 + draw.below(40);
         let mut extreme = || if draw.below(2) == 0 { -100.0 } else { 100.0 };
         let roots = (0..fragments).map(|_| extreme()).collect();
-        let bridges: Vec<Bridge> = (0..4 * fragments)
-            .map(|row| Bridge {
+        let bridges: Vec<Edge> = (0..4 * fragments)
+            .map(|row| Edge {
                 child: row % fragments,
                 parent: (row % fragments + 1 + row / fragments) % fragments,
                 log_weight: extreme(),
@@ -181,7 +181,7 @@ fn the_whole_range_stays_finite() {
             .collect();
         let all = marginals(&Forests::new(roots, bridges).unwrap());
         assert!(all.log_total.is_finite());
-        assert!(all.bridges.iter().chain(&all.roots).all(|p| *p > 0.0 && *p <= 1.0));
+        assert!(all.edges.iter().chain(&all.roots).all(|p| *p > 0.0 && *p <= 1.0));
     }
 }
 
@@ -194,13 +194,13 @@ fn scaling_renumbering_and_company_change_nothing() {
         let forests = ring(&mut draw, fragments);
         let all = marginals(&forests);
         for fragment in 0..fragments {
-            let own = forests.bridges().iter().zip(&all.bridges).filter(|(b, _)| b.child == fragment).map(|(_, p)| p);
+            let own = forests.edges().iter().zip(&all.edges).filter(|(b, _)| b.child == fragment).map(|(_, p)| p);
             assert!((own.sum::<f64>() + all.roots[fragment] - 1.0).abs() < 1e-14);
         }
         let shift: Vec<f64> = (0..fragments).map(|_| draw.within(-30.0, 30.0)).collect();
         let mut number: Vec<usize> = (0..fragments).collect();
         draw.shuffle(&mut number);
-        let mut order: Vec<usize> = (0..forests.bridges().len()).collect();
+        let mut order: Vec<usize> = (0..forests.edges().len()).collect();
         draw.shuffle(&mut order);
         // Another problem takes the numbers behind.
         let other = ring(&mut draw, 20);
@@ -210,13 +210,13 @@ fn scaling_renumbering_and_company_change_nothing() {
         }
         roots.extend(other.log_roots());
         let moved = |row: &usize| {
-            let Bridge { child, parent, log_weight } = forests.bridges()[*row];
-            Bridge { child: number[child], parent: number[parent], log_weight: log_weight + shift[child] }
+            let Edge { child, parent, log_weight } = forests.edges()[*row];
+            Edge { child: number[child], parent: number[parent], log_weight: log_weight + shift[child] }
         };
-        let behind = other.bridges().iter().map(|b| Bridge { child: b.child + fragments, parent: b.parent + fragments, ..*b });
+        let behind = other.edges().iter().map(|b| Edge { child: b.child + fragments, parent: b.parent + fragments, ..*b });
         let both = marginals(&Forests::new(roots, order.iter().map(moved).chain(behind).collect()).unwrap());
         for (at, row) in order.iter().enumerate() {
-            assert!(near(both.bridges[at], all.bridges[*row], 1e-12));
+            assert!(near(both.edges[at], all.edges[*row], 1e-12));
         }
         for (old, new) in number.iter().enumerate() {
             assert!(near(both.roots[*new], all.roots[old], 1e-12));
@@ -237,7 +237,7 @@ fn ring(draw: &mut Draw, fragments: usize) -> Forests {
             if parent != child {
                 let turned = draw.below(2) == 0;
                 let [child, parent] = if turned { [parent, child] } else { [child, parent] };
-                bridges.push(Bridge { child, parent, log_weight: draw.within(-5.0, 5.0) });
+                bridges.push(Edge { child, parent, log_weight: draw.within(-5.0, 5.0) });
             }
         }
     }
@@ -251,7 +251,7 @@ fn the_arborescence_is_the_best_of_all_explanations() {
         let forests = random(&mut draw, 5, 1.0);
         // Every second time whole numbers, so that many explanations tie.
         let mut score = || if round % 2 == 0 { draw.within(-3.0, 3.0) } else { draw.below(4) as f64 - 1.0 };
-        let bridges: Vec<f64> = forests.bridges().iter().map(|_| score()).collect();
+        let bridges: Vec<f64> = forests.edges().iter().map(|_| score()).collect();
         let roots: Vec<f64> = forests.log_roots().iter().map(|_| score()).collect();
         let got = arborescence(&forests, &bridges, &roots);
         let (value, rows) = Listed::new(&forests).figure(&got, &bridges, &roots).expect("no cycle");
@@ -263,8 +263,8 @@ fn the_arborescence_is_the_best_of_all_explanations() {
 
 #[test]
 fn what_is_no_problem_is_refused_by_name() {
-    let bridge = |child, parent, log_weight| Bridge { child, parent, log_weight };
-    let refused = |roots: &[f64], bridges: &[Bridge]| Forests::new(roots.to_vec(), bridges.to_vec()).unwrap_err().to_string();
+    let bridge = |child, parent, log_weight| Edge { child, parent, log_weight };
+    let refused = |roots: &[f64], bridges: &[Edge]| Forests::new(roots.to_vec(), bridges.to_vec()).unwrap_err().to_string();
     assert_eq!(refused(&[0.0, f64::NAN], &[]), "log weight of root 1 NaN: a number from -100 to 100");
     assert_eq!(refused(&[f64::NEG_INFINITY], &[]), "log weight of root 0 -inf: a number from -100 to 100");
     assert_eq!(refused(&[0.0; 2], &[bridge(0, 1, 100.5)]), "log weight of bridge 0 100.5: a number from -100 to 100, or -inf");

@@ -14,8 +14,8 @@ fn fragments(count: usize) -> Network {
     vessels::network(2 * count, (0..count).map(|i| ([2 * i, 2 * i + 1], tube(5.0, 1.0))))
 }
 
-fn candidate(probability: f64, hangs: [f64; 2]) -> Vessel {
-    let evidence = Some(Evidence { hangs, ..Evidence::undirected(probability) });
+fn candidate(probability: f64, attached: [f64; 2]) -> Vessel {
+    let evidence = Some(Evidence { attached, ..Evidence::undirected(probability) });
     Vessel { origin: Origin::Candidate, prior: probability, evidence, ..tube(1.0, 1.0) }
 }
 
@@ -62,11 +62,11 @@ fn the_most_probable_forest_is_the_best_of_all_forests() {
         for a in 0..parts {
             for b in a + 1..parts {
                 if draw() < 0.8 {
-                    let hangs = [0.4 * draw(), 0.4 * draw()];
-                    network.add_vessel([2 * a + 1, 2 * b], candidate((hangs[0] + hangs[1]).min(1.0), hangs));
-                    arcs.extend([(a, b, hangs[0]), (b, a, hangs[1])]);
-                    left[a] -= hangs[0];
-                    left[b] -= hangs[1];
+                    let attached = [0.4 * draw(), 0.4 * draw()];
+                    network.add_vessel([2 * a + 1, 2 * b], candidate((attached[0] + attached[1]).min(1.0), attached));
+                    arcs.extend([(a, b, attached[0]), (b, a, attached[1])]);
+                    left[a] -= attached[0];
+                    left[b] -= attached[1];
                 }
             }
         }
@@ -97,8 +97,8 @@ fn the_root_factor_decides_how_readily_fragments_stay_alone() {
     assert_eq!(probable(&network, 0.43).unwrap(), [true, true, false]);
     // The node's own word: 0.2 + 0.9 f < 0.3 + 0.9 f holds for every f up to 3/2.
     assert!(!knows_fragments(&network));
-    network.node_mut(0).alone = Some(0.2);
-    network.node_mut(2).alone = Some(0.9);
+    network.node_mut(0).root_score = Some(0.2);
+    network.node_mut(2).root_score = Some(0.9);
     assert!(knows_fragments(&network) && has_evidence(&network));
     assert_eq!(probable(&network, 1.4).unwrap(), [true, true, true]);
     assert_eq!(probable(&network, 1.6).unwrap(), [true, true, false]);

@@ -12,8 +12,8 @@ use willis::internals::network::{Condition, Evidence, Network, Origin, Vessel};
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
-fn candidate(continues: [f64; 2]) -> Vessel {
-    let evidence = Some(Evidence { continues, ..Evidence::undirected(0.5) });
+fn candidate(continuation_odds: [f64; 2]) -> Vessel {
+    let evidence = Some(Evidence { continuation_odds, ..Evidence::undirected(0.5) });
     Vessel { origin: Origin::Candidate, prior: 0.5, evidence, ..tube(1.0, 1.0) }
 }
 

@@ -1,13 +1,13 @@
-//! An extraction as a graph of points: what the image showed, before any bridge.
+//! An extraction as a graph of points: what the image showed, before any candidate.
 
 use std::collections::BTreeSet;
 
 use super::fragment::Fragment;
-use super::path_lengths::Roads;
+use super::path_lengths::BranchGraph;
 use super::smoothing::{SmoothPoints, smooth, steady};
-use super::tangent::{Course, courses};
+use super::tangent::{BranchShape, branch_shapes};
 use crate::candidates::NetworkPoint;
-use crate::candidates::search::directions::{Frame, frames};
+use crate::candidates::search::free_ends::{FreeEnd, free_ends};
 use crate::candidates::search::limits::check_junctions;
 use crate::candidates::search::neighbours::PointIndex;
 use crate::error::{Error, Result};
@@ -16,7 +16,7 @@ use crate::network::{Network, Origin, PathPoint, Vessel, fragments};
 use crate::support::geometry::{Point, distance};
 use crate::support::statistics::median;
 
-/// The points of the observed vessels of a network with all that search and features ask of them. Lengths in m.
+/// The points of the observed vessels of a network with what the search and the features need of them. Lengths in m.
 ///
 /// The first points are the network's nodes, in order; the inner points of the observed vessels follow. A *branch* is an
 /// observed vessel, or a node without one. A node belongs to its widest branch, of equally wide ones to the longest.
@@ -36,7 +36,7 @@ pub struct Extraction {
     /// Links of each point.
     pub degree: Vec<usize>,
     /// Tangent, kinks and narrowing at each point.
-    pub course: Vec<Course>,
+    pub shape: Vec<BranchShape>,
     /// Path length to the nearest free end of the fragment, m; infinite without one.
     pub to_free_end: Vec<f64>,
     /// Path length to the nearest junction of the fragment, m; infinite without one.
@@ -44,7 +44,7 @@ pub struct Extraction {
     /// The points of each branch in order, its nodes among them.
     pub lines: Vec<Vec<usize>>,
     /// The free ends in node order.
-    pub ends: Vec<Frame>,
+    pub ends: Vec<FreeEnd>,
     /// Per point its free end; `None` elsewhere.
     pub end_at: Vec<Option<usize>>,
     /// The nodes where blood is known to enter, in rising order.
@@ -53,7 +53,7 @@ pub struct Extraction {
     pub fragments: Vec<Fragment>,
     /// The median distance between consecutive points, m, positive.
     pub spacing: f64,
-    pub(crate) roads: Roads,
+    pub(crate) graph: BranchGraph,
     pub(crate) index: PointIndex,
 }
 
@@ -71,7 +71,7 @@ impl Extraction {
         let mut position = Vec::with_capacity(network.node_count());
         for node in network.nodes() {
             position.push(node.position.ok_or_else(|| {
-                let what = "evidence needs the position of every node";
+                let what = "candidates need the position of every node";
                 Error::parameter(format!("node {}", node.id), "without coordinates", what)
             })?);
         }
@@ -104,26 +104,26 @@ impl Extraction {
         }
         let steps = lines.iter().flat_map(|l| l.windows(2)).map(|w| distance(position[w[0]], position[w[1]]));
         let spacing = median(&steps.collect::<Vec<f64>>()).filter(|h| *h > 0.0).unwrap_or(1.0);
-        let roads = Roads::new(network.node_count(), &lines, &position);
+        let graph = BranchGraph::new(network.node_count(), &lines, &position);
         // A node that no vessel reaches is a branch of its own, as thin as its surroundings can show.
         for node in (0..network.node_count()).filter(|node| degree[*node] == 0) {
             radius[node] = if radius[node] > 0.0 { radius[node] } else { 0.5 * spacing };
             lines.push(vec![node]);
         }
-        let branch = owners(&lines, &radius, &roads, place.len());
+        let branch = owners(&lines, &radius, &graph, place.len());
         let smooth = smooth(&lines, &degree, &position, &radius);
-        let ends = frames(&lines, &fragment, &degree, &position, &radius, spacing);
+        let vessels: Vec<&Vessel> = observed.iter().map(|(_, vessel)| *vessel).collect();
+        let ends = free_ends(&lines, &vessels, [&fragment, &degree], &position, &radius, spacing);
         let mut end_at = vec![None; place.len()];
         for (row, end) in ends.iter().enumerate() {
             end_at[end.point] = Some(row);
         }
-        let to_free_end = roads.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>());
         let junctions: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] > 2).collect();
-        let course = courses(&lines, &smooth, &radius, spacing);
+        let shape = branch_shapes(&lines, &smooth, &radius, spacing);
         let inlets: Vec<usize> = inlets.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let mut this = Self {
-            to_free_end: roads.of_points(&to_free_end),
-            to_junction: roads.of_points(&roads.to_nearest(&junctions)),
+            to_free_end: graph.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>()),
+            to_junction: graph.to_nearest(&junctions),
             fragments: Vec::new(),
             inlets,
             index: PointIndex::new(position.clone()),
@@ -134,12 +134,12 @@ impl Extraction {
             branch,
             fragment,
             degree,
-            course,
+            shape,
             lines,
             ends,
             end_at,
             spacing,
-            roads,
+            graph,
         };
         this.fragments = this.measure_fragments(parts.count);
         for (end, orientation) in this.orientations().into_iter().enumerate() {
@@ -150,12 +150,12 @@ impl Extraction {
 }
 
 /// The branch of each point: of the branches at a node the widest by mean radius, then the longest, then the first.
-fn owners(lines: &[Vec<usize>], radius: &[f64], roads: &Roads, points: usize) -> Vec<usize> {
+fn owners(lines: &[Vec<usize>], radius: &[f64], graph: &BranchGraph, points: usize) -> Vec<usize> {
     let mut owner = vec![usize::MAX; points];
     let mut best = vec![[f64::NEG_INFINITY; 2]; points];
     for (branch, line) in lines.iter().enumerate() {
         let mean = line.iter().map(|p| radius[*p].ln()).sum::<f64>() / line.len() as f64;
-        let rank = [steady(mean.exp()), roads.length.get(branch).map_or(0.0, |l| steady(*l))];
+        let rank = [steady(mean.exp()), graph.length.get(branch).map_or(0.0, |l| steady(*l))];
         for point in line {
             if owner[*point] == usize::MAX || rank > best[*point] {
                 (owner[*point], best[*point]) = (branch, rank);

@@ -1,8 +1,9 @@
-//! What a fragment is as a whole: its size, its ends, and how even it is.
+//! What is measured of a whole fragment: its size, its ends, the spread of its radii, and where blood may enter it.
 
 use super::extraction::Extraction;
 use super::smoothing::steady;
-use super::tangent::steps;
+use super::tangent::{Heading, steps};
+use crate::network::paths::ShortestPaths;
 use crate::support::geometry::{dot, sub, unit};
 
 /// A connected part of what the image showed.
@@ -28,7 +29,7 @@ impl Extraction {
     /// The fragments, so many.
     pub(crate) fn measure_fragments(&self, count: usize) -> Vec<Fragment> {
         let mut out = vec![Fragment::default(); count];
-        for (line, length) in self.lines.iter().zip(&self.roads.length) {
+        for (line, length) in self.lines.iter().zip(&self.graph.length) {
             out[self.fragment[line[0]]].length += length;
         }
         let mut points = vec![0.0; count];
@@ -73,7 +74,7 @@ impl Extraction {
 /// The branches at a junction are followed over so many of its radii, within so many points.
 const ARM_RADII: f64 = 3.0;
 const ARM_POINTS: [f64; 2] = [4.0, 12.0];
-/// Junctions that are asked: the nearest along the vessels.
+/// The orientation is the mean over so many junctions, the nearest along the vessels.
 const JUNCTIONS: usize = 12;
 /// Bound of the orientation.
 const MOST: f64 = 1.5;
@@ -92,15 +93,15 @@ impl Extraction {
     /// Per free end the mean, in [-1.5, 1.5], over the twelve junctions nearest along the vessels (and those as near as the
     /// twelfth) of how much better blood divides there if it comes from this end; 0 without a junction.
     pub(crate) fn orientations(&self) -> Vec<f64> {
-        let nodes = self.roads.nodes();
+        let nodes = self.graph.nodes();
         let arms: Vec<Vec<Arm>> =
             (0..nodes).map(|node| if self.degree[node] > 2 { self.arms(node) } else { Vec::new() }).collect();
-        let mut room = self.roads.room();
+        let mut paths = ShortestPaths::new(nodes);
         let mean = |end: usize| {
             let (mut sum, mut count, mut last) = (0.0, 0, 0.0);
-            self.roads.visit(&[end], f64::INFINITY, &mut room, |length, node| {
+            self.graph.search(&[end], f64::INFINITY, &mut paths, |length, node| {
                 let away = steady(length[node] / self.spacing);
-                let by = |arm: &Arm| (steady((length[arm.other] + self.roads.length[arm.branch]) / self.spacing), arm.preference);
+                let by = |arm: &Arm| (steady((length[arm.other] + self.graph.length[arm.branch]) / self.spacing), arm.preference);
                 let order = |a: &Arm, b: &Arm| by(a).0.total_cmp(&by(b).0).then(by(a).1.total_cmp(&by(b).1));
                 if count >= JUNCTIONS && away > last {
                     return false;
@@ -117,19 +118,19 @@ impl Extraction {
 
     fn arms(&self, junction: usize) -> Vec<Arm> {
         let steps = steps(ARM_RADII, ARM_POINTS, self.smooth.radius[junction], self.spacing);
-        let ways = self.ways(junction);
+        let headings = self.headings(junction);
         let position = |point: usize| self.smooth.position[point];
         let directions: Vec<_> =
-            ways.iter().map(|way| unit(sub(position(self.along(*way, steps)), position(junction)))).collect();
-        let others = |own: usize| (0..ways.len()).filter(move |other| *other != own);
-        let forwards: Vec<f64> = (0..ways.len())
+            headings.iter().map(|heading| unit(sub(position(self.walk(*heading, steps)), position(junction)))).collect();
+        let others = |own: usize| (0..headings.len()).filter(move |other| *other != own);
+        let forwards: Vec<f64> = (0..headings.len())
             .map(|own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min))
             .collect();
-        let arm = |(own, way): (usize, &super::tangent::Way)| Arm {
-            branch: way.branch,
-            other: self.along(*way, usize::MAX / 2),
+        let arm = |(own, heading): (usize, &Heading)| Arm {
+            branch: heading.branch,
+            other: self.walk(*heading, usize::MAX / 2),
             preference: forwards[own] - others(own).map(|other| forwards[other]).fold(f64::NEG_INFINITY, f64::max),
         };
-        ways.iter().enumerate().map(arm).collect()
+        headings.iter().enumerate().map(arm).collect()
     }
 }

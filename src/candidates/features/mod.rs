@@ -1,8 +1,8 @@
-//! Evidence: which bridges may be, and the dimensionless features that say how probable each is before any flow.
+//! Evidence: the dimensionless features that say how probable each candidate is before any flow.
 //!
 //! Every length is divided by a local diameter, the spacing of the points or another length of the same extraction, so that
-//! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a [`Span`] (a bridge with
-//! its surroundings) and a row of [`FEATURES`]: that is all it takes to add or drop one.
+//! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a [`MeasuredCandidate`] and a row of
+//! [`FEATURES`]: that is all it takes to add or drop one.
 
 pub(crate) mod candidate;
 pub mod candidate_features;
@@ -14,20 +14,20 @@ pub(crate) mod root_features;
 pub(crate) mod smoothing;
 mod tangent;
 
-pub use candidate::spans;
+pub use candidate::measured;
 pub use extraction::Extraction;
 pub use feedback::{FEEDBACK_FEATURES, Feedback};
 pub use root_features::{ROOT_FEATURES, root_features};
 
 use ndarray::Array2;
 
-use super::search::by_evidence::FoundBridge;
-use candidate::Span;
+use super::search::Candidate;
+use candidate::MeasuredCandidate;
 
-/// A feature of a bridge.
-pub type Feature = fn(&Span) -> f64;
+/// A feature of a candidate.
+pub type Feature = fn(&MeasuredCandidate) -> f64;
 
-/// The features of a bridge, by the names that weights have in a file.
+/// The features of a candidate, by the names that weights have in a file.
 pub const FEATURES: &[(&str, Feature)] = &[
     ("is_end", candidate_features::at_free_end),
     ("gap", candidate_features::gap),
@@ -35,14 +35,14 @@ pub const FEATURES: &[(&str, Feature)] = &[
     ("bend_child", candidate_features::bend_child),
     ("gap_end", candidate_features::gap_at_free_end),
     ("bend_parent_sq", candidate_features::bend_parent_squared),
-    ("wall_branch", candidate_features::wall_on_the_way),
-    ("gap_branch", candidate_features::gap_on_the_way),
+    ("wall_branch", candidate_features::wall_between_ends),
+    ("gap_branch", candidate_features::gap_between_ends),
     ("kink", candidate_features::kink_towards),
     ("ratio_branch", candidate_features::branch_ratio),
     ("bend_far", candidate_features::bend_far),
     ("ratio_end_sq", candidate_features::radius_step_squared),
     ("wall", candidate_features::log_gap_to_wall),
-    ("resolution_branch", candidate_features::log_width_on_the_way),
+    ("resolution_branch", candidate_features::log_width_between_ends),
     ("ratio_branch_sq", candidate_features::branch_ratio_squared),
     ("turn", candidate_features::worst_bend),
     ("bend_gap", candidate_features::bend_child_over_gap),
@@ -64,11 +64,11 @@ pub const FEATURES: &[(&str, Feature)] = &[
     ("near_junction", candidate_features::near_junction),
 ];
 
-/// The features of bridges: a row a bridge, a column a feature of [`FEATURES`].
+/// The features of candidates: a row a candidate, a column a feature of [`FEATURES`].
 ///
-/// Rank, margin and mutual choice are among the bridges given, so these should be all of a search. What the posterior of these
-/// features says of the other bridges is in [`Feedback`].
-pub fn features(extraction: &Extraction, bridges: &[FoundBridge]) -> Array2<f64> {
-    let spans = spans(extraction, bridges);
-    Array2::from_shape_fn((spans.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&spans[row]))
+/// Rank, margin and mutual choice compare the candidates given, so these should be all of a search. [`Feedback`] measures what the
+/// posterior of these features says of the other candidates.
+pub fn features(extraction: &Extraction, candidates: &[Candidate]) -> Array2<f64> {
+    let measured = measured(extraction, candidates);
+    Array2::from_shape_fn((measured.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&measured[row]))
 }

@@ -1,4 +1,4 @@
-//! Features of a fragment that hangs on nothing: an inlet's tree, or no vessel at all.
+//! Features of a fragment as a root: an inlet's tree, or no vessel at all.
 
 use ndarray::Array2;
 
@@ -10,7 +10,7 @@ use super::fragment::Fragment;
 pub type RootFeature = fn(&Extraction, &Fragment) -> f64;
 
 /// The features of a root, by name. Their products with the clutter let a whole brain of a hundred fragments and a circle of
-/// ten differ: in a circle an inlet's tree often stands alone, in a brain it is one of several parts of one tree.
+/// ten differ: in a circle an inlet's tree is often a root, in a brain it is one of several parts of one tree.
 pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
     ("one", one),
     ("inlet", inlet),
@@ -41,7 +41,7 @@ pub fn root_features(extraction: &Extraction) -> Array2<f64> {
     })
 }
 
-/// 1: how readily a fragment stays alone.
+/// 1: how readily a fragment is a root.
 pub fn one(_: &Extraction, _: &Fragment) -> f64 {
     1.0
 }
@@ -72,7 +72,7 @@ pub fn radius_variation(_: &Extraction, fragment: &Fragment) -> f64 {
     fragment.radius_spread.min(MOST_VARIATION)
 }
 
-/// ln of the number of its free ends, at least 0: what branches is a vessel, and has more ends to hang on.
+/// ln of the number of its free ends, at least 0: what branches is a vessel, and has more ends to be attached by.
 pub fn log_free_ends(_: &Extraction, fragment: &Fragment) -> f64 {
     (fragment.free_ends as f64).max(1.0).ln()
 }

@@ -1,4 +1,4 @@
-//! How the branches run at each point on their way: tangent, kinks, and which side is the wider one.
+//! The shape of a branch at each of its points: tangent, kinks, and which side is the wider one.
 
 use super::extraction::Extraction;
 use super::smoothing::{SmoothPoints, steady};
@@ -12,7 +12,7 @@ const SIDE: (f64, [f64; 2]) = (4.0, [5.0, 14.0]);
 
 /// How a branch runs at a point; all zero at its nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Course {
+pub struct BranchShape {
     /// Unit tangent towards the last node of the branch.
     pub tangent: Point,
     /// The unit direction onwards minus the unit direction from behind, in [0, 2]: it points to the inside of the bend. Taken
@@ -25,9 +25,9 @@ pub struct Course {
     pub narrowing: f64,
 }
 
-/// The course of each point; `radius` as measured, m.
-pub fn courses(lines: &[Vec<usize>], smooth: &SmoothPoints, radius: &[f64], spacing: f64) -> Vec<Course> {
-    let mut out = vec![Course::default(); radius.len()];
+/// The shape of the branches at each point; `radius` as measured, m.
+pub fn branch_shapes(lines: &[Vec<usize>], smooth: &SmoothPoints, radius: &[f64], spacing: f64) -> Vec<BranchShape> {
+    let mut out = vec![BranchShape::default(); radius.len()];
     for line in lines {
         for (at, point) in line.iter().enumerate().take(line.len() - 1).skip(1) {
             let ends = |(radii, points): (f64, [f64; 2])| {
@@ -44,7 +44,7 @@ pub fn courses(lines: &[Vec<usize>], smooth: &SmoothPoints, radius: &[f64], spac
             // A side of one point has but that one.
             let behind = mean(&line[side[0]..(at - 1).max(side[0] + 1)]);
             let ahead = mean(&line[(at + 2).min(side[1])..=side[1]]);
-            out[*point] = Course {
+            out[*point] = BranchShape {
                 tangent: unit([0, 1, 2].map(|axis| from[axis] + onwards[axis])),
                 kink: sub(onwards, from),
                 far_kink: sub(far_onwards, far_from),
@@ -60,9 +60,9 @@ pub fn steps(radii: f64, points: [f64; 2], radius: f64, spacing: f64) -> usize {
     steady(radii * radius / spacing).round_ties_even().clamp(points[0], points[1]) as usize
 }
 
-/// A way out of a point: along a branch to one of its nodes.
+/// One of the two directions along a branch, from a point of it.
 #[derive(Debug, Clone, Copy)]
-pub struct Way {
+pub struct Heading {
     /// The branch.
     pub branch: usize,
     /// The point's place on the branch.
@@ -71,31 +71,31 @@ pub struct Way {
 }
 
 impl Extraction {
-    /// The ways out of a point: two on the way of a branch, at a node as many as it has links.
-    pub(crate) fn ways(&self, point: usize) -> Vec<Way> {
-        let way = |branch, at, forwards| Way { branch, at, forwards };
+    /// The directions in which branches leave a point: two between the ends of a branch, at a node as many as branches end there.
+    pub(crate) fn headings(&self, point: usize) -> Vec<Heading> {
+        let heading = |branch, at, forwards| Heading { branch, at, forwards };
         if let NetworkPoint::Along { .. } = self.place[point] {
             let branch = self.branch[point];
             // The inner points of a branch have consecutive numbers.
             let at = 1 + point - self.lines[branch][1];
-            return vec![way(branch, at, false), way(branch, at, true)];
+            return vec![heading(branch, at, false), heading(branch, at, true)];
         }
-        let mut branches: Vec<usize> = self.roads.around(point).iter().map(|(branch, _)| *branch).collect();
+        let mut branches: Vec<usize> = self.graph.branches(point).iter().map(|(branch, _)| *branch).collect();
         // A branch that returns to its node is there twice.
         branches.dedup();
-        let mut ways = Vec::with_capacity(self.degree[point]);
+        let mut headings = Vec::with_capacity(self.degree[point]);
         for branch in branches {
             let line = &self.lines[branch];
             let last = line.len() - 1;
-            ways.extend((line[0] == point).then(|| way(branch, 0, true)));
-            ways.extend((line[last] == point).then(|| way(branch, last, false)));
+            headings.extend((line[0] == point).then(|| heading(branch, 0, true)));
+            headings.extend((line[last] == point).then(|| heading(branch, last, false)));
         }
-        ways
+        headings
     }
 
     /// The point so many steps on, or the node that ends the branch before that.
-    pub(crate) fn along(&self, way: Way, steps: usize) -> usize {
-        let line = &self.lines[way.branch];
-        line[if way.forwards { (way.at + steps).min(line.len() - 1) } else { way.at.saturating_sub(steps) }]
+    pub(crate) fn walk(&self, heading: Heading, steps: usize) -> usize {
+        let line = &self.lines[heading.branch];
+        line[if heading.forwards { (heading.at + steps).min(line.len() - 1) } else { heading.at.saturating_sub(steps) }]
     }
 }

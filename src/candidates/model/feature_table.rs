@@ -1,4 +1,4 @@
-//! The bridges between fragments with their features, and the weights that a pass gives them.
+//! The candidates of an extraction with their features, and the weights that a pass gives them.
 
 use std::collections::BTreeMap;
 
@@ -8,97 +8,86 @@ use super::weights::Pass;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::features;
 use crate::candidates::features::root_features::root_features;
-use crate::candidates::search::by_evidence::FoundBridge;
+use crate::candidates::search::Candidate;
 use crate::error::Result;
-use crate::forest_posterior;
-use crate::forest_posterior::Forests;
+use crate::forest_posterior::{Edge, Forests};
 
-/// Log weights are cut at ±25: an odd feature cannot settle a question for good.
+/// Log weights are cut at ±25, so that one odd feature does not decide everything.
 const MOST_LOG_WEIGHT: f64 = 25.0;
 
-/// The bridges between fragments.
-pub struct Rows {
-    /// The bridges, in the order of the search.
-    pub bridges: Vec<FoundBridge>,
-    /// The bridges within a fragment.
-    pub inside: Vec<FoundBridge>,
-    /// Their features, shape (bridges within a fragment, features).
-    pub inside_features: Array2<f64>,
-    /// Child and parent fragment of each.
+/// The candidates of an extraction, measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CandidateTable {
+    /// The candidates between fragments, in the order of the search.
+    pub candidates: Vec<Candidate>,
+    /// The candidates within a fragment.
+    pub within: Vec<Candidate>,
+    /// The features of those within a fragment, shape (candidates within a fragment, features).
+    pub within_features: Array2<f64>,
+    /// Child and parent fragment of each candidate between fragments.
     pub fragments: Vec<[usize; 2]>,
-    /// The number of its link: the two directions between a pair of points share one.
-    pub link: Vec<usize>,
-    /// How many links there are.
-    pub links: usize,
-    /// Features, shape (bridges, features).
-    pub bridge: Array2<f64>,
+    /// The number of its pair of points, which the candidates of both directions share.
+    pub pair: Vec<usize>,
+    /// How many pairs there are.
+    pub pairs: usize,
+    /// The features of those between fragments, shape (candidates, features).
+    pub features: Array2<f64>,
     /// Features of the fragments as roots, shape (fragments, features).
-    pub root: Array2<f64>,
+    pub root_features: Array2<f64>,
 }
 
-impl Rows {
-    /// Measures the bridges of a search; those within a fragment count among the rivals of the others and stand apart then.
-    pub fn new(extraction: &Extraction, found: &[FoundBridge]) -> Self {
-        let (inside, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].inside);
+impl CandidateTable {
+    /// Measures the candidates of a search; those within a fragment count among the rivals of the others.
+    pub fn new(extraction: &Extraction, found: &[Candidate]) -> Self {
+        let (within, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].within);
         let all = features(extraction, found);
-        let [bridge, inside_features] = [&between, &inside].map(|rows| all.select(Axis(0), rows));
-        let inside = inside.into_iter().map(|row| found[row]).collect();
-        let bridges: Vec<FoundBridge> = between.into_iter().map(|row| found[row]).collect();
-        let mut links = BTreeMap::new();
-        let mut link = Vec::with_capacity(bridges.len());
-        let mut fragments = Vec::with_capacity(bridges.len());
-        for bridge in &bridges {
-            let points = [extraction.ends[bridge.end].point, bridge.point];
-            let next = links.len();
-            link.push(*links.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
+        let [features, within_features] = [&between, &within].map(|rows| all.select(Axis(0), rows));
+        let [candidates, within] = [between, within].map(|rows| rows.into_iter().map(|row| found[row]).collect::<Vec<_>>());
+        let mut pairs = BTreeMap::new();
+        let mut pair = Vec::with_capacity(candidates.len());
+        let mut fragments = Vec::with_capacity(candidates.len());
+        for candidate in &candidates {
+            let points = [extraction.ends[candidate.end].point, candidate.point];
+            let next = pairs.len();
+            pair.push(*pairs.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
             fragments.push(points.map(|point| extraction.fragment[point]));
         }
-        Self { bridges, inside, inside_features, fragments, link, links: links.len(), bridge, root: root_features(extraction) }
+        let (pairs, root_features) = (pairs.len(), root_features(extraction));
+        Self { candidates, within, within_features, fragments, pair, pairs, features, root_features }
     }
 
-    /// The features of the bridges with more columns beside them.
-    pub fn beside(&self, more: &Array2<f64>) -> Array2<f64> {
-        let (rows, own) = self.bridge.dim();
+    /// The features of the candidates with more columns.
+    pub fn features_and(&self, more: &Array2<f64>) -> Array2<f64> {
+        let (rows, own) = self.features.dim();
         Array2::from_shape_fn((rows, own + more.ncols()), |(row, column)| {
-            if column < own { self.bridge[[row, column]] } else { more[[row, column - own]] }
+            if column < own { self.features[[row, column]] } else { more[[row, column - own]] }
         })
     }
 
-    /// Per link the sum of a quantity of its directions, at most 1.
-    pub fn summed(&self, of_bridge: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.links];
-        for (link, x) in self.link.iter().zip(of_bridge) {
-            sum[*link] += x;
+    /// Per pair the sum of a quantity over its candidates, at most 1.
+    pub fn summed_by_pair(&self, of_candidate: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.pairs];
+        for (pair, x) in self.pair.iter().zip(of_candidate) {
+            sum[*pair] += x;
         }
         sum.into_iter().map(|x: f64| x.min(1.0)).collect()
     }
 
-    /// The forests that the weights of a pass make of the features of its bridges.
+    /// The forests that the weights of a pass make of the features of its candidates.
     ///
     /// # Errors
     ///
     /// A feature or weight that is no number.
-    pub fn forests(&self, pass: &Pass, bridge: &Array2<f64>) -> Result<Forests> {
-        weighed(&self.fragments, (bridge, ArrayView1::from(&pass.bridge)), (&self.root, ArrayView1::from(&pass.root)))
+    pub fn forests(&self, pass: &Pass, features: &Array2<f64>) -> Result<Forests> {
+        let cut = |x: &f64| x.clamp(-MOST_LOG_WEIGHT, MOST_LOG_WEIGHT);
+        let log_weights: Array1<f64> = features.dot(&ArrayView1::from(&pass.candidate));
+        let edge = |([child, parent], w): (&[usize; 2], &f64)| Edge { child: *child, parent: *parent, log_weight: cut(w) };
+        let roots = self.root_features.dot(&ArrayView1::from(&pass.root));
+        Forests::new(roots.iter().map(cut).collect(), self.fragments.iter().zip(&log_weights).map(edge).collect())
     }
 }
 
-/// Whether a log weight stands at its limit, where the weights of features no longer move it.
+/// Whether a log weight is at its limit, where the weights of features no longer move it.
 pub fn is_cut(log_weight: f64) -> bool {
     log_weight.abs() >= MOST_LOG_WEIGHT
-}
-
-/// The forests of bridges between fragments (child, parent), by features and weights of bridges and roots.
-pub fn weighed(
-    fragments: &[[usize; 2]],
-    (bridge, beta): (&Array2<f64>, ArrayView1<f64>),
-    (root, gamma): (&Array2<f64>, ArrayView1<f64>),
-) -> Result<Forests> {
-    let log_weights: Array1<f64> = bridge.dot(&beta);
-    let cut = |x: &f64| x.clamp(-MOST_LOG_WEIGHT, MOST_LOG_WEIGHT);
-    let bridges = fragments.iter().zip(&log_weights);
-    let bridges = bridges
-        .map(|([child, parent], w)| forest_posterior::Bridge { child: *child, parent: *parent, log_weight: cut(w) })
-        .collect();
-    Forests::new(root.dot(&gamma).iter().map(cut).collect(), bridges)
 }

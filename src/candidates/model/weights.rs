@@ -1,27 +1,28 @@
 //! The weights of the prior, and where they come from.
 
+use serde::{Deserialize, Serialize};
+
 use super::closures::CLOSURE_FEATURES;
-use super::weights_file;
 use crate::candidates::features::FEATURES;
 use crate::candidates::features::feedback::FEEDBACK_FEATURES;
 use crate::candidates::features::root_features::ROOT_FEATURES;
-use crate::error::{Error, Fault, Result};
+use crate::error::{Error, Result};
 
 /// The weights that come with the program.
 const SHIPPED: &str = include_str!("weights.toml");
 
-/// One pass over the bridges.
+/// One pass over the candidates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Pass {
-    /// Per feature of a bridge, as [`Pass::bridge_features`] orders them.
-    pub bridge: Vec<f64>,
+    /// Per feature of a candidate, as [`Pass::candidate_features`] orders them.
+    pub candidate: Vec<f64>,
     /// Per feature of a root, as [`ROOT_FEATURES`] orders them.
     pub root: Vec<f64>,
 }
 
 impl Pass {
-    /// The names of a bridge's features in the pass of a number, counted from 0: feedback comes with the second.
-    pub fn bridge_features(number: usize) -> impl Iterator<Item = &'static str> {
+    /// The names of a candidate's features in the pass of a number, counted from 0: feedback comes with the second.
+    pub fn candidate_features(number: usize) -> impl Iterator<Item = &'static str> {
         FEATURES.iter().map(|(name, _)| *name).chain(FEEDBACK_FEATURES.iter().copied().filter(move |_| number > 0))
     }
 
@@ -31,21 +32,22 @@ impl Pass {
     }
 }
 
-/// What is fitted to cases with known answers.
+/// What is fitted to cases whose connections are known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
     pub passes: Vec<Pass>,
-    /// [`super::belief::Calibration`] of the last pass.
+    /// [`Calibration`](super::posterior::Calibration) of the last pass.
     pub calibration: [f64; 3],
-    /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case told of any.
+    /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case had any.
     pub closure: Vec<f64>,
     /// Where the weights come from.
     pub provenance: Provenance,
 }
 
 /// Where weights come from and how well they did on subjects that they were not fitted to.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Provenance {
     /// How many cases they were fitted to.
     pub cases: usize,
@@ -55,35 +57,40 @@ pub struct Provenance {
     pub made_by: String,
     /// Subjects that were held out, where these are the weights of a fold.
     pub held_out: Vec<String>,
-    /// Figures over all folds, each case by the weights of the fold that held its subject out.
-    pub figures: Vec<Figures>,
+    /// Scores over all folds, each case by the weights of the fold that held its subject out.
+    #[serde(skip)]
+    pub figures: Vec<HeldOutScores>,
     /// The folds.
+    #[serde(skip)]
     pub folds: Vec<Fold>,
 }
 
 /// One fold of a cross-validation.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Fold {
     /// The subjects it held out.
     pub held_out: Vec<String>,
-    /// Figures on their cases.
-    pub figures: Vec<Figures>,
+    /// Scores on their cases.
+    #[serde(default)]
+    pub figures: Vec<HeldOutScores>,
 }
 
-/// How well held-out cases were told.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Figures {
+/// How well the weights did on cases that they were not fitted to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeldOutScores {
     /// The data set, or a folder in it.
     pub of: String,
     /// How many cases.
     pub cases: usize,
     /// Of how many subjects.
     pub subjects: usize,
-    /// Average precision over all right links, found or not; the mean over cases that have one. `None` where none has.
+    /// Average precision over all true connections, found or not; the mean over cases that have one. `None` where none has.
     pub average_precision: Option<f64>,
-    /// Expected calibration error of the links with 0.05 < P < 0.95, all cases together, ten bins. `None` without such a link.
+    /// Expected calibration error of the pairs with 0.05 < P < 0.95, all cases together, ten bins. `None` without such a pair.
     pub calibration_error: Option<f64>,
-    /// Log-likelihood of the answer by the last pass, mean over cases.
+    /// Log-likelihood of the truth by the last pass, mean over cases.
     pub log_likelihood: f64,
 }
 
@@ -91,24 +98,6 @@ pub struct Figures {
 const MOST_WEIGHT: f64 = 1e6;
 
 impl Weights {
-    /// Weights that `willis train` made, as TOML.
-    ///
-    /// # Errors
-    ///
-    /// Not TOML, a name that is unknown, missing or comes twice, a number that is not finite: the line or the name.
-    pub fn read(text: &str) -> Result<Self, Fault> {
-        weights_file::read(text)
-    }
-
-    /// Writes TOML; every number is read back as it was.
-    ///
-    /// # Errors
-    ///
-    /// Those of `out`.
-    pub fn write(&self, out: impl std::io::Write) -> std::io::Result<()> {
-        weights_file::write(self, out)
-    }
-
     /// The weights that come with the program.
     ///
     /// # Errors
@@ -128,11 +117,12 @@ impl Weights {
             return Err(Error::parameter("weights", "of no pass", "expected one pass at least"));
         }
         for (number, pass) in self.passes.iter().enumerate() {
-            check(number, "bridge", &pass.bridge, Pass::bridge_features(number).collect())?;
-            check(number, "root", &pass.root, Pass::root_features().collect())?;
+            let place = |of: &str| format!("pass {} {of}", number + 1);
+            check(&place("bridge"), &pass.candidate, Pass::candidate_features(number).collect())?;
+            check(&place("root"), &pass.root, Pass::root_features().collect())?;
         }
         if !self.closure.is_empty() {
-            check_weights("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;
+            check("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;
         }
         if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
             return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
@@ -141,20 +131,16 @@ impl Weights {
     }
 }
 
-/// No number, or one too large.
+/// Whether a weight is no number, or too large.
 fn is_wild(weight: f64) -> bool {
     weight.is_nan() || weight.abs() > MOST_WEIGHT
 }
 
-fn check(number: usize, of: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
-    check_weights(&format!("pass {} {of}", number + 1), weights, names)
-}
-
-fn check_weights(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
+fn check(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
     if weights.len() != names.len() {
         return Err(Error::parameter(place, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
     }
-    match weights.iter().zip(names).find(|(w, _)| w.is_nan() || w.abs() > MOST_WEIGHT) {
+    match weights.iter().zip(names).find(|(w, _)| is_wild(**w)) {
         Some((w, name)) => {
             Err(Error::parameter(format!("{place} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))
         }

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use serde::Deserialize;
 
 use super::closures::CLOSURE_FEATURES;
-use super::weights::{Figures, Fold, Pass, Provenance, Weights};
+use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;
 
@@ -23,11 +23,11 @@ struct File {
     pass: Vec<PassEntry>,
     closure: Option<BTreeMap<String, f64>>,
     #[serde(default)]
-    provenance: ProvenanceEntry,
+    provenance: Provenance,
     #[serde(default)]
-    figures: Vec<FiguresEntry>,
+    figures: Vec<HeldOutScores>,
     #[serde(default)]
-    fold: Vec<FoldEntry>,
+    fold: Vec<Fold>,
 }
 
 #[derive(Deserialize)]
@@ -37,70 +37,95 @@ struct PassEntry {
     root: BTreeMap<String, f64>,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct ProvenanceEntry {
-    cases: usize,
-    subjects: usize,
-    made_by: String,
-    held_out: Vec<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FoldEntry {
-    held_out: Vec<String>,
-    #[serde(default)]
-    figures: Vec<FiguresEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FiguresEntry {
-    of: String,
-    cases: usize,
-    subjects: usize,
-    average_precision: Option<f64>,
-    calibration_error: Option<f64>,
-    log_likelihood: f64,
-}
-
-impl From<FiguresEntry> for Figures {
-    fn from(e: FiguresEntry) -> Self {
-        let FiguresEntry { of, cases, subjects, average_precision, calibration_error, log_likelihood } = e;
-        Self { of, cases, subjects, average_precision, calibration_error, log_likelihood }
+impl Weights {
+    /// Reads weights that `willis train` made, as TOML.
+    ///
+    /// # Errors
+    ///
+    /// Not TOML, a name that is unknown, missing or comes twice, a number that is not finite: the line or the name.
+    pub fn read(text: &str) -> Result<Self, Fault> {
+        let file: File = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+            Fault::line(line, e.message().replace('\n', " "), "expected weights as `willis train` writes them")
+        })?;
+        let mut passes = Vec::new();
+        for (number, entry) in file.pass.into_iter().enumerate() {
+            let place = |of: &str| format!("pass {} {of}", number + 1);
+            passes.push(Pass {
+                candidate: by_name(&place("bridge"), entry.bridge, Pass::candidate_features(number).collect())?,
+                root: by_name(&place("root"), entry.root, Pass::root_features().collect())?,
+            });
+        }
+        let closure =
+            file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
+        let provenance = Provenance { figures: file.figures, folds: file.fold, ..file.provenance };
+        let weights = Weights { passes, calibration: file.calibration, closure, provenance };
+        weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
+        Ok(weights)
     }
-}
 
-fn figures(entries: Vec<FiguresEntry>) -> Vec<Figures> {
-    entries.into_iter().map(Figures::from).collect()
-}
-
-/// See [`Weights::read`].
-pub fn read(text: &str) -> Result<Weights, Fault> {
-    let file: File = toml::from_str(text).map_err(|e| {
-        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        Fault::line(line, e.message().replace('\n', " "), "expected weights as `willis train` writes them")
-    })?;
-    let mut passes = Vec::new();
-    for (number, entry) in file.pass.into_iter().enumerate() {
-        let place = |of: &str| format!("pass {} {of}", number + 1);
-        passes.push(Pass {
-            bridge: by_name(&place("bridge"), entry.bridge, Pass::bridge_features(number).collect())?,
-            root: by_name(&place("root"), entry.root, Pass::root_features().collect())?,
-        });
+    /// Writes TOML; every number is read back as it was.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let [a, b, c] = self.calibration;
+        let provenance = &self.provenance;
+        write!(out, "{HEADING}")?;
+        writeln!(
+            out,
+            "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0)))), l = ln p/(1 - p), p the posterior of a link in the last pass."
+        )?;
+        writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]")?;
+        for (number, pass) in self.passes.iter().enumerate() {
+            writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
+            for (name, weight) in Pass::candidate_features(number).zip(&pass.candidate) {
+                writeln!(out, "{name} = {weight:?}")?;
+            }
+            writeln!(out, "[pass.root]")?;
+            for (name, weight) in Pass::root_features().zip(&pass.root) {
+                writeln!(out, "{name} = {weight:?}")?;
+            }
+        }
+        if !self.closure.is_empty() {
+            writeln!(
+                out,
+                "\n# A bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).\n[closure]"
+            )?;
+            for (name, weight) in CLOSURE_FEATURES.iter().zip(&self.closure) {
+                writeln!(out, "{name} = {weight:?}")?;
+            }
+        }
+        writeln!(out, "\n# What the weights were fitted to.\n[provenance]")?;
+        writeln!(
+            out,
+            "cases = {}\nsubjects = {}\nmade_by = {}",
+            provenance.cases,
+            provenance.subjects,
+            text(&provenance.made_by)
+        )?;
+        if !provenance.held_out.is_empty() {
+            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
+        }
+        if !provenance.figures.is_empty() {
+            writeln!(
+                out,
+                "\n# Cross-validated by subject: average precision over all right links (mean over cases), calibration error of"
+            )?;
+            writeln!(out, "# links with 0.05 < P < 0.95, log-likelihood in nats a case.")?;
+        }
+        for figures in &provenance.figures {
+            write_figures("figures", figures, &mut out)?;
+        }
+        for fold in &provenance.folds {
+            writeln!(out, "\n[[fold]]\nheld_out = {}", list(&fold.held_out))?;
+            for figures in &fold.figures {
+                write_figures("fold.figures", figures, &mut out)?;
+            }
+        }
+        out.flush()
     }
-    let closure = file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
-    let ProvenanceEntry { cases, subjects, made_by, held_out } = file.provenance;
-    let folds = file.fold.into_iter().map(|f| Fold { held_out: f.held_out, figures: figures(f.figures) }).collect();
-    let weights = Weights {
-        passes,
-        calibration: file.calibration,
-        closure,
-        provenance: Provenance { cases, subjects, made_by, held_out, figures: figures(file.figures), folds },
-    };
-    weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
-    Ok(weights)
 }
 
 /// The weights in the order of the features' names.
@@ -119,60 +144,7 @@ fn by_name(place: &str, mut given: BTreeMap<String, f64>, names: Vec<&str>) -> R
     }
 }
 
-/// See [`Weights::write`].
-pub fn write(weights: &Weights, mut out: impl Write) -> io::Result<()> {
-    let [a, b, c] = weights.calibration;
-    let provenance = &weights.provenance;
-    write!(out, "{HEADING}")?;
-    writeln!(
-        out,
-        "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0)))), l = ln p/(1 - p), p the posterior of a link in the last pass."
-    )?;
-    writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]")?;
-    for (number, pass) in weights.passes.iter().enumerate() {
-        writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
-        for (name, weight) in Pass::bridge_features(number).zip(&pass.bridge) {
-            writeln!(out, "{name} = {weight:?}")?;
-        }
-        writeln!(out, "[pass.root]")?;
-        for (name, weight) in Pass::root_features().zip(&pass.root) {
-            writeln!(out, "{name} = {weight:?}")?;
-        }
-    }
-    if !weights.closure.is_empty() {
-        writeln!(
-            out,
-            "\n# A bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).\n[closure]"
-        )?;
-        for (name, weight) in CLOSURE_FEATURES.iter().zip(&weights.closure) {
-            writeln!(out, "{name} = {weight:?}")?;
-        }
-    }
-    writeln!(out, "\n# What the weights were fitted to.\n[provenance]")?;
-    writeln!(out, "cases = {}\nsubjects = {}\nmade_by = {}", provenance.cases, provenance.subjects, text(&provenance.made_by))?;
-    if !provenance.held_out.is_empty() {
-        writeln!(out, "held_out = {}", list(&provenance.held_out))?;
-    }
-    if !provenance.figures.is_empty() {
-        writeln!(
-            out,
-            "\n# Cross-validated by subject: average precision over all right links (mean over cases), calibration error of"
-        )?;
-        writeln!(out, "# links with 0.05 < P < 0.95, log-likelihood in nats a case.")?;
-    }
-    for figures in &provenance.figures {
-        write_figures("figures", figures, &mut out)?;
-    }
-    for fold in &provenance.folds {
-        writeln!(out, "\n[[fold]]\nheld_out = {}", list(&fold.held_out))?;
-        for figures in &fold.figures {
-            write_figures("fold.figures", figures, &mut out)?;
-        }
-    }
-    out.flush()
-}
-
-fn write_figures(table: &str, figures: &Figures, out: &mut impl Write) -> io::Result<()> {
+fn write_figures(table: &str, figures: &HeldOutScores, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "\n[[{table}]]\nof = {}", text(&figures.of))?;
     writeln!(out, "cases = {}\nsubjects = {}", figures.cases, figures.subjects)?;
     if let Some(x) = figures.average_precision {
@@ -184,17 +156,9 @@ fn write_figures(table: &str, figures: &Figures, out: &mut impl Write) -> io::Re
     writeln!(out, "log_likelihood = {:?}", figures.log_likelihood)
 }
 
-/// A TOML string.
+/// A TOML string: quoted as in JSON, which leaves one control character as it is.
 fn text(text: &str) -> String {
-    let escaped: String = text
-        .chars()
-        .map(|c| match c {
-            '"' | '\\' => format!("\\{c}"),
-            c if c.is_control() => format!("\\u{:04X}", c as u32),
-            c => c.to_string(),
-        })
-        .collect();
-    format!("\"{escaped}\"")
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 
 fn list(texts: &[String]) -> String {

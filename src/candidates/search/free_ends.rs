@@ -1,94 +1,76 @@
-//! The free ends of the observed vessels: where they are, how wide, which way they point, and how far and where they may reach.
+//! The free ends of an extraction: where each is, how wide, and which way it points.
 
-use crate::network::{Network, Origin, PathPoint};
-use crate::support::geometry::{Point, distance, sub, unit};
-use crate::support::statistics::median;
+use crate::candidates::features::smoothing::steady;
+use crate::network::Vessel;
+use crate::support::geometry::{Point, sub, unit};
 
-/// The direction is fitted over so many point spacings at least ...
-pub(crate) const FIT_SPACINGS: f64 = 6.0;
-/// ... and over so many end radii.
-pub(crate) const FIT_RADII: f64 = 3.0;
-/// Reach in point spacings and in end radii: independent of any unit.
-const REACH_SPACINGS: f64 = 20.0;
-const REACH_RADII: f64 = 10.0;
-/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
-pub(crate) const BEND: f64 = 1.3;
-/// A meeting point so many spacings from a free end of its branch is moved there.
-pub(crate) const SNAP_SPACINGS: f64 = 3.0;
+/// The direction is fitted over so many points at least, so many radii, and so many points at most.
+const FIT_SPACINGS: f64 = 6.0;
+const FIT_RADII: f64 = 3.0;
+const FIT_POINTS: f64 = 40.0;
 
 /// A free end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeEnd {
-    /// Its node.
-    pub node: usize,
-    /// The vessel that ends there.
-    pub vessel: usize,
-    /// Position, m.
-    pub position: Point,
-    /// Mean radius over its last points, m.
-    pub radius: f64,
-    /// Unit vector out of the vessel; zero where the vessel gives none.
+    /// Its point, a node.
+    pub point: usize,
+    /// Its branch.
+    pub branch: usize,
+    /// Its fragment.
+    pub fragment: usize,
+    /// Unit vector out of the vessel, fitted over the larger of 6 spacings and 3 radii; zero where the vessel gives none.
     pub direction: Point,
+    /// The same over twice that length.
+    pub far_direction: Point,
+    /// Geometric mean of the radii over the fit, m: the width that the evidence measures with.
+    pub radius: f64,
+    /// [`Vessel::end_radius`], m: the width of candidates that are built without evidence.
+    pub mean_radius: f64,
+    /// How much better blood divides at the fragment's junctions if it comes from this end, in [-1.5, 1.5]: positive where the
+    /// fragment is fed through this end. 0 without a junction.
+    pub orientation: f64,
 }
 
-/// The free ends of the observed vessels, in node order.
-pub fn free_ends(network: &Network, spacing: f64) -> Vec<FreeEnd> {
-    let degree = network.degrees(|v| v.origin == Origin::Observed);
-    let mut ends = Vec::new();
-    for (vessel, (nodes, v)) in network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed) {
-        for (last, node) in nodes.into_iter().enumerate().filter(|(_, n)| degree[*n] == 1) {
-            let Some(position) = network.node(node).position else { continue };
-            let mut path = v.path.clone();
-            if last == 1 {
-                path.reverse();
+/// The free ends in node order, without their orientation. `vessels` are those of the first `lines`.
+pub fn free_ends(
+    lines: &[Vec<usize>],
+    vessels: &[&Vessel],
+    [fragment, degree]: [&[usize]; 2],
+    position: &[Point],
+    radius: &[f64],
+    spacing: f64,
+) -> Vec<FreeEnd> {
+    let mut ends: Vec<FreeEnd> = Vec::new();
+    for (branch, (line, vessel)) in lines.iter().zip(vessels).enumerate() {
+        for last in [false, true] {
+            let inwards: Vec<usize> = if last { line.iter().rev().copied().collect() } else { line.clone() };
+            let point = inwards[0];
+            if degree[point] != 1 {
+                continue;
             }
-            let radius = v.end_radius(last == 1);
-            let points: Vec<Point> = if path.len() > 1 {
-                near_points(&path, (FIT_SPACINGS * spacing).max(FIT_RADII * radius))
-            } else {
-                let other = network.node(nodes[1 - last]).position;
-                [Some(position), other].into_iter().flatten().collect()
-            };
-            ends.push(FreeEnd { node, vessel, position, radius, direction: outwards(&points) });
+            let mean = |points: &[usize]| (points.iter().map(|p| radius[*p].ln()).sum::<f64>() / points.len() as f64).exp();
+            let upto = |n: usize| &inwards[..n.min(inwards.len())];
+            let direction = |n: usize| outwards(&upto(n).iter().map(|p| position[*p]).collect::<Vec<_>>());
+            let first = mean(upto(FIT_SPACINGS as usize));
+            let n = steady(FIT_RADII * first / spacing).round_ties_even().clamp(FIT_SPACINGS, FIT_POINTS) as usize;
+            ends.push(FreeEnd {
+                point,
+                branch,
+                fragment: fragment[point],
+                direction: direction(n),
+                far_direction: direction(2 * n),
+                radius: mean(upto(n)),
+                mean_radius: vessel.end_radius(last),
+                orientation: 0.0,
+            });
         }
     }
-    ends.sort_by_key(|e| e.node);
+    ends.sort_by_key(|end| end.point);
     ends
 }
 
-/// The median distance between consecutive points of the observed vessels, m; zero without vessels.
-pub fn point_spacing(network: &Network) -> f64 {
-    let mut gaps = Vec::new();
-    for (_, v) in network.vessels().filter(|(_, v)| v.origin == Origin::Observed) {
-        gaps.extend(v.path.windows(2).map(|p| distance(p[0].position, p[1].position)));
-        if v.path.len() < 2 {
-            gaps.push(v.length);
-        }
-    }
-    median(&gaps).unwrap_or(0.0)
-}
-
-/// The points of a path up to an arc length, two at least.
-fn near_points(path: &[PathPoint], reach: f64) -> Vec<Point> {
-    let mut points = vec![path[0].position];
-    let mut arc = 0.0;
-    for pair in path.windows(2) {
-        arc += distance(pair[0].position, pair[1].position);
-        if points.len() >= 2 && arc > reach {
-            break;
-        }
-        points.push(pair[1].position);
-    }
-    points
-}
-
-/// How far (m) an end of a radius (m) may reach.
-pub(crate) fn reach(spacing: f64, radius: f64) -> f64 {
-    REACH_SPACINGS * spacing + REACH_RADII * radius
-}
-
 /// The direction of the least-squares line through points taken as equally spaced, towards the first.
-pub(crate) fn outwards(points: &[Point]) -> Point {
+fn outwards(points: &[Point]) -> Point {
     let middle = 0.5 * (points.len() as f64 - 1.0);
     let mut v = [0.0; 3];
     for (i, p) in points.iter().enumerate() {

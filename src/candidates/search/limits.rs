@@ -1,4 +1,4 @@
-//! What no vessels are: hubs of a thousand, and points so crowded that every free end has all of them within reach.
+//! Limits of the search: junctions of a thousand vessels and points crowded around every free end are no vessels.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -8,8 +8,8 @@ use crate::network::{Network, Origin};
 /// Vessels that may meet at one node.
 const MOST_VESSELS: usize = 1000;
 /// Points that may be looked at around all free ends together, and for each one more.
-const MOST_LOOKS: usize = 100_000_000;
-const MOST_LOOKS_EACH: usize = 50_000;
+const MOST_POINTS: usize = 100_000_000;
+const MOST_POINTS_EACH: usize = 50_000;
 
 /// Refuses nodes where more than a thousand observed vessels meet: work grows with the square of their number.
 ///
@@ -28,22 +28,27 @@ pub fn check_junctions(network: &Network) -> Result<()> {
     }
 }
 
-/// How many points may still be looked at around free ends, whatever the threads.
-pub struct Looks {
+/// How many points may still be looked at around free ends, by all threads together.
+pub struct SearchBudget {
     ends: usize,
     most: usize,
-    done: AtomicUsize,
+    spent: AtomicUsize,
 }
 
-impl Looks {
-    /// For so many free ends.
-    pub fn around(ends: usize) -> Self {
-        Self { ends, most: MOST_LOOKS + MOST_LOOKS_EACH.saturating_mul(ends), done: AtomicUsize::new(0) }
+impl SearchBudget {
+    /// The budget of so many free ends.
+    pub fn new(ends: usize) -> Self {
+        Self { ends, most: MOST_POINTS + MOST_POINTS_EACH.saturating_mul(ends), spent: AtomicUsize::new(0) }
     }
 
-    /// Counts points; false when there were too many, so that the rest can be left.
-    pub fn add(&self, points: usize) -> bool {
-        self.done.fetch_add(points, Ordering::Relaxed) <= self.most.saturating_sub(points)
+    /// Counts points that were looked at.
+    pub fn spend(&self, points: usize) {
+        self.spent.fetch_add(points, Ordering::Relaxed);
+    }
+
+    /// Whether too many points were looked at, so that the rest can be left.
+    pub fn is_spent(&self) -> bool {
+        self.spent.load(Ordering::Relaxed) > self.most
     }
 
     /// Whether the points looked at were few enough.
@@ -52,7 +57,7 @@ impl Looks {
     ///
     /// They were too many.
     pub fn check(&self) -> Result<()> {
-        if self.done.load(Ordering::Relaxed) <= self.most {
+        if !self.is_spent() {
             return Ok(());
         }
         let each = self.most / self.ends.max(1);

@@ -1,12 +1,16 @@
-//! Where a bridge may meet a branch: the points that a lost branch could have left from.
+//! Where a candidate may meet a branch: the points that a lost branch could have left from.
 
-use super::directions::Frame;
-use super::free_ends::{BEND, SNAP_SPACINGS};
+use super::free_ends::FreeEnd;
+use super::neighbourhood::Hit;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::smoothing::{compare, steady};
 use crate::support::geometry::{distance, dot, sub, unit};
 
-/// A vessel that runs beside its parent joins it further on: so many spacings from the nearest point, give or take.
+/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
+pub const BEND: f64 = 1.3;
+/// A meeting point so many spacings from a free end of its branch is moved there.
+const SNAP_SPACINGS: f64 = 3.0;
+/// A vessel that runs along its parent joins it further on: about so many spacings from the nearest point.
 const BESIDE_SPACINGS: f64 = 3.5;
 const BESIDE_SLACK: f64 = 0.8;
 /// What is on the other side of the nearest point is further from the point ahead than so many spacings.
@@ -15,22 +19,9 @@ const OPPOSITE_SPACINGS: f64 = 4.0;
 const KINK_SPACINGS: f64 = 8.0;
 const LEAST_KINK: f64 = 0.15;
 
-/// A point within reach of a free end, with what the search compares.
-#[derive(Debug, Clone, Copy)]
-pub struct Hit {
-    /// The point.
-    pub point: usize,
-    /// Distance, m.
-    pub distance: f64,
-    /// [`steady`] distance in spacings, BEND - cos, smoothed radius in spacings: the order of hits, whatever their numbers.
-    pub order: [f64; 3],
-    /// Cosine of the bend from the end's direction.
-    pub cos: f64,
-}
-
 /// Of the nearest branches, how many are met elsewhere than at their nearest point and where d (1.3 - cos) is least.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Meetings {
+pub struct MeetingPoints {
     /// Also 3.5 spacings from the nearest point, on the side ahead.
     pub ahead: usize,
     /// Also 3.5 spacings from the nearest point, on the side opposite to that.
@@ -39,20 +30,18 @@ pub struct Meetings {
     pub kinks: usize,
 }
 
-impl Default for Meetings {
+impl Default for MeetingPoints {
     fn default() -> Self {
         Self { ahead: 3, behind: 3, kinks: 3 }
     }
 }
 
-impl Meetings {
-    /// Where branches are met, each given by its hits in order, with the rank of the rule that found it; near a free end there.
-    pub fn of(&self, extraction: &Extraction, end: &Frame, branches: &[Vec<Hit>]) -> Vec<(u8, usize)> {
+impl MeetingPoints {
+    /// The points where branches are met, each branch given by its hits in order, with the rank of the rule that found the point.
+    pub fn choose(&self, extraction: &Extraction, end: &FreeEnd, branches: &[Vec<Hit>]) -> Vec<(u8, usize)> {
         let mut picks = Vec::new();
         for (rank, hits) in branches.iter().enumerate() {
-            let cost = |h: &Hit| steady(h.distance / extraction.spacing * (BEND - h.cos));
-            let bent = hits.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)).then(compare(&a.order, &b.order)));
-            picks.extend(bent.map(|h| (0, h.point)));
+            picks.push((0, least_bent(extraction, hits).point));
             picks.push((1, hits[0].point));
             let beside: Vec<&Hit> = if rank < self.ahead.max(self.behind) { beside(extraction, hits) } else { Vec::new() };
             // By bend, then by radius and distance.
@@ -72,7 +61,14 @@ impl Meetings {
     }
 }
 
-/// The hits some spacings from the first one.
+/// The hit of a branch where d (1.3 - cos) is least.
+pub fn least_bent(extraction: &Extraction, hits: &[Hit]) -> Hit {
+    let cost = |h: &Hit| steady(h.distance / extraction.spacing * (BEND - h.cos));
+    let better = |a: Hit, b: &Hit| if cost(b).total_cmp(&cost(&a)).then(compare(&b.order, &a.order)).is_lt() { *b } else { a };
+    hits.iter().fold(hits[0], better)
+}
+
+/// The hits at about 3.5 spacings from the first one.
 fn beside<'a>(extraction: &Extraction, hits: &'a [Hit]) -> Vec<&'a Hit> {
     let nearest = extraction.position[hits[0].point];
     let off = |h: &&Hit| {
@@ -84,15 +80,15 @@ fn beside<'a>(extraction: &Extraction, hits: &'a [Hit]) -> Vec<&'a Hit> {
 
 /// Whether a hit is on the other side of the nearest point than the one ahead.
 fn opposite(extraction: &Extraction, ahead: &Hit, hit: &Hit) -> bool {
-    let apart = distance(extraction.position[ahead.point], extraction.position[hit.point]);
-    steady(apart / extraction.spacing) > OPPOSITE_SPACINGS
+    let between = distance(extraction.position[ahead.point], extraction.position[hit.point]);
+    steady(between / extraction.spacing) > OPPOSITE_SPACINGS
 }
 
 /// The hit near to the first one where the branch turns away from the end most, if it does.
-fn kinked<'a>(extraction: &Extraction, end: &Frame, hits: &'a [Hit]) -> Option<&'a Hit> {
+fn kinked<'a>(extraction: &Extraction, end: &FreeEnd, hits: &'a [Hit]) -> Option<&'a Hit> {
     let (from, nearest) = (extraction.position[end.point], extraction.position[hits[0].point]);
     let off = |h: &Hit| steady(distance(extraction.position[h.point], nearest) / extraction.spacing);
-    let kink = |h: &Hit| dot(extraction.course[h.point].kink, unit(sub(extraction.position[h.point], from)));
+    let kink = |h: &Hit| dot(extraction.shape[h.point].kink, unit(sub(extraction.position[h.point], from)));
     let near = hits.iter().filter(|h| off(h) < KINK_SPACINGS).map(|h| (steady(kink(h)), h));
     near.filter(|(kink, _)| *kink > LEAST_KINK)
         .max_by(|(a, g), (b, h)| a.total_cmp(b).then(compare(&h.order, &g.order)))
@@ -100,7 +96,7 @@ fn kinked<'a>(extraction: &Extraction, end: &Frame, hits: &'a [Hit]) -> Option<&
 }
 
 /// The nearest free end of a point's branch where that is near, else the point.
-fn snapped(extraction: &Extraction, point: usize) -> usize {
+pub fn snapped(extraction: &Extraction, point: usize) -> usize {
     let e = extraction;
     let line = &e.lines[e.branch[point]];
     let away = |end: usize| steady(distance(e.position[end], e.position[point]) / e.spacing);

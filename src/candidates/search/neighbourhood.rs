@@ -1,20 +1,42 @@
-//! What lies around a free end, nearest first, without putting in order what is too far away to be chosen.
+//! What lies around a free end, nearest first, without sorting what is too far away to be chosen.
 
-use super::directions::Frame;
-use super::free_ends::{BEND, reach};
-use super::meeting_points::Hit;
+use std::collections::BTreeSet;
+
+use super::free_ends::FreeEnd;
+use super::meeting_points::BEND;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::smoothing::{compare, steady};
 use crate::support::geometry::{Point, dot, sub};
 
-/// So many of the nearest points are put in order first, and so many times as many when those do not hold what is asked for.
+/// Reach in point spacings and in end radii: independent of any unit.
+const REACH_SPACINGS: f64 = 20.0;
+const REACH_RADII: f64 = 10.0;
+/// So many of the nearest points are sorted first, and so many times as many when those are not enough.
 const FIRST: usize = 1024;
 const MORE: usize = 8;
 
+/// How far (m) a free end of a radius (m) may reach.
+pub fn reach(spacing: f64, radius: f64) -> f64 {
+    REACH_SPACINGS * spacing + REACH_RADII * radius
+}
+
+/// A point within reach of a free end, with what the search compares.
+#[derive(Debug, Clone, Copy)]
+pub struct Hit {
+    /// The point.
+    pub point: usize,
+    /// Distance, m.
+    pub distance: f64,
+    /// [`steady`] distance in spacings, BEND - cos, smoothed radius in spacings: the order of hits, whatever their numbers.
+    pub order: [f64; 3],
+    /// Cosine of the bend from the end's direction.
+    pub cos: f64,
+}
+
 /// What lies within reach of a free end.
-pub struct Around<'a> {
+pub struct Neighbourhood<'a> {
     pub extraction: &'a Extraction,
-    pub end: &'a Frame,
+    pub end: &'a FreeEnd,
     pub reach: f64,
     /// Distance (m) and number of the points of its own fragment, in no order.
     own: Vec<(f64, usize)>,
@@ -22,9 +44,8 @@ pub struct Around<'a> {
     others: Vec<(f64, usize)>,
 }
 
-impl<'a> Around<'a> {
-    pub fn new(extraction: &'a Extraction, end: &'a Frame) -> Self {
-        let reach = reach(extraction.spacing, end.radius);
+impl<'a> Neighbourhood<'a> {
+    pub fn new(extraction: &'a Extraction, end: &'a FreeEnd, reach: f64) -> Self {
         let near = extraction.index.around(extraction.position[end.point], reach).into_iter();
         let (own, others) = near.partition(|(_, point)| extraction.fragment[*point] == end.fragment);
         Self { extraction, end, reach, own, others }
@@ -38,6 +59,13 @@ impl<'a> Around<'a> {
     /// The points of the end's own fragment that are wanted, in order.
     pub fn own(&self, wanted: impl Fn(&Hit) -> bool) -> Vec<Hit> {
         in_order(self.own.iter().map(|near| self.hit(*near)).filter(wanted))
+    }
+
+    /// All points but those of the end's own branch, in order.
+    pub fn off_branch(&self) -> Vec<Hit> {
+        let own: BTreeSet<usize> = self.extraction.lines[self.end.branch].iter().copied().collect();
+        let near = self.own.iter().filter(|(_, point)| !own.contains(point)).chain(&self.others);
+        in_order(near.map(|near| self.hit(*near)))
     }
 
     /// The points of other fragments, in order, those at least that are on the nearest `branches` or are the nearest `free_ends`.

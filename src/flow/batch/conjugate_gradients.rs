@@ -1,14 +1,14 @@
 //! Conjugate gradients for circuits whose elimination would fill in: large meshes, several samples at a time in SIMD lanes.
 //!
-//! Nodes of few neighbours are eliminated exactly ([`StarMesh`]), which takes most of a mesh of vessels and leaves hardly more
-//! conductances than there were. What is left, the core, is solved by conjugate gradients, preconditioned by an incomplete elimination of
+//! Nodes of few neighbours are eliminated exactly ([`StarMesh`]), which removes most nodes of a mesh of vessels and adds hardly any
+//! conductances. The rest, the core, is solved by conjugate gradients, preconditioned by an incomplete elimination of
 //! the same kind: joins without a place are dropped, and `GROUNDED` of each goes to ground at its two ends, which keeps
 //! nearly all row sums (Gustafsson 1978, modified incomplete factorisation) and never subtracts.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::star_mesh;
-use super::star_mesh::{StarMesh, inverse};
+use super::star_mesh::{Open, StarMesh, inverse};
 use crate::flow::circuit::Circuit;
 use crate::flow::dead_ends;
 use crate::flow::dead_ends::DeadEnds;
@@ -21,7 +21,7 @@ const FEW: usize = 6;
 const GROUNDED: f64 = 0.03;
 /// The energy of the error, as a share of that of the answer, at which a sample is solved: the square of 1e-13.
 const ENERGY: f64 = 1e-26;
-/// More steps than any circuit of vessels has needed by far.
+/// The most steps; far more than any circuit of vessels has needed.
 const MOST_STEPS: usize = 5000;
 
 /// A compiled circuit.
@@ -46,7 +46,7 @@ pub struct Workspace<const B: usize> {
     inverse: Vec<[f32; B]>,
     residual: Vec<Lanes<B>>,
     direction: Vec<Lanes<B>>,
-    /// What flows out at the direction and, once that is used, what the incomplete elimination makes of the residual.
+    /// The outflow at the direction; later the preconditioned residual.
     product: Vec<Lanes<B>>,
     /// The pressures of one sample by node, and the memory for its dead ends.
     pressure: Vec<f64>,
@@ -108,7 +108,7 @@ impl ConjugateGradients {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.mesh.assemble_open(simd, masks, first, stranded, &mut work.mesh);
+        self.mesh.assemble(simd, &Open { masks, first }, first, stranded, &mut work.mesh);
         self.solve_assembled(simd, work);
         self.level_dead_ends(work, |vessel, lane| masks[vessel] >> (first + lane) & 1 == 1);
     }
@@ -122,7 +122,7 @@ impl ConjugateGradients {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.mesh.assemble(simd, 0, stranded, &mut work.mesh, |vessel, _| conductance[vessel as usize]);
+        self.mesh.assemble(simd, conductance, 0, stranded, &mut work.mesh);
         self.solve_assembled(simd, work);
         self.level_dead_ends(work, |vessel, lane| conductance[vessel][lane] > 0.0);
     }
@@ -200,7 +200,7 @@ impl ConjugateGradients {
         }
     }
 
-    /// What the incomplete elimination makes of a residual.
+    /// Applies the preconditioner to the residual.
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let ray_to = self.incomplete.ray_to();
@@ -247,7 +247,7 @@ impl ConjugateGradients {
         }
     }
 
-    /// From what flows into the core to its pressures.
+    /// Finds the pressures of the core from what flows into it.
     #[inline(always)]
     fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
         let core = self.mesh.program().eliminated()..self.mesh.program().nodes();

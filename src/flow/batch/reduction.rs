@@ -1,8 +1,8 @@
-//! Reduction of a large circuit to what samples can change: dead ends, certain chains and certain trees that end at one pressure are
-//! dealt with once, exactly.
+//! Reduces a large circuit to what samples can change. Dead ends, certain chains, and certain trees that end at one pressure are solved
+//! once, exactly.
 //!
-//! A tree whose ends share one pressure P₀ is a conductance to P₀ at the node that it hangs on, and every drop in it is a fixed share
-//! of P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
+//! A tree whose ends have one pressure P₀ acts as a conductance to P₀ at its root in the core, and every drop in it is a fixed share of
+//! P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
 use crate::flow::circuit::{Circuit, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
@@ -10,15 +10,15 @@ use crate::flow::peeling::{Peeled, peel};
 /// A reduced circuit.
 #[derive(Debug)]
 pub struct Reduction {
-    /// The core: its nodes are renumbered, its rows are the chains, and what hangs on a node is part of its terminal conductance.
+    /// The core: its nodes are renumbered, its rows are the chains, and the trees at a node are part of its terminal conductance.
     pub circuit: Circuit,
     /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones.
     pub chains: Vec<Vec<usize>>,
-    /// The trees that hang on the core, those of one node and pressure together.
+    /// The trees that begin at the core, one for each node and end pressure.
     pub trees: Vec<Tree>,
 }
 
-/// Certain vessels that hang on a node of the core and end at one pressure.
+/// Certain vessels that branch from a node of the core and end at one pressure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree {
     /// The node of the core.
@@ -37,12 +37,12 @@ impl Reduction {
         for (row, chain) in chain.iter().enumerate().filter_map(|(row, chain)| Some((row, chain.as_ref()?))) {
             members[chain.first].push(row);
         }
-        let trees = take_down(&mut circuit, certain, &members);
+        let trees = remove_trees(&mut circuit, certain, &members);
         finish(&circuit, members, trees)
     }
 }
 
-/// What a node has in the way of ground.
+/// How a node is grounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ground {
     Nothing,
@@ -70,48 +70,48 @@ impl Ground {
     }
 }
 
-/// A node that was taken down, hanging on another by a link.
-struct Hung {
+/// A leaf that was removed, which was joined to another node by one chain.
+struct Leaf {
     node: usize,
     on: usize,
-    link: usize,
+    chain: usize,
     end: f64,
-    /// The share of P - P₀ at `on` that falls along the link.
+    /// The share of P - P₀ at `on` that falls along the chain.
     share: f64,
 }
 
-/// Takes trees down leaf by leaf: their links become self-loops, their nodes are left bare, and what they conduct is added to the node that
-/// they hung on. The vessels of each tree, with the node it hangs on.
-fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<Tree> {
+/// Removes trees leaf by leaf: their chains become self-loops, and what they conduct is added to the node that they were joined to. Returns
+/// the trees.
+fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<Tree> {
     let nodes = circuit.node_count();
     let mut around = vec![Vec::new(); nodes];
-    for (link, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
-        around[*a].push(link as u32);
-        around[*b].push(link as u32);
+    for (chain, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
+        around[*a].push(chain as u32);
+        around[*b].push(chain as u32);
     }
     let mut left: Vec<usize> = around.iter().map(Vec::len).collect();
     let mut ground: Vec<Ground> = (0..nodes).map(|node| Ground::of(circuit, node)).collect();
     let mut leaves: Vec<usize> = (0..nodes).rev().filter(|node| left[*node] == 1).collect();
-    let mut hung: Vec<Hung> = Vec::new();
+    let mut removed: Vec<Leaf> = Vec::new();
     while let Some(node) = leaves.pop() {
         let Ground::At(end) = ground[node] else { continue };
-        let Some(link) = around[node].iter().map(|l| *l as usize).find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else {
+        let Some(chain) = around[node].iter().map(|l| *l as usize).find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else {
             continue;
         };
-        if !certain[link] {
+        if !certain[chain] {
             continue;
         }
-        let [a, b] = circuit.ends[link];
+        let [a, b] = circuit.ends[chain];
         let on = if a == node { b } else { a };
-        let conductance = circuit.conductance[link];
+        let conductance = circuit.conductance[chain];
         let (share, through) = if circuit.fixed[node].is_some() {
             (1.0, conductance)
         } else {
             let shunt = circuit.shunt[node];
             (shunt / (conductance + shunt), shunt * (conductance / (conductance + shunt)))
         };
-        hung.push(Hung { node, on, link, end, share });
-        circuit.ends[link] = [node; 2];
+        removed.push(Leaf { node, on, chain, end, share });
+        circuit.ends[chain] = [node; 2];
         left[node] = 0;
         left[on] -= 1;
         if circuit.fixed[on].is_none() {
@@ -126,14 +126,14 @@ fn take_down(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) ->
     // From the core outwards: where a node's tree is rooted, and the share of P - P₀ there that is left at the node.
     let mut root: Vec<(usize, f64)> = (0..nodes).map(|node| (node, 1.0)).collect();
     let mut trees: std::collections::BTreeMap<(usize, u64), Tree> = std::collections::BTreeMap::new();
-    for Hung { node, on, link, end, share } in hung.into_iter().rev() {
+    for Leaf { node, on, chain, end, share } in removed.into_iter().rev() {
         let (at, rest) = root[on];
         let tree = trees.entry((at, end.to_bits())).or_insert_with(|| Tree { node: at, end, vessels: Vec::new() });
-        let flow = circuit.conductance[link] * (share * rest);
-        tree.vessels.extend(members[link].iter().map(|row| (*row, flow)));
+        let flow = circuit.conductance[chain] * (share * rest);
+        tree.vessels.extend(members[chain].iter().map(|row| (*row, flow)));
         // What hangs on a fixed pressure goes by that.
         if circuit.fixed[node].is_none() {
-            root[node] = (at, rest * (circuit.conductance[link] / (circuit.conductance[link] + circuit.shunt[node])));
+            root[node] = (at, rest * (circuit.conductance[chain] / (circuit.conductance[chain] + circuit.shunt[node])));
         }
     }
     trees.into_values().collect()

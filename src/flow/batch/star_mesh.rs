@@ -63,6 +63,33 @@ impl<const B: usize> Workspace<B> {
     }
 }
 
+/// The conductance of each vessel in a group of samples. A trait rather than a closure: a closure is not sure to be compiled into the
+/// caller's instruction set.
+pub(crate) trait Conductances<const B: usize> {
+    /// Those of a vessel, given its conductance when open.
+    fn of<S: Simd>(&self, simd: S, vessel: u32, open: f64) -> Lanes<B>;
+}
+
+/// The samples from `first` on, in which the vessels of `masks` are open.
+pub(crate) struct Open<'a> {
+    pub masks: &'a [u64],
+    pub first: usize,
+}
+
+impl<const B: usize> Conductances<B> for Open<'_> {
+    #[inline(always)]
+    fn of<S: Simd>(&self, simd: S, vessel: u32, open: f64) -> Lanes<B> {
+        masked(simd, &splat(simd, open), self.masks[vessel as usize], self.first)
+    }
+}
+
+impl<const B: usize> Conductances<B> for [Lanes<B>] {
+    #[inline(always)]
+    fn of<S: Simd>(&self, _: S, vessel: u32, _: f64) -> Lanes<B> {
+        self[vessel as usize]
+    }
+}
+
 impl StarMesh {
     /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
@@ -174,7 +201,7 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.assemble_open(simd, masks, first, stranded, work);
+        self.assemble(simd, &Open { masks, first }, first, stranded, work);
         self.eliminate(simd, work);
         self.substitute_back(simd, work);
     }
@@ -189,44 +216,29 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
     ) {
-        self.assemble(simd, 0, stranded, work, |vessel, _| conductance[vessel as usize]);
+        self.assemble(simd, conductance, 0, stranded, work);
         self.eliminate(simd, work);
         self.substitute_back(simd, work);
     }
 
-    /// [Assembles](Self::assemble) the samples from `first` on, in which the vessels of `masks` are open.
-    #[inline(always)]
-    pub(crate) fn assemble_open<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        masks: &[u64],
-        first: usize,
-        stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
-    ) {
-        let own = |vessel: u32, conductance: f64| masked(simd, &splat(simd, conductance), masks[vessel as usize], first);
-        self.assemble(simd, first, stranded, work, own);
-    }
-
-    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures; `own` gives the conductances of a
-    /// vessel, whose number and conductance when open it is given.
+    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
     #[inline(always)]
     pub(crate) fn assemble<S: Simd, const B: usize>(
         &self,
         simd: S,
+        conductances: &(impl Conductances<B> + ?Sized),
         first: usize,
         stranded: &[(usize, u64)],
         work: &mut Workspace<B>,
-        own: impl Fn(u32, f64) -> Lanes<B>,
     ) {
         self.prepare(simd, first, stranded, work);
         for stamp in &self.rays {
-            let own = own(stamp.vessel, stamp.conductance);
+            let own = conductances.of(simd, stamp.vessel, stamp.conductance);
             let c = &mut work.conductance[stamp.ray as usize];
             *c = if stamp.first { own } else { plus(simd, c, &own) };
         }
         for stamp in &self.grounds {
-            let own = own(stamp.vessel, stamp.conductance);
+            let own = conductances.of(simd, stamp.vessel, stamp.conductance);
             let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
             work.ground[place] = plus(simd, &work.ground[place], &own);
             work.pressure[place] = plus_product(simd, &work.pressure[place], &own, &pressure);

@@ -16,8 +16,8 @@ use crate::support::geometry::distance;
 pub(crate) const ATTRIBUTES: [&str; 11] =
     ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 
-/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person should
-/// know. A radius that is missing, where it may, is NaN.
+/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
+/// should know. A radius that is missing, where it may, is NaN.
 pub(in crate::io) fn vessels(
     network: &mut Network,
     ends: &[[usize; 2]],
@@ -105,7 +105,7 @@ pub(in crate::io) fn vessels(
     Ok(notes)
 }
 
-/// The length that the edge states, m. A self-loop carries no flow, so it alone may have none.
+/// The length that the edge states, m. Only a self-loop may have length 0, since it carries no flow.
 fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
     let Some((key, length)) = item.length(scale)? else { return Ok(None) };
     if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
@@ -133,15 +133,15 @@ fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
     }
 }
 
-/// The probability that the edge states, which of its ends hangs on the other, and how readily each continues.
+/// The evidence that the edge states: its probability, which end feeds the other, and the odds that each end continues.
 fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
     if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        evidence.hangs = [a, b];
+        evidence.attached = [a, b];
     }
     if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
-        evidence.continues = [a, b];
+        evidence.continuation_odds = [a, b];
     }
     Ok(Some(evidence))
 }

@@ -174,7 +174,7 @@ pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &S
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
-            alone: item.share("alone")?,
+            root_score: item.share("alone")?,
             ..Node::default()
         });
     }
@@ -206,7 +206,7 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
 }
 
 /// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
-/// stands over a pressure, which is then the result of an earlier run.
+/// replaces a pressure, which is then the result of an earlier run.
 fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
     let pressure = item.finite("pressure_mmHg")?;
     let resistance = item.finite(RESISTANCE)?;

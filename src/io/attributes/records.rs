@@ -32,7 +32,7 @@ struct Place {
 pub(in crate::io) struct Record<'a> {
     all: &'a Records,
     fields: &'a [Field],
-    /// The line on which it stands.
+    /// Its line in the file.
     pub(in crate::io) line: usize,
 }
 

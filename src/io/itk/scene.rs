@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::error::Fault;
+use crate::io::binary::NumberType;
 use crate::support::geometry::{Point, distance};
 
 const ENTRY: &str = "expected a line Key = value";
@@ -195,9 +196,9 @@ impl Nearest {
         for end in ends {
             let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
             let mut consider = |row: &usize| {
-                let apart = distance(points[*row], points[end]);
-                if apart < best.0 || (apart == best.0 && end == best.1[1] && *row < best.1[0]) {
-                    best = (apart, [*row, end]);
+                let gap = distance(points[*row], points[end]);
+                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
+                    best = (gap, [*row, end]);
                 }
                 (x(*row) - x(end)).abs() <= best.0
             };
@@ -307,20 +308,8 @@ pub fn read_points(object: &Object, cursor: &mut Cursor<'_>, line: usize) -> Res
         let found = format!("{}: {left} bytes of points, {count} points need {needed}", object.name());
         Fault::line(line, found, "expected them all; is the file cut off?")
     })?;
-    let number = |at: usize, row: &[u8]| {
-        let bytes = &row[at * size..];
-        match (size, big) {
-            (4, false) => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            (4, true) => f64::from(f32::from_be_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            (_, big) => {
-                let mut word = [0; 8];
-                word.copy_from_slice(&bytes[..8]);
-                if big { f64::from_be_bytes(word) } else { f64::from_le_bytes(word) }
-            }
-        }
-    };
     let rows = bytes.chunks_exact(columns.width * size);
-    rows.map(|row| columns.sample(|column| Ok(number(column, row)), line)).collect()
+    rows.map(|row| columns.sample(|column| Ok(NumberType::Real.value(&row[column * size..][..size], big)), line)).collect()
 }
 
 /// Points as text, one a line.

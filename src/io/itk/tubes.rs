@@ -16,17 +16,17 @@ use crate::support::geometry::Point;
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
 ///
-/// Points and radii are multiplied by `ElementSpacing` (the radius by its first number, as in ITK), then moved by `TransformMatrix`
-/// and `Offset` of the tube and of its parents. A tube whose `ParentID` is a tube is linked with its first point to the parent's
-/// point number `ParentPoint`, counted from 0, as TubeTK's ConvertTubesToTubeTree writes it; without that number, its nearer end to
-/// the parent's nearest point. The label of a link is the `Name` of its tube, its strand the number of the tube. Points keep their
-/// ids where these are whole and all different; otherwise they are numbered from 0.
+/// Points and radii are multiplied by `ElementSpacing` (the radius by its first number, as in ITK), then moved by
+/// `TransformMatrix` and `Offset` of the tube and of its parents. A tube whose `ParentID` is a tube is linked with its first
+/// point to the parent's point number `ParentPoint`, counted from 0, as TubeTK's ConvertTubesToTubeTree writes it; without that
+/// number, its nearer end to the parent's nearest point. The label of a link is the `Name` of its tube, its strand the number of
+/// the tube. Points keep their ids where these are whole and all different; otherwise they are numbered from 0.
 ///
 /// # Errors
 ///
 /// A scene that is cut off or miscounts its objects or points, values that are no numbers, a coordinate that is not finite, a
 /// parent point that does not exist, a tube that is its own ancestor, tubes without a column for the radius unless
-/// `radius_optional`, no tube.
+/// radii are optional, no tube.
 pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let objects = read_scene(bytes)?;
     let mut notes = Vec::new();
@@ -252,8 +252,8 @@ struct Link {
 /// Writes every vessel as a tube, in the order of the vessels and with ids from 1; millimetres.
 ///
 /// The tubes of a connected part are linked by `ParentID` and `ParentPoint`, from its inlets, else from its first node, breadth
-/// first, each with its first point at its parent; a tube that closes a loop meets its other node by its coordinates only. The label
-/// is the name of the tube, without line breaks. A vessel without a path is straight, a missing radius 0.
+/// first, each with its first point at its parent; a tube that closes a loop meets its other node by its coordinates only. The
+/// label is the name of the tube, without line breaks. A vessel without a path is straight, a missing radius 0.
 ///
 /// # Errors
 ///

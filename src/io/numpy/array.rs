@@ -8,6 +8,7 @@ use zip::ZipArchive;
 
 use super::matrix::NamedArray;
 use crate::error::Fault;
+use crate::io::binary::{NumberType, word};
 use crate::io::input::{MAX_INPUT, UnpackLimit};
 
 /// Values of one array at the most: 1 GiB of float64.
@@ -21,9 +22,7 @@ const MOST_BRACKETS: usize = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    Real,
-    Signed,
-    Unsigned,
+    Number(NumberType),
     /// UTF-32 text.
     Utf32,
     /// Bytes of ASCII text.
@@ -44,7 +43,7 @@ pub(crate) struct Array {
 }
 
 impl Array {
-    /// Reads a member of the archive, which takes `stored` bytes there. Nothing is allocated on the word of the file alone.
+    /// Reads a member of the archive, which takes `stored` bytes there. The size that the file states alone allocates nothing.
     pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &UnpackLimit) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
@@ -65,9 +64,9 @@ impl Array {
         };
         let (order, kind, size) = (dtype.get(..1), dtype.get(1..2), dtype.get(2..).and_then(|s| s.parse::<usize>().ok()));
         let (kind, size) = match (kind, size) {
-            (Some("f"), Some(size @ (4 | 8))) => (Kind::Real, size),
-            (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Signed, size),
-            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Unsigned, size),
+            (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
+            (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
+            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
             (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
             (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
             (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), accepted)),
@@ -114,21 +113,13 @@ impl Array {
 
     /// Whether the values are whole numbers.
     pub(crate) fn is_whole(&self) -> bool {
-        matches!(self.kind, Kind::Signed | Kind::Unsigned)
+        matches!(self.kind, Kind::Number(NumberType::Signed | NumberType::Unsigned))
     }
 
-    /// All values as numbers, as they lie.
+    /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        let whole = |raw: u64| match self.kind {
-            Kind::Signed => (raw.wrapping_shl(64 - 8 * self.size as u32) as i64 >> (64 - 8 * self.size)) as f64,
-            Kind::Real if self.size == 4 => f64::from(f32::from_bits(raw as u32)),
-            Kind::Real => f64::from_bits(raw),
-            _ => raw as f64,
-        };
-        if matches!(self.kind, Kind::Utf32 | Kind::Ascii) {
-            return Err(self.fault("text".to_owned(), "expected numbers"));
-        }
-        Ok(self.data.chunks_exact(self.size).map(|bytes| whole(self.raw(bytes))).collect())
+        let Kind::Number(kind) = self.kind else { return Err(self.fault("text", "expected numbers")) };
+        Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
     }
 
     /// All values as text; whole numbers too, 0 being none.
@@ -139,7 +130,7 @@ impl Array {
         }
         let letters = |bytes: &[u8]| -> Option<String> {
             let all: Option<String> = match self.kind {
-                Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(self.raw(c) as u32)).collect(),
+                Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
                 Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
                 _ => None,
             };
@@ -155,11 +146,6 @@ impl Array {
     /// A fault of this array.
     pub(crate) fn fault(&self, found: impl Into<String>, accepted: impl Into<String>) -> Fault {
         Fault::item(format!("array {}", self.name), found, accepted)
-    }
-
-    fn raw(&self, bytes: &[u8]) -> u64 {
-        let join = |all: u64, byte: &u8| all << 8 | u64::from(*byte);
-        if self.big { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) }
     }
 }
 

@@ -29,13 +29,13 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 /// and `lengths`. Any number of bytes a value, either byte order, either order of axes; stored or deflated.
 ///
 /// - N radii are those of the points. The edges are then links of centerlines.
-/// - M radii are those of the edges. With `lengths` (M) every edge is an observed vessel as it stands; without, the edges are
+/// - M radii are those of the edges. With `lengths` (M) every edge is one observed vessel; without, the edges are
 ///   links of centerlines, and each point takes the mean of its links, weighted by length, which keeps ∫ r dz over all of
 ///   them. Where N = M the radii are those of the points, unless there are lengths.
 /// - M `labels` (text, or whole numbers other than 0) name the edges; N name the points, and an edge takes the name on which
 ///   its two points agree.
 ///
-/// Missing radii (NaN, 0) of points are mended along the vessel; no radii at all is an error unless `radius_optional`.
+/// Missing radii (NaN, 0) of points are interpolated along the vessel; no radii at all is an error unless radii are optional.
 ///
 /// # Errors
 ///
@@ -192,7 +192,7 @@ impl<'a> Archive<'a> {
 ///
 /// # Errors
 ///
-/// A node without a position; two vessels that points cannot tell apart (`InvalidInput`); the writer's own.
+/// A node without a position; two vessels that points cannot distinguish (`InvalidInput`); the writer's own.
 pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
     let mut zip = ZipWriter::new(out);
     let names: Vec<&str> = if is_straight(network) {

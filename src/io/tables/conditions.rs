@@ -18,7 +18,7 @@ const KINDS: [&str; 5] = ["inlet", "ground", "pressure", "resistance", "flow"];
 /// A condition as stated, before its node is looked up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statement {
-    /// Where it stands in the file.
+    /// Its place in the file.
     pub place: Place,
     /// Node id, label, or `x,y,z` in mm.
     pub spec: String,

@@ -255,16 +255,16 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }
-    if network.nodes().any(|n| n.alone.is_some()) {
-        nodes.push(Column::real("alone", network.nodes().map(|n| n.alone.unwrap_or(f64::NAN))));
+    if network.nodes().any(|n| n.root_score.is_some()) {
+        nodes.push(Column::real("alone", network.nodes().map(|n| n.root_score.unwrap_or(f64::NAN))));
     }
     if network.vessels().any(|(_, v)| v.evidence.is_some()) {
         let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, of));
         vessels.push(Column::real("probability", figure(|e| e.probability)));
-        vessels.push(Column::real("hangs_a", figure(|e| e.hangs[0])));
-        vessels.push(Column::real("hangs_b", figure(|e| e.hangs[1])));
-        vessels.push(Column::real("continues_a", figure(|e| e.continues[0])));
-        vessels.push(Column::real("continues_b", figure(|e| e.continues[1])));
+        vessels.push(Column::real("hangs_a", figure(|e| e.attached[0])));
+        vessels.push(Column::real("hangs_b", figure(|e| e.attached[1])));
+        vessels.push(Column::real("continues_a", figure(|e| e.continuation_odds[0])));
+        vessels.push(Column::real("continues_b", figure(|e| e.continuation_odds[1])));
     }
     (nodes, vessels)
 }

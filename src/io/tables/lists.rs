@@ -112,8 +112,8 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
 
 const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 
-/// Links the pairs of point ids that SWC cannot hold, since they close loops: a table headed `id_a,id_b` or `a,b`, or without a header.
-/// Returns the number of links.
+/// Links the pairs of point ids that SWC cannot hold, since they close loops: a table headed `id_a,id_b` or `a,b`, or without a
+/// header. Returns the number of links.
 ///
 /// # Errors
 ///

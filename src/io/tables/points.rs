@@ -26,12 +26,12 @@ const ID: &[&str] = &["id"];
 /// unit of `scale`.
 ///
 /// The columns are separated by commas, semicolons or tabs and may come in any order; further ones are ignored. The rows with the
-/// same text in `fragment` form one polyline in their order, also where rows of others lie between them. An empty radius is a
+/// same text in `fragment` form one polyline in their order, even with rows of other fragments in between. An empty radius is a
 /// missing one. A link has the label of the row that it leads to. Points have the number in `id`, else that of their row from 0.
 ///
 /// # Errors
 ///
-/// A missing column (that of the radius only unless `radius_optional`), a row without a fragment, a value that is no number, a
+/// A missing column (that of the radius only unless radii are optional), a row without a fragment, a value that is no number, a
 /// coordinate that is not finite, an id that comes twice, no row.
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;

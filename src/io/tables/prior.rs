@@ -29,7 +29,8 @@ pub fn read_prior_npy(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
 }
 
 /// Gives vessels the priors of a table with a column `prior` (0 to 1) and either `edge`, the row in edges.csv, or `node_a` and
-/// `node_b`, rows in nodes.csv; edges.csv itself is such a table. Vessels that the table does not name, or with an empty prior, keep theirs.
+/// `node_b`, rows in nodes.csv; edges.csv itself is such a table. Vessels that the table does not name, or with an empty prior,
+/// keep theirs.
 ///
 /// # Errors
 ///

@@ -96,7 +96,7 @@ impl<'a> TableReader<'a> {
         names.iter().find_map(|name| self.header.iter().position(|column| column.eq_ignore_ascii_case(name)))
     }
 
-    /// As [`Self::find`], for a column that must be there; `what` says what it holds.
+    /// As [`Self::find`], for a column that must be there; `what` describes its content for the error.
     pub(crate) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))

@@ -54,14 +54,14 @@ struct Measurement {
 /// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also notes for the user.
 ///
 /// Positions are in LPS, as in Slicer's VTK and ITK files; in those given in RAS, x and y change sign. The radius is the
-/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that `options.radius_array` names. Points
-/// whose position is not defined are left out. A curve's name is its label, its number in the file its strand; points are numbered
-/// from 0.
+/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that
+/// `options.radius_array` names. Points whose position is not defined are left out. A curve's name is its label, its number in
+/// the file its strand; points are numbered from 0.
 ///
 /// # Errors
 ///
-/// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement with
-/// more or fewer values than points, a curve without radii unless they are optional, a file without curves.
+/// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement
+/// with more or fewer values than points, a curve without radii unless they are optional, a file without curves.
 pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| {
         let text = error.to_string();
@@ -189,8 +189,8 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
 
 const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
 
-/// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the control
-/// points; LPS, millimetres. A vessel without a path is straight, a missing radius 0.
+/// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the
+/// control points; LPS, millimetres. A vessel without a path is straight, a missing radius 0.
 ///
 /// # Errors
 ///

@@ -47,9 +47,9 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 
 /// Reads the table of edges: `Source ID,Target ID` (or `source,target`), rows of the vertices counted from 0.
 ///
-/// With `radius_avg` (or `radius`) every edge is a branch: an observed vessel as it stands, of the length in `length` or the
+/// With `radius_avg` (or `radius`) every edge is a branch: one observed vessel, with the length in `length` or the
 /// distance between its vertices. Otherwise the edges link centerline points. A missing radius is NaN where
-/// `radius_optional`.
+/// radii are optional.
 ///
 /// # Errors
 ///
@@ -131,7 +131,7 @@ fn linked(row: &Row, ends: [usize; 2], vertices: usize) -> Result<[u32; 2], Faul
 ///
 /// # Errors
 ///
-/// A node without a position; two vessels that points cannot tell apart (`InvalidInput`); the writers' own.
+/// A node without a position; two vessels that points cannot distinguish (`InvalidInput`); the writers' own.
 pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
     let labelled = network.vessels().any(|(_, v)| !v.label.is_empty());
     let ends = |links: &[[usize; 2]]| {

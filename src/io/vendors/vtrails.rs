@@ -23,8 +23,8 @@ const MOST_POINTS: u64 = 1 << 26;
 ///
 /// # Errors
 ///
-/// A file that is broken or of another kind; a path that is not points x 3 or not finite; radii that are not optional, since the file
-/// has none.
+/// A file that is broken or of another kind; a path that is not points x 3 or not finite; radii that are not optional, since the
+/// file has none.
 pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let room = &UnpackLimit::of(bytes.len(), read.max_input);
     let options = OpenOptions::default()

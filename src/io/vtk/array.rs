@@ -8,6 +8,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::error::Fault;
+use crate::io::binary::{signed, word};
 use crate::io::input::UnpackLimit;
 use crate::io::vtk::polydata::LIMIT;
 use crate::io::xml::Element;
@@ -123,19 +124,11 @@ impl Arrays<'_> {
 
     fn binary(&self, array: &Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
         let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
-        let mut numbers = bytes.chunks_exact(size).map(|chunk| {
-            let mut word = [0_u8; 8];
-            for (place, byte) in chunk.iter().enumerate() {
-                word[if self.little { place } else { size - 1 - place }] = *byte;
-            }
-            u64::from_le_bytes(word)
-        });
-        // Shifting up and down again carries the sign of a shorter number.
-        let unused = 64 - 8 * size as u32;
+        let mut numbers = bytes.chunks_exact(size).map(|bytes| word(bytes, !self.little));
         Ok(match kind {
             "Float32" => Numbers::Real(numbers.map(|w| f64::from(f32::from_bits(w as u32))).collect()),
             "Float64" => Numbers::Real(numbers.map(f64::from_bits).collect()),
-            _ if kind.starts_with('I') => Numbers::Whole(numbers.map(|w| ((w << unused) as i64) >> unused).collect()),
+            _ if kind.starts_with('I') => Numbers::Whole(numbers.map(|w| signed(w, size)).collect()),
             _ => match numbers.try_fold(Vec::new(), |mut all, w| {
                 all.push(i64::try_from(w).ok()?);
                 Some(all)
@@ -215,7 +208,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether the base64 text is padded within the characters of the first `count` bytes: they were encoded alone.
+    /// Whether the base64 text is padded within the characters of the first `count` bytes, so that these were encoded separately.
     fn is_padded(&self, count: usize) -> bool {
         match self {
             Self::Raw(_) => true,
@@ -234,11 +227,11 @@ impl Arrays<'_> {
     }
 
     fn plain<'a>(&self, source: &mut Source<'a>, limit: usize) -> Result<Cow<'a, [u8]>, String> {
-        let alone = source.is_padded(self.word);
+        let separate = source.is_padded(self.word);
         let mut ahead = *source;
         let count = self.words(&ahead.take(self.word)?)[0];
         let count = usize::try_from(count).map_or(limit, |count| count.min(limit));
-        if alone {
+        if separate {
             return ahead.take(count);
         }
         // Header and data were encoded together.
@@ -282,10 +275,6 @@ impl Arrays<'_> {
     }
 
     fn words(&self, bytes: &[u8]) -> Vec<u64> {
-        let word = |bytes: &[u8]| {
-            let digit = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
-            if self.little { bytes.iter().rev().fold(0, digit) } else { bytes.iter().fold(0, digit) }
-        };
-        bytes.chunks_exact(self.word).map(word).collect()
+        bytes.chunks_exact(self.word).map(|bytes| word(bytes, !self.little)).collect()
     }
 }

@@ -1,52 +1,43 @@
-//! Reads a legacy VTK file from left to right: words and lines in both encodings, numbers and texts in ASCII or big-endian binary.
+//! Reads a legacy VTK file from left to right: words, lines, numbers and texts, in ASCII or big-endian binary.
 
 use crate::error::Fault;
+use crate::io::binary::{NumberType, word};
 
 /// A type of number.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kind {
     /// Bits in binary.
     bits: u32,
-    real: bool,
-    signed: bool,
+    number: NumberType,
 }
 
 impl Kind {
     /// The whole numbers of the cells in files before version 5.1.
-    pub(crate) const INT: Self = Self { bits: 32, real: false, signed: true };
+    pub(crate) const INT: Self = Self { bits: 32, number: NumberType::Signed };
     /// Bytes.
-    pub(crate) const BYTE: Self = Self { bits: 8, real: false, signed: false };
+    pub(crate) const BYTE: Self = Self { bits: 8, number: NumberType::Unsigned };
     /// Real numbers, where only the digits matter.
-    pub(crate) const REAL: Self = Self { bits: 32, real: true, signed: true };
+    pub(crate) const REAL: Self = Self { bits: 32, number: NumberType::Real };
 
     /// The type of this name, in any case.
     pub(crate) fn named(name: &str) -> Option<Self> {
-        let (bits, real, signed) = match name.to_ascii_lowercase().as_str() {
-            "bit" => (1, false, false),
-            "char" | "signed_char" | "vtktypeint8" => (8, false, true),
-            "unsigned_char" | "vtktypeuint8" => (8, false, false),
-            "short" | "vtktypeint16" => (16, false, true),
-            "unsigned_short" | "vtktypeuint16" => (16, false, false),
+        use NumberType::{Real, Signed, Unsigned};
+        let (bits, number) = match name.to_ascii_lowercase().as_str() {
+            "bit" => (1, Unsigned),
+            "char" | "signed_char" | "vtktypeint8" => (8, Signed),
+            "unsigned_char" | "vtktypeuint8" => (8, Unsigned),
+            "short" | "vtktypeint16" => (16, Signed),
+            "unsigned_short" | "vtktypeuint16" => (16, Unsigned),
             // VTK writes its ids as int, however wide they are.
-            "int" | "vtkidtype" | "vtktypeint32" => (32, false, true),
-            "unsigned_int" | "vtktypeuint32" => (32, false, false),
-            "long" | "long_long" | "vtktypeint64" => (64, false, true),
-            "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" => (64, false, false),
-            "float" => (32, true, true),
-            "double" => (64, true, true),
+            "int" | "vtkidtype" | "vtktypeint32" => (32, Signed),
+            "unsigned_int" | "vtktypeuint32" => (32, Unsigned),
+            "long" | "long_long" | "vtktypeint64" => (64, Signed),
+            "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" => (64, Unsigned),
+            "float" => (32, Real),
+            "double" => (64, Real),
             _ => return None,
         };
-        Some(Self { bits, real, signed })
-    }
-
-    fn value(self, bytes: &[u8]) -> f64 {
-        let word = bytes.iter().fold(0_u64, |word, byte| word << 8 | u64::from(*byte));
-        match (self.real, self.bits) {
-            (true, 32) => f64::from(f32::from_bits(word as u32)),
-            (true, _) => f64::from_bits(word),
-            (false, bits) if self.signed => ((word << (64 - bits)) as i64 >> (64 - bits)) as f64,
-            (false, _) => word as f64,
-        }
+        Some(Self { bits, number })
     }
 }
 
@@ -142,7 +133,7 @@ impl<'a> Cursor<'a> {
         if kind.bits == 1 {
             return Ok((0..count).map(|n| f64::from(bytes[n / 8] >> (7 - n % 8) & 1)).collect());
         }
-        Ok(bytes.chunks_exact(kind.bits as usize / 8).map(|word| kind.value(word)).collect())
+        Ok(bytes.chunks_exact(kind.bits as usize / 8).map(|bytes| kind.number.value(bytes, true)).collect())
     }
 
     /// Texts: a line each with escapes, or in binary their lengths before them.
@@ -155,11 +146,11 @@ impl<'a> Cursor<'a> {
                 out.push(unescape(&line));
                 continue;
             }
-            // The two upper bits of the first byte tell how many bytes the length has: 8, 4, 2 or 1.
+            // The two upper bits of the first byte state how many bytes the length has: 8, 4, 2 or 1.
             let first = self.bytes.get(self.at).copied().unwrap_or_default();
             let size = [8, 4, 2, 1][usize::from(first >> 6)];
             let head = self.bytes(size, false)?;
-            let length = head.iter().fold(0_u64, |length, byte| length << 8 | u64::from(*byte)) & (u64::MAX >> (66 - 8 * size));
+            let length = word(head, true) & (u64::MAX >> (66 - 8 * size));
             let text = self.bytes(usize::try_from(length).unwrap_or(usize::MAX), false)?;
             out.push(String::from_utf8_lossy(text).into_owned());
         }

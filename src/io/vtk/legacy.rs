@@ -10,8 +10,8 @@ pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or d
 
 /// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also notes for the user.
 ///
-/// Points keep their row as id; those on no line are left out. `options.radius_array` says which array holds the radius. Lines that run
-/// together become one vessel; cell arrays such as `label` name their lines.
+/// Points keep their row as id; those on no line are left out. `options.radius_array` says which array holds the radius. Lines
+/// that run together become one vessel; cell arrays such as `label` name their lines.
 ///
 /// # Errors
 ///
@@ -250,7 +250,7 @@ impl Reader<'_> {
         }
     }
 
-    /// One array of a field, which says its own size.
+    /// One array of a field, which states its own size.
     fn field(&mut self) -> Result<(), Fault> {
         let name = unescape(self.cursor.need("the name of an array")?);
         if name == "NULL_ARRAY" {

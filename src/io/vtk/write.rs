@@ -100,8 +100,8 @@ fn array(out: &mut impl Write, attributes: &str, bytes: &[u8]) -> io::Result<()>
 
 /// Writes each vessel along its path, or straight where it has none, in mm, with its columns as cell data.
 ///
-/// A node is one point, which all its vessels share. The point array `MaximumInscribedSphereRadius` is in mm; a node without radius
-/// has that of its widest vessel, or NaN. Texts are arrays of strings.
+/// A node is one point, which all its vessels share. The point array `MaximumInscribedSphereRadius` is in mm; a node without
+/// radius has that of its widest vessel, or NaN. Texts are arrays of strings.
 ///
 /// # Errors
 ///

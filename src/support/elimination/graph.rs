@@ -1,11 +1,11 @@
-//! A graph whose nodes are taken out one after another, each leaving its neighbours joined.
+//! A graph whose nodes are removed one after another; the neighbours of a removed node are joined to one another.
 
-/// Such a graph.
+/// The graph of the nodes that remain.
 pub trait Remaining {
     /// How many neighbours a node has.
     fn degree(&self, node: usize) -> usize;
 
-    /// Takes a node out and joins its neighbours, which are returned in order of number.
+    /// Removes a node and joins its neighbours. Returns these in order of number.
     fn eliminate(&mut self, center: usize) -> Vec<usize>;
 }
 
@@ -105,7 +105,7 @@ impl Lists {
 }
 
 impl Lists {
-    /// Per node its neighbours, none of those taken out among them.
+    /// Per node its neighbours that have not been removed.
     pub fn into_lists(self) -> Vec<Vec<usize>> {
         self.0
     }

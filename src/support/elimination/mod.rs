@@ -100,7 +100,7 @@ pub struct Elimination {
 }
 
 impl Elimination {
-    /// Orders and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
+    /// Orders the nodes and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
     pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
         let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
         let pairs = stars.iter().map(Star::pairs).sum();
@@ -108,7 +108,7 @@ impl Elimination {
         Some(Self::flatten(nodes, &filled.unwrap_or(stars), nodes))
     }
 
-    /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The core that is left stands behind them in
+    /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
     /// the order of Cuthill and McKee, with its rays but without meshes; `None` when indices cannot count the joins.
     pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
         let (mut stars, left) = low_degrees(nodes, links, most);

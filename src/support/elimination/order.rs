@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use super::graph::{Bits, Lists, Remaining};
 
-/// Up to so many nodes the matrix of bits is small, 32 MB.
+/// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 const MOST_IN_BITS: usize = 1 << 14;
 
-/// Least fill is tried on graphs of so many nodes and programs of so many joins; finding it takes longer than least degree.
+/// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
 const FILL_NODES: usize = 4096;
 const FILL_JOINS: usize = 60_000;
 
@@ -38,8 +38,8 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
     }
 }
 
-/// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`; the stars, and what is left:
-/// per node that is left its neighbours, none of them eliminated.
+/// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
+/// per node that remains, its neighbours that remain.
 pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
     let mut graph = Lists::new(nodes, links);
     // Without a limit there is always an order.

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use willis::internals::forest_posterior::{Bridge, Forests, arborescence};
+use willis::internals::forest_posterior::{Edge, Forests, arborescence};
 
 use crate::draw::Draw;
 
@@ -51,7 +51,7 @@ fn the_arborescence_is_that_of_networkx() {
                 }
             }
             let scores: Vec<f64> = bridges.iter().map(|b| b.2).collect();
-            let plain = bridges.iter().map(|b| Bridge { child: b.0, parent: b.1, log_weight: 0.0 }).collect();
+            let plain = bridges.iter().map(|b| Edge { child: b.0, parent: b.1, log_weight: 0.0 }).collect();
             let kept = arborescence(&Forests::new(vec![0.0; fragments], plain).unwrap(), &scores, &roots);
             serde_json::json!({ "roots": roots, "bridges": bridges, "kept": kept, "ties": ties })
         })

@@ -16,7 +16,7 @@ pub(crate) const LIMIT: usize = 1 << 26;
 /// A named array with one value for each point, or for each line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Array {
-    /// Its name without the blanks around it.
+    /// Its name, trimmed.
     pub(crate) name: String,
     /// Its values.
     pub(crate) values: Values,
@@ -33,7 +33,7 @@ pub(crate) enum Values {
     Unread,
 }
 
-/// Polylines and what the file says about their points and about themselves.
+/// Polylines with the arrays of their points and of the lines.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PolyData {
     /// How many points and lines of the file come before these.
@@ -154,8 +154,8 @@ fn build(all: &Lines, ids: &[u64]) -> Centerlines {
     out
 }
 
-// VMTK's `GroupIds`, SimVascular's `BranchId` and `BifurcationId` and BraVa's `Vessel Ids` number the pieces of a tree. They say how
-// the pieces are connected, which the lines say already, and not which vessel each is: they are no labels.
+// VMTK's `GroupIds`, SimVascular's `BranchId` and `BifurcationId` and BraVa's `Vessel Ids` number the pieces of a tree. They say
+// how the pieces are connected, which the lines say already, and not which vessel each is: they are no labels.
 
 /// The usual names of such arrays, letters only, the first one first.
 const NAMES: [&str; 8] =

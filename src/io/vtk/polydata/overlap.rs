@@ -1,8 +1,8 @@
 //! Makes one vessel of stretches that several lines share.
 //!
 //! `vmtkcenterlines` traces a line from each target back to a source, each for itself: the trunk is there once for every outlet.
-//! The lines lie on each other to the last bit or nearly (numerical noise, smoothing and resampling move them by a fraction of the
-//! radius), run apart slowly where their vessels part, and no point of one is a point of another.
+//! The lines coincide exactly or nearly (numerical noise, smoothing and resampling move them by a fraction of the
+//! radius), separate slowly where their vessels branch, and share no points.
 //!
 //! The first line is taken as it is. Every next one (those that have an end in common with a line before them first) is followed
 //! along those taken so far, from a common end, a source or a target, stored forwards or backwards, to where it leaves them for
@@ -14,12 +14,14 @@
 //!   three points; three points of the line at least. Two vessels that leave a junction under more than some 14 degrees are thus
 //!   two from its first point;
 //! - left for good: more than 0.4 radii away and not back within two radii; more than one radius away;
-//! - one junction: leaving within a radius of a junction, or one step of the line, is leaving at it, so that a trifurcation is one.
+//! - one junction: leaving within a radius of a junction, or one step of the line, is leaving at it, so that a trifurcation is
+//!   one.
 //!
-//! A file in which lines end at a point that another line uses too, without the link beside it, knows how its lines hang together:
+//! A file in which lines end at a point of another line, but share no link with it, states already how its lines are connected:
 //! it is a network already (`vmtkcenterlinemerge`, skeletons, tracings), and nothing in it is merged.
 //!
-//! The place on the tree moves along it with the line, never by a jump: a vessel that turns back beside itself is not cut short.
+//! The place on the tree moves along it with the line and never jumps, so a vessel that turns back close to itself is not cut
+//! short.
 
 use std::collections::HashMap;
 
@@ -47,8 +49,8 @@ pub(crate) fn merge(all: &mut Lines) -> Option<String> {
         let line = &all.each[row];
         let backwards: Vec<u32> = line.points.iter().rev().copied().collect();
         let [front, back] = [&line.points, &backwards].map(|points| {
-            let (shared, stands) = tree.follow(points)?;
-            all_merged.extend(points.iter().zip(stands).map(|(gone, stays)| [*gone, stays]));
+            let (shared, replacements) = tree.follow(points)?;
+            all_merged.extend(points.iter().zip(replacements).map(|(gone, stays)| [*gone, stays]));
             Some(shared)
         });
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
@@ -165,29 +167,29 @@ fn without_gaps(all: &Lines) -> Vec<f64> {
     radii
 }
 
-/// A line begins where another one ends, or begins, when this many radii lie between them at most.
+/// Two lines have a common end if their ends are at most this many radii apart.
 pub(crate) const COMMON_END: f64 = 0.4;
-/// A line has left the tree when it is this many radii away from it,
+/// A line has left the tree if it is this many radii away from it,
 const LEAVES: f64 = 0.4;
-/// and for good when it is this many away,
+/// and has left for good if it is this many away,
 const LOST: f64 = 1.0;
-/// or when it has not come back over this many radii of its own length.
+/// or when it has not returned within this many radii of its own length.
 const WITHOUT: f64 = 2.0;
-/// Two lines are one when they stay together until this many radii from their common end,
+/// Two lines are the same vessel when they stay together until this many radii from their common end,
 const STRETCH: f64 = 1.0;
-/// with no more than this many radii between them on the mean;
+/// with at most this many radii between them on average;
 const CLOSE: f64 = 0.12;
-/// or, where the trunk is shorter, when so many points of one
+/// or, where the trunk is shorter, when this many points of one
 const SAME_POINTS: usize = 3;
 /// are no further than this many radii from points of the other.
 const SAME: f64 = 1e-6;
-/// No fewer of its points show a line to be traced again: one link of a voxel grid lies on another one by chance.
+/// The fewest points that show that a line was traced twice: one link of a voxel grid coincides with another by chance.
 const LEAST_POINTS: usize = 3;
 /// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
 const ONE_JUNCTION: f64 = 1.0;
-/// A line is looked at every so many radii at least,
+/// A line is compared with the tree at least once per this many radii,
 const BETWEEN: f64 = 0.5;
-/// but no oftener than so many times between two of its points.
+/// but at most this many times between two of its points.
 const MOST_BETWEEN: f64 = 16.0;
 /// Points walked in search of one: a ring without length has no end.
 const MOST_STEPS: usize = 10_000;
@@ -244,7 +246,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends; and for each of
-    /// its points there the point of the tree that stands for it.
+    /// its points there the point of the tree that replaces it.
     pub(crate) fn follow(&mut self, line: &[u32]) -> Option<(Shared, Vec<u32>)> {
         let (first, start) = (*line.first()?, self.at[*line.first()? as usize]);
         let reach = COMMON_END * self.radii[first as usize];
@@ -253,7 +255,7 @@ impl<'a> Tree<'a> {
         if on.is_empty() {
             return None;
         }
-        let (mut shared, mut stands) = (None, Vec::new());
+        let (mut shared, mut replacements) = (None, Vec::new());
         let (mut is_one, mut sum, mut length, mut same, mut away) = (false, 0.0, 0.0, 0, 0.0);
         let mut before = start;
         for (here, own, n) in self.samples(line) {
@@ -276,7 +278,7 @@ impl<'a> Tree<'a> {
                 let from = self.nearer_end(&foot);
                 shared = n.map(|last| Shared { last, from }).or(shared);
                 if let Some(n) = n {
-                    stands.resize(n + 1, from);
+                    replacements.resize(n + 1, from);
                 }
             }
             on = vec![foot.link];
@@ -292,11 +294,11 @@ impl<'a> Tree<'a> {
             line.get(shared.last + 1).map_or(0.0, |next| distance(self.at[line[shared.last] as usize], self.at[*next as usize]));
         let reach = step.max(ONE_JUNCTION * self.radii[shared.from as usize]);
         let from = self.junction_near(shared.from, reach);
-        stands[shared.last] = from;
-        Some((Shared { from, ..shared }, stands))
+        replacements[shared.last] = from;
+        Some((Shared { from, ..shared }, replacements))
     }
 
-    /// Places along a line with their radii, close enough not to pass over what lies between its points; with the number of the
+    /// Places along a line with their radii, close enough together to miss nothing between its points; with the number of the
     /// point where it is one.
     fn samples(&self, line: &[u32]) -> Vec<(Point, f64, Option<usize>)> {
         let mut out: Vec<(Point, f64, Option<usize>)> = Vec::with_capacity(line.len());

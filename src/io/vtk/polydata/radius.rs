@@ -41,9 +41,9 @@ impl Found {
 /// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and notes for the user.
 ///
 /// Areas give r = sqrt(a / pi), the radius of Moriconi et al. 2019, eq. 1, before any radius of an inscribed sphere; where an
-/// area or an equivalent radius is missing, the inscribed sphere's stands in. The array that the options name holds areas when its
-/// name says "area"; no array at all is an error unless the radius is optional. An array with one value for each line gives each
-/// point the mean of the lines that it is on.
+/// area or an equivalent radius is missing, the inscribed sphere's stands in. The array that the options name holds areas when
+/// its name says "area"; no array at all is an error unless the radius is optional. An array with one value for each line gives
+/// each point the mean of the lines that it is on.
 pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOptions) -> Result<(Vec<f64>, Option<String>), Fault> {
     let find = |names: &[&str]| names.iter().find_map(|name| find(piece, cells, name));
     let named = options.radius_array.as_deref().map(str::trim);

@@ -1,4 +1,4 @@
-//! Writes the candidate bridges of an extraction by a rule: `candidate-bridges RULE FRAGMENTS.swc INLETS.csv EDGES.csv`.
+//! Writes the candidate bridges of an extraction by a rule: `candidates RULE FRAGMENTS.swc INLETS.csv EDGES.csv`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use willis::error::Fault;
 use willis::internals::candidates::features::{Extraction, features};
-use willis::internals::candidates::search::{Meetings, Search, search};
+use willis::internals::candidates::search::{MeetingPoints, SearchOptions, search};
 use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, RadiusRule, contract, nearest_node, parse_position};
 
@@ -15,18 +15,25 @@ use willis::internals::network::{Network, RadiusRule, contract, nearest_node, pa
 const WELD_TOLERANCE: f64 = 1e-6;
 
 /// From the reference model's rules to ours, a change at a time.
-fn rule(name: &str) -> Option<Search> {
-    let reference = Search { branches: 4, free_ends: 4, own_branches: 2, meetings: Meetings { ahead: 2, behind: 0, kinks: 0 } };
-    let behind = Search { meetings: Meetings { behind: 2, ..reference.meetings.clone() }, ..reference.clone() };
-    let kinks = Search { meetings: Meetings { kinks: 2, ..behind.meetings.clone() }, ..reference.clone() };
-    let three = Search { meetings: Meetings::default(), ..reference.clone() };
+fn rule(name: &str) -> Option<SearchOptions> {
+    let reference = SearchOptions {
+        branches: 4,
+        free_ends: 4,
+        own_branches: 2,
+        meeting_points: MeetingPoints { ahead: 2, behind: 0, kinks: 0 },
+    };
+    let behind =
+        SearchOptions { meeting_points: MeetingPoints { behind: 2, ..reference.meeting_points.clone() }, ..reference.clone() };
+    let kinks =
+        SearchOptions { meeting_points: MeetingPoints { kinks: 2, ..behind.meeting_points.clone() }, ..reference.clone() };
+    let three = SearchOptions { meeting_points: MeetingPoints::default(), ..reference.clone() };
     match name {
         "reference" => Some(reference),
         "behind" => Some(behind),
         "behind+kinks" => Some(kinks),
         "behind+kinks+three" => Some(three),
-        "default" => Some(Search::default()),
-        "default+branch" => Some(Search { branches: 6, ..Search::default() }),
+        "default" => Some(SearchOptions::default()),
+        "default+branch" => Some(SearchOptions { branches: 6, ..SearchOptions::default() }),
         _ => None,
     }
 }

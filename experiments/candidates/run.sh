@@ -5,7 +5,7 @@
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/../.."
-here=experiments/candidate-bridges
+here=experiments/candidates
 python=${WILLIS_PYTHON:-python3}
 bench=${WILLIS_GAPBENCH:-../shared/gapbench}
 data=${WILLIS_SHARED_DATA:-../shared/data}
@@ -13,8 +13,8 @@ if [ ! -f "$bench/score.py" ] || [ ! -d "$data/brava" ] || [ ! -d "$data/insist-
     echo "skipped: $bench or $data is not there" >&2
     exit
 fi
-cargo build --release --locked --quiet --example candidate-bridges
-work=target/candidate-bridges
+cargo build --release --locked --quiet --example candidates
+work=target/candidates
 rm -rf "$work"
 mkdir -p "$work"
 "$python" "$bench/make_cases.py" "$data/brava/vtp" "$work/cases/brava" --levels medium,hard --seed 5
@@ -26,7 +26,7 @@ mkdir -p "$work"
         for case in "$work"/cases/*/*/*; do
             out=$work/$rule/${case#"$work/cases/"}
             mkdir -p "$out"
-            target/release/examples/candidate-bridges "$rule" "$case/fragments.swc" "$case/inlets.csv" "$out/edges.csv" 2>>"$work/$rule.log"
+            target/release/examples/candidates "$rule" "$case/fragments.swc" "$case/inlets.csv" "$out/edges.csv" 2>>"$work/$rule.log"
         done
         PYTHONPATH=$bench "$python" "$here/judge.py" "$work/cases" "$work/$rule" "$rule"
     done

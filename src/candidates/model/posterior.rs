@@ -1,0 +1,199 @@
+//! The posterior over the forests of an extraction, and the probability of every candidate.
+
+use std::collections::BTreeMap;
+
+use super::closures::closures;
+use super::feature_table::CandidateTable;
+use super::weights::Weights;
+use crate::candidates::features::extraction::Extraction;
+use crate::candidates::features::feedback::Feedback;
+use crate::candidates::search::Candidate;
+use crate::error::{Error, Result};
+use crate::forest_posterior::{Forests, Marginals, arborescence, check_tangle, marginals};
+use crate::support::geometry::distance;
+use crate::support::statistics::sigmoid;
+
+/// The posterior over how the fragments of an extraction are connected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// The candidates with their features; those between fragments are the edges of the forests, in their order.
+    pub table: CandidateTable,
+    /// The weights of the last pass.
+    pub forests: Forests,
+    /// The marginals of the last pass, not calibrated.
+    pub marginals: Marginals,
+    /// Per candidate the calibrated probability of its pair.
+    pub probability: Vec<f64>,
+    /// Per candidate the score of attaching its child by it when a forest is decided.
+    pub attachment_scores: Vec<f64>,
+    /// Per fragment the score of leaving it a root then.
+    pub root_scores: Vec<f64>,
+    /// The candidates within a fragment with the probability that they close a loop that is there.
+    pub closures: Vec<(Candidate, f64)>,
+}
+
+/// The posterior that `weights` give the candidates of an extraction, which should be all of a search.
+///
+/// # Errors
+///
+/// Weights without a pass, or of other features than this program measures; fragments in a tangle.
+pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &Weights) -> Result<Posterior> {
+    weights.validate()?;
+    let table = CandidateTable::new(extraction, candidates);
+    let (forests, marginals) = last_pass(extraction, &table, weights)?;
+    let calibration = Calibration(weights.calibration);
+    let of_pair: Vec<f64> = table.summed_by_pair(&marginals.edges).into_iter().map(|p| calibration.apply(p)).collect();
+    let probability = table.pair.iter().map(|pair| of_pair[*pair]).collect();
+    let attachment_scores = attachment_scores(extraction, &table.candidates, &marginals);
+    let root_scores = root_scores(extraction, &marginals);
+    let closures = if weights.closure.is_empty() {
+        Vec::new()
+    } else {
+        let kept = arborescence(&forests, &attachment_scores, &root_scores);
+        let found = closures(extraction, &table, &weights.passes[0], &marginals, &kept);
+        found.iter().map(|c| (c.candidate, c.probability(&weights.closure))).collect()
+    };
+    Ok(Posterior { table, forests, marginals, probability, attachment_scores, root_scores, closures })
+}
+
+/// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.
+pub(crate) fn last_pass(extraction: &Extraction, table: &CandidateTable, weights: &Weights) -> Result<(Forests, Marginals)> {
+    let mut last: Option<(Forests, Marginals)> = None;
+    let mut feedback = None;
+    for pass in &weights.passes {
+        let forests = match &last {
+            None => {
+                let forests = table.forests(pass, &table.features)?;
+                check_tangle(&forests)?;
+                forests
+            }
+            Some((forests, marginals)) => {
+                let feedback = feedback.get_or_insert_with(|| Feedback::new(extraction, &table.candidates));
+                table.forests(pass, &table.features_and(&feedback.features(forests, marginals)))?
+            }
+        };
+        let marginals = marginals(&forests);
+        last = Some((forests, marginals));
+    }
+    last.ok_or_else(|| Error::parameter("weights", "of no pass", "expected one pass at least"))
+}
+
+/// The least probability, and the least doubt, whose log-odds are distinguished.
+const LEAST: f64 = 1e-12;
+
+/// P = σ(a + b l + c min(l, 0)), l the log-odds of the model's own probability: Platt's map with a slope for either side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Calibration(pub [f64; 3]);
+
+impl Calibration {
+    /// 1, l and min(l, 0) of a probability.
+    pub fn design(p: f64) -> [f64; 3] {
+        let p = p.clamp(LEAST, 1.0 - LEAST);
+        let log_odds = (p / (1.0 - p)).ln();
+        [1.0, log_odds, log_odds.min(0.0)]
+    }
+
+    /// The calibrated probability; what cannot be stays so.
+    pub fn apply(&self, p: f64) -> f64 {
+        if p <= 0.0 {
+            return 0.0;
+        }
+        let z: f64 = self.0.iter().zip(Self::design(p)).map(|(a, x)| a * x).sum();
+        sigmoid(z)
+    }
+}
+
+/// A fragment that blood enters is no false one, so leaving it a root can only lose a connection.
+const FED: f64 = 0.3;
+/// With so many fragments half of the probability of being a root counts: in a circle of few fragments one lost connection
+/// changes the whole, in a brain of a hundred one false twig more joins it.
+const HALF: f64 = 10.0;
+/// Where no inlet is given, so many of the widest free ends are taken for inlets ...
+const LIKELY_INLETS: usize = 3;
+/// ... and the others that nobody marked make every fragment somewhat more likely to lead to one.
+const UNMARKED: f64 = 0.7;
+
+/// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments; times 0.7 when no
+/// inlet is given.
+pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
+    let n = extraction.fragments.len() as f64;
+    let mut fed = vec![false; extraction.fragments.len()];
+    for point in known_or_likely_inlets(extraction) {
+        fed[extraction.fragment[point]] = true;
+    }
+    let unmarked = if extraction.inlets.is_empty() { UNMARKED } else { 1.0 };
+    marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + HALF) }).collect()
+}
+
+/// The points where blood enters: the inlets given, without any the three widest free ends.
+pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
+    if !extraction.inlets.is_empty() {
+        return extraction.inlets.clone();
+    }
+    let mut ends: Vec<_> = extraction.ends.iter().collect();
+    ends.sort_by(|a, b| b.radius.total_cmp(&a.radius).then(a.point.cmp(&b.point)));
+    ends.iter().take(LIKELY_INLETS).map(|end| end.point).collect()
+}
+
+/// Candidates from one end to one fragment are nearly equal where they meet it within the largest of so many spacings, ...
+const NEAR_SPACINGS: f64 = 3.0;
+/// ... so many radii there, ...
+const NEAR_RADII: f64 = 2.0;
+/// ... and so many gaps: closer, no image distinguishes them.
+const NEAR_GAPS: f64 = 0.75;
+/// A candidate represents two fragments in place of a more probable one where it has so much more probability around it, ...
+const MUCH_MORE: f64 = 0.25;
+/// ... and itself at least so much of the other's.
+const NOT_MUCH_LESS: f64 = 0.5;
+
+/// Per candidate the score of attaching its child by it: its marginal, and for the one candidate that represents its child and
+/// parent the sum over the candidates nearly equal to it. A search offers several meeting points a few voxels from one another, which
+/// share the probability of one connection.
+pub fn attachment_scores(extraction: &Extraction, candidates: &[Candidate], marginals: &Marginals) -> Vec<f64> {
+    let own = &marginals.edges;
+    let parent = |c: &Candidate| extraction.fragment[c.point];
+    let mut alike: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+    for (row, candidate) in candidates.iter().enumerate() {
+        alike.entry((candidate.end, parent(candidate))).or_default().push(row);
+    }
+    let at = |row: usize| extraction.position[candidates[row].point];
+    let mass = |row: usize| {
+        let candidate = &candidates[row];
+        let gap = distance(at(row), extraction.position[extraction.ends[candidate.end].point]);
+        let near = (NEAR_SPACINGS * extraction.spacing).max(NEAR_RADII * extraction.smooth.radius[candidate.point]);
+        // A little more, so that no rounding decides on voxel grids.
+        let near = near.max(NEAR_GAPS * gap) * (1.0 + 1e-9);
+        let rows = alike[&(candidate.end, parent(candidate))].iter();
+        rows.filter(|other| distance(at(**other), at(row)) <= near).map(|other| own[*other]).sum::<f64>().min(1.0)
+    };
+    let masses: Vec<f64> = (0..own.len()).map(mass).collect();
+    let mut order: Vec<usize> = (0..own.len()).collect();
+    order.sort_by(|a, b| own[*b].total_cmp(&own[*a]).then(a.cmp(b)));
+    let mut best: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for row in order {
+        let candidate = &candidates[row];
+        let represents = best.entry([extraction.ends[candidate.end].fragment, parent(candidate)]).or_insert(row);
+        if masses[row] * (1.0 - MUCH_MORE) > masses[*represents] && own[row] > NOT_MUCH_LESS * own[*represents] {
+            *represents = row;
+        }
+    }
+    let mut scores = own.clone();
+    for row in best.into_values() {
+        scores[row] = masses[row];
+    }
+    scores
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odds_are_raised_to_the_slope_of_their_side() {
+        let map = Calibration([0.0, 2.0, -1.0]);
+        // Odds 4 become 16; odds 1/4 keep a slope of 2 - 1 = 1.
+        assert!((map.apply(0.8) - 16.0 / 17.0).abs() < 1e-15 && (map.apply(0.2) - 0.2).abs() < 1e-15);
+        assert_eq!([map.apply(0.0), map.apply(0.5)], [0.0, 0.5]);
+        assert!(map.apply(1.0) <= 1.0 && map.apply(1.0) > 1.0 - 1e-12);
+    }
+}

@@ -1,0 +1,124 @@
+//! The over-connected graph: the observed vessels, split where candidates meet them, and the candidates.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::features::extraction::Extraction;
+use super::search::Candidate;
+use super::{CandidateOptions, CandidateRadius, NetworkPoint};
+use crate::network::units::as_stored;
+use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use crate::support::geometry::distance;
+
+/// A candidate that becomes a vessel.
+pub struct NewVessel {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// The radii (m) at its free end and at the point it reaches.
+    pub radii: [f64; 2],
+    /// What the evidence says of it; `None` without evidence.
+    pub evidence: Option<Evidence>,
+}
+
+/// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
+/// a vessel is split.
+pub fn over_connected(
+    network: &Network,
+    extraction: &Extraction,
+    mut found: Vec<NewVessel>,
+    options: &CandidateOptions,
+) -> (Network, BTreeMap<NetworkPoint, usize>) {
+    let pair = |[a, b]: [NetworkPoint; 2]| [a.min(b), a.max(b)];
+    let points = |new: &NewVessel| [extraction.ends[new.candidate.end].point, new.candidate.point];
+    let places = |new: &NewVessel| points(new).map(|point| extraction.place[point]);
+    let mut joined: BTreeSet<[NetworkPoint; 2]> = network.vessels().map(|(ends, _)| pair(ends.map(NetworkPoint::Node))).collect();
+    found.retain(|new| joined.insert(pair(places(new))));
+    let mut cuts: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    for place in found.iter().flat_map(places) {
+        if let NetworkPoint::Along { vessel, point } = place {
+            cuts.entry(vessel).or_default().insert(point);
+        }
+    }
+    let (mut graph, node_at) = split(network, &cuts, options.radius_rule);
+    for new in found {
+        let ends = places(&new).map(|place| match place {
+            NetworkPoint::Node(node) => node,
+            NetworkPoint::Along { .. } => node_at[&place],
+        });
+        let [a, b] = new.radii;
+        let radius = match options.radius {
+            CandidateRadius::Min => a.min(b),
+            CandidateRadius::Mean => 0.5 * (a + b),
+        };
+        let radius = options.max_radius.map_or(radius, |most| radius.min(most));
+        let [from, to] = points(&new).map(|point| extraction.position[point]);
+        let path = [from, to].map(|position| PathPoint { position, radius, id: None }).to_vec();
+        let prior = new.evidence.map_or(1.0, |e| e.probability);
+        let vessel = Vessel::new(distance(from, to), radius, Origin::Candidate);
+        graph.add_vessel(ends, Vessel { prior, evidence: new.evidence, path, ..vessel });
+    }
+    store(&mut graph);
+    (graph, node_at)
+}
+
+/// Makes every length one that survives being written in millimetres.
+fn store(network: &mut Network) {
+    for row in 0..network.vessel_count() {
+        let vessel = network.vessel_mut(row);
+        vessel.length = as_stored(vessel.length);
+        vessel.radius = as_stored(vessel.radius);
+        for point in &mut vessel.path {
+            point.radius = as_stored(point.radius);
+            point.position = point.position.map(as_stored);
+        }
+    }
+    for row in 0..network.node_count() {
+        let node = network.node_mut(row);
+        node.radius = node.radius.map(as_stored);
+        node.position = node.position.map(|p| p.map(as_stored));
+    }
+}
+
+/// The network with its vessels split at the points of `cuts`, given per vessel, and the new node at every cut.
+///
+/// A new node takes the number of its point as id; where the point has none, or the id is taken, it is called after the
+/// vessel's row and the point.
+fn split(
+    network: &Network,
+    cuts: &BTreeMap<usize, BTreeSet<usize>>,
+    rule: RadiusRule,
+) -> (Network, BTreeMap<NetworkPoint, usize>) {
+    let mut graph = Network::new();
+    for node in network.nodes() {
+        graph.add_node(node.clone());
+    }
+    let mut taken: BTreeSet<String> = network.nodes().map(|n| n.id.clone()).collect();
+    let mut node_at = BTreeMap::new();
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        let Some(points) = cuts.get(&row) else {
+            graph.add_vessel(ends, vessel.clone());
+            continue;
+        };
+        let (mut from, mut start) = (ends[0], 0);
+        for point in points {
+            let node = graph.add_node(cut_node(vessel, row, *point, &mut taken));
+            node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
+            graph.add_vessel([from, node], part(vessel, &vessel.path[start..=*point], rule));
+            (from, start) = (node, *point);
+        }
+        graph.add_vessel([from, ends[1]], part(vessel, &vessel.path[start..], rule));
+    }
+    (graph, node_at)
+}
+
+fn cut_node(vessel: &Vessel, row: usize, point: usize, taken: &mut BTreeSet<String>) -> Node {
+    let at = &vessel.path[point];
+    let mut id = at.id.map_or_else(|| format!("{row}:{point}"), |id| id.to_string());
+    while !taken.insert(id.clone()) {
+        id = format!("{row}:{id}");
+    }
+    Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() }
+}
+
+fn part(vessel: &Vessel, path: &[PathPoint], rule: RadiusRule) -> Vessel {
+    Vessel { label: vessel.label.clone(), prior: vessel.prior, certain: vessel.certain, ..Vessel::along(path.to_vec(), rule) }
+}
