@@ -1,4 +1,4 @@
-//! What the large phantoms share: their options, and straight vessels between nodes.
+//! What the large phantoms have in common: their options, and straight vessels between nodes.
 
 use super::{check_length, check_range, widen_nodes};
 use crate::error::Result;

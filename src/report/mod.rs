@@ -1,4 +1,4 @@
-//! What a run leaves behind: tables, matrices, topologies, pictures and the record of how it was made.
+//! The files of a run: tables, matrices, topologies, pictures, pages and the record of how it was made.
 
 pub mod cohort;
 pub mod figures;
