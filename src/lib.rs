@@ -39,7 +39,7 @@
 //! | the evidence | here |
 //! |---|---|
 //! | w = exp(β·x), v = exp(γ·z) | [`internals::candidates::features`], [`internals::candidates::model`] |
-//! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`internals::forest_posterior::marginals`] |
+//! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`internals::forest_posterior::marginals()`] |
 //! | maximum conditional likelihood | `training/fit.rs` |
 //! | the most probable forest | `decision/most_probable_forest.rs` |
 //! | whole topologies with their weights | `decision/whole_topologies.rs` |

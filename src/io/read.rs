@@ -144,7 +144,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
 ///
 /// # Errors
 ///
-/// The file cannot be read, or has more than [`MAX_INPUT`] bytes; the error names it.
+/// The file cannot be read, or has more than `MAX_INPUT` bytes; the error names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     bytes_up_to(path, MAX_INPUT, "")
 }

@@ -10,7 +10,7 @@ use super::simd::Simd;
 /// Samples in one block, drawn together from one stream.
 pub const BLOCK: u64 = 64;
 
-/// A stream of a seed, one of [`streams`]: what it draws depends on these two numbers alone.
+/// A stream of a seed, as the functions below number them: what it draws depends on these two numbers alone.
 pub fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream);

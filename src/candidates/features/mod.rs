@@ -1,7 +1,7 @@
 //! Evidence: the dimensionless features that say how probable each candidate is before any flow.
 //!
 //! Every length is divided by a local diameter, the spacing of the points or another length of the same extraction, so that
-//! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a [`MeasuredCandidate`] and a row of
+//! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a `MeasuredCandidate` and a row of
 //! [`FEATURES`]: that is all it takes to add or drop one.
 
 pub(crate) mod candidate;
