@@ -9,7 +9,7 @@
 
 use super::arteries::{Artery, FENESTRATED, RING, Side};
 use super::collaterals::{ArteryVessels, TERRITORIES};
-use super::shortest_path::{Marks, Way, shortest};
+use super::shortest_path::{Marks, Path, shortest};
 use super::variant::Variant;
 use crate::network::Network;
 use crate::support::statistics::quantile;
@@ -108,8 +108,8 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
 
     /// The shortest path over vessels of `own` or without a label, between nodes that `from` and `to` select. It does not pass through nodes
     /// of other arteries.
-    fn path(&self, own: Set, from: impl Fn(Set) -> bool, to: impl Fn(Set) -> bool) -> Option<Way> {
-        let may = |row: usize| {
+    fn path(&self, own: Set, from: impl Fn(Set) -> bool, to: impl Fn(Set) -> bool) -> Option<Path> {
+        let is_open = |row: usize| {
             (self.kept)(row)
                 && match self.meanings[row] {
                     LabelMeaning::Artery(artery) => artery.bit() & own != 0,
@@ -118,7 +118,7 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
                 }
         };
         let avoid = self.nodes(|touch| touch & !own != 0);
-        shortest(self.network, [&self.nodes(from), &self.nodes(to), &avoid], may, f64::INFINITY)
+        shortest(self.network, [&self.nodes(from), &self.nodes(to), &avoid], is_open, f64::INFINITY)
     }
 
     /// Whether a segment joins `from` and `to`. An end does not matter if the network has no such artery at all.

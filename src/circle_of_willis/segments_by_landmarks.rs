@@ -7,7 +7,7 @@
 use super::arteries::{Artery, FENESTRATED, Side};
 use super::collaterals::ArteryVessels;
 use super::segments_by_labels::is_wider;
-use super::shortest_path::{Marks, Way, marks, shortest};
+use super::shortest_path::{Marks, Path, marks, shortest};
 use super::variant::Variant;
 use crate::network::Network;
 
@@ -71,7 +71,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         rules
     }
 
-    fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Way> {
+    fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Path> {
         let set = |nodes: &[usize]| marks(self.network, nodes.iter().copied());
         let avoid: Marks = marks(self.network, avoid.iter().flat_map(|nodes| nodes.iter().copied()));
         shortest(self.network, [&set(from), &set(to), &avoid], self.kept, f64::INFINITY)
@@ -82,20 +82,20 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     fn find_carotids(&mut self) {
         let points = self.points;
         let ends = |s: usize| -> Vec<usize> { points.m1[s].map_or_else(|| points.carotid[s].clone(), |m1| vec![m1]) };
-        let length = |way: &Way| way.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
+        let length = |path: &Path| path.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
         let find = |s: usize, avoid: &[usize]| {
             let posterior = self.posterior_nodes(&points.feeders);
             self.path(&points.ica[s].into_iter().collect::<Vec<_>>(), &ends(s), &[avoid, &posterior])
         };
         let free = [find(0, &[]), find(1, &[])];
-        let lengths = free.each_ref().map(|way| way.as_ref().map_or(f64::INFINITY, length));
+        let lengths = free.each_ref().map(|path| path.as_ref().map_or(f64::INFINITY, length));
         let first = usize::from(lengths[1] < lengths[0]);
         let second = 1 - first;
-        let of_first = free[first].as_ref().map(|way| way.nodes.clone()).unwrap_or_default();
+        let of_first = free[first].as_ref().map(|path| path.nodes.clone()).unwrap_or_default();
         let other = find(second, &of_first);
-        for (s, way) in [(first, &free[first]), (second, &other)] {
+        for (s, path) in [(first, &free[first]), (second, &other)] {
             let seen = [points.ica[s], points.m1[s]].into_iter().flatten().chain(points.carotid[s].iter().copied());
-            let mut nodes: Vec<usize> = way.iter().flat_map(|way| way.nodes.iter().copied()).chain(seen).collect();
+            let mut nodes: Vec<usize> = path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen).collect();
             nodes.sort_unstable();
             nodes.dedup();
             self.trunk[s] = nodes;
@@ -120,7 +120,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let a2: Vec<usize> = points.a2[s].or(points.a2[1 - s]).into_iter().collect();
         let Some(carotid) = self.path(&[ica], &a2, &[other, &points.feeders, &opposite, &[p2]]) else { return Vec::new() };
         let reached = self.path(&[p2], &carotid.nodes, &[other, &points.feeders, &opposite]);
-        let end = reached.and_then(|way| way.nodes.last().copied());
+        let end = reached.and_then(|path| path.nodes.last().copied());
         let cut = end.and_then(|end| carotid.nodes.iter().position(|node| *node == end));
         cut.map_or_else(Vec::new, |cut| carotid.nodes[..=cut].to_vec())
     }
@@ -151,7 +151,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let p1 = self.proper_p1(p1, &pcomm);
         for side in Side::BOTH {
             let s = side.index();
-            let proper = |p1: &Way| pcomm[s].as_ref().map(|way| beyond(way, p1, points.posterior[s]));
+            let proper = |p1: &Path| pcomm[s].as_ref().map(|path| beyond(path, p1, points.posterior[s]));
             let wider = || {
                 p1[s].as_ref().is_some_and(|(full, p1)| {
                     proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.vessels, &p1.vessels))
@@ -159,17 +159,17 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
             };
             variant.set_fetal(side, wider);
         }
-        let a1_proper =
-            [0, 1].map(|s| a1[s].as_ref().map(|way| beyond(way, acomm.as_ref().unwrap_or(&Way::default()), points.anterior[s])));
-        let acomm = acomm.map(|way| between(&way, &a1));
+        let a1_proper = [0, 1]
+            .map(|s| a1[s].as_ref().map(|path| beyond(path, acomm.as_ref().unwrap_or(&Path::default()), points.anterior[s])));
+        let acomm = acomm.map(|path| between(&path, &a1));
         let blocked = marks(self.network, self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
-            let way = match segment {
+            let path = match segment {
                 Artery::A1(side) => a1_proper[side.index()].as_ref(),
                 Artery::P1(side) => p1[side.index()].as_ref().map(|(_, proper)| proper),
                 _ => acomm.as_ref(),
             };
-            variant.fenestration[row] = way.is_some_and(|way| self.has_second_channel(way, &blocked));
+            variant.fenestration[row] = path.is_some_and(|path| self.has_second_channel(path, &blocked));
         }
         variant
     }
@@ -193,9 +193,9 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let at = |nodes: &[usize]| (0..self.network.vessel_count()).filter(|row| touches(row, nodes)).collect::<Vec<usize>>();
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
         // The last vessel of a path to a carotid belongs to the segment that leaves the carotid.
-        let last = |way: Option<Way>| way.and_then(|way| way.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
+        let last = |path: Option<Path>| path.and_then(|path| path.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
         let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
-        let acomm = self.acomm(&posterior).map(|way| between(&way, &a1).vessels).unwrap_or_default();
+        let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).vessels).unwrap_or_default();
         let [p1, pcomm] = self.posterior_segments(&feeders);
         let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
         let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
@@ -208,7 +208,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         }
     }
 
-    fn a1(&self, side: Side, posterior: &[usize]) -> Option<Way> {
+    fn a1(&self, side: Side, posterior: &[usize]) -> Option<Path> {
         let (s, o) = (side.index(), side.other().index());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
         match self.points.a2[s].or(self.points.a2[o]) {
@@ -217,7 +217,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         }
     }
 
-    fn acomm(&self, posterior: &[usize]) -> Option<Way> {
+    fn acomm(&self, posterior: &[usize]) -> Option<Path> {
         let [left, right] = &self.trunk;
         match self.points.a2 {
             [Some(a), Some(b)] => self.path(&[a], &[b], &[left, right, posterior]),
@@ -228,7 +228,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     }
 
     /// P1 and PComm of both sides.
-    fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Way>; 2]; 2] {
+    fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Path>; 2]; 2] {
         let [left, right] = &self.trunk;
         let both = Side::BOTH.map(|side| {
             let (s, o) = (side.index(), side.other().index());
@@ -246,16 +246,16 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     }
 
     /// For each side the path from the outlet of P2 to the basilar artery, and P1 itself: from PComm to the end of the basilar artery.
-    fn proper_p1(&self, p1: [Option<Way>; 2], pcomm: &[Option<Way>; 2]) -> [Option<(Way, Way)>; 2] {
-        let empty = Way::default();
-        let tip = self.points.tip.map(|node| Way { nodes: vec![node], vessels: Vec::new() });
+    fn proper_p1(&self, p1: [Option<Path>; 2], pcomm: &[Option<Path>; 2]) -> [Option<(Path, Path)>; 2] {
+        let empty = Path::default();
+        let tip = self.points.tip.map(|node| Path { nodes: vec![node], vessels: Vec::new() });
         let proper = [0, 1].map(|s| {
             let full = p1[s].as_ref()?;
-            let way = beyond(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
-            let ends = |end: &Way| end.nodes.iter().any(|node| way.nodes.contains(node));
+            let path = beyond(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
+            let ends = |end: &Path| end.nodes.iter().any(|node| path.nodes.contains(node));
             Some(match [tip.as_ref(), p1[1 - s].as_ref()].into_iter().flatten().find(|end| ends(end)) {
-                Some(end) => way.before(end),
-                None => way.start(self.network, LENGTH_OF_P1),
+                Some(end) => path.before(end),
+                None => path.start(self.network, LENGTH_OF_P1),
             })
         });
         let mut proper = proper.into_iter();
@@ -263,24 +263,24 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     }
 
     /// Whether a second, short path leaves a segment and returns to it.
-    fn has_second_channel(&self, way: &Way, blocked: &Marks) -> bool {
-        let off = |vessel: usize| (self.kept)(vessel) && !way.vessels.contains(&vessel);
-        (0..way.nodes.len().saturating_sub(1)).any(|at| {
-            let from = marks(self.network, [way.nodes[at]]);
-            let to = marks(self.network, way.nodes[at + 1..].iter().copied());
+    fn has_second_channel(&self, path: &Path, blocked: &Marks) -> bool {
+        let off = |vessel: usize| (self.kept)(vessel) && !path.vessels.contains(&vessel);
+        (0..path.nodes.len().saturating_sub(1)).any(|at| {
+            let from = marks(self.network, [path.nodes[at]]);
+            let to = marks(self.network, path.nodes[at + 1..].iter().copied());
             shortest(self.network, [&from, &to, blocked], off, LONGEST_CHANNEL).is_some()
         })
     }
 }
 
 /// The part of the path from A2 to A2 between the two A1.
-fn between(acomm: &Way, a1: &[Option<Way>; 2]) -> Way {
-    let way = a1[0].as_ref().map_or_else(|| acomm.clone(), |left| acomm.after(left));
-    a1[1].as_ref().map_or_else(|| way.clone(), |right| way.before(right))
+fn between(acomm: &Path, a1: &[Option<Path>; 2]) -> Path {
+    let path = a1[0].as_ref().map_or_else(|| acomm.clone(), |left| acomm.after(left));
+    a1[1].as_ref().map_or_else(|| path.clone(), |right| path.before(right))
 }
 
 /// The part of a path beyond its junction: a landmark, or where it leaves the other path from the same outlet.
-fn beyond(way: &Way, other: &Way, junction: Option<usize>) -> Way {
-    let landmark = junction.filter(|node| way.nodes.contains(node));
-    landmark.map_or_else(|| way.after(other), |node| way.after(&Way { nodes: vec![node], vessels: Vec::new() }))
+fn beyond(path: &Path, other: &Path, junction: Option<usize>) -> Path {
+    let landmark = junction.filter(|node| path.nodes.contains(node));
+    landmark.map_or_else(|| path.after(other), |node| path.after(&Path { nodes: vec![node], vessels: Vec::new() }))
 }
