@@ -195,6 +195,6 @@ mod tests {
         let said = fault.in_file(Path::new("f")).to_string();
         assert!(said.starts_with("f: a\u{fffd}b: x\u{fffd}\u{fffd}[31myy") && said.ends_with("y\u{2026}; z"), "{said}");
         assert!(!said.chars().any(char::is_control));
-        assert_eq!(Error::parameter("x", "1\n", "a number").to_string(), "--x 1\u{fffd}: a number");
+        assert_eq!(Error::parameter("x", "1\n", "a number").to_string(), "x 1\u{fffd}: a number");
     }
 }
