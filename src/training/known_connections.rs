@@ -49,7 +49,7 @@ pub struct KnownConnections {
 }
 
 impl KnownConnections {
-    /// Connections that name points of their own (m): a point of the extraction represents the nearest within `tolerance` (m), and for
+    /// Connections that name points of their own (m): a point of the extraction represents the nearest within `tolerance` (m), and
     /// those hardly further away.
     pub fn snapped(extraction: &Extraction, points: &[Point], tolerance: f64, connections: &[KnownConnection]) -> Self {
         let mut named = vec![Vec::new(); points.len()];
