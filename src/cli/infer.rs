@@ -228,7 +228,7 @@ impl Inferences<'_> {
         let mut follower = self.follower(folder, &prepared.provenance.command, terminal);
         let shard = prepared.sample_range(&self.runs[0], blocks, &mut follower).map_err(|error| follower.rescue(error))?;
         let ([from, to], seconds) = shard.samples();
-        shard.write(&folder.path()).map_err(|error| follower.rescue(error))?;
+        shard.write(&folder.path(), &self.save).map_err(|error| follower.rescue(error))?;
         let total = count(self.args.sampling.samples);
         terminal.say("shard", format!("samples {from}..{to} of {total}, in {seconds:.1} s"));
         Ok(())

@@ -8,10 +8,8 @@ use willis::error::{Error, Fault, Result};
 use willis::internals::output::atomic::StagedFolder;
 use willis::internals::output::names::{RECORD, SHARD};
 use willis::internals::pipeline::ShardRecord;
-use willis::internals::report::figures::DEFAULT_DPI;
-use willis::{SaveOptions, merge};
+use willis::merge;
 
-use super::args::figures::whole;
 use super::cohort::{Failure, gather};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
@@ -36,17 +34,12 @@ pub struct MergeArgs {
     /// Print run.json on standard output too, in one line; of a cohort, its row of each subject
     #[arg(long)]
     json: bool,
-    /// Resolution of the pictures
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true)]
-    dpi: u32,
 }
 
 impl MergeArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         StagedFolder::check(&self.output, force)?;
-        let save = SaveOptions { dpi: self.dpi };
-        save.validate()?;
         let is_known = |path: &Path| Kind::in_folder(path).is_ok_and(|kind| kind.is_some());
         let folders = paths(&self.folders, "folder of a shard or a run", is_known)?;
         let kinds = folders.iter().map(|folder| Kind::of(folder)).collect::<Result<Vec<_>>>()?;
@@ -60,7 +53,7 @@ impl MergeArgs {
         if kinds.iter().any(|kind| matches!(kind, Kind::FailedShard(_))) {
             return self.fail(&folders, kinds, force, terminal);
         }
-        let inference = merge(&folders, |parts, samples, seed| {
+        let (inference, save) = merge(&folders, |parts, samples, seed| {
             terminal.say("merging", format!("{}: {} samples, seed {seed}", plural(parts, "shard"), count(samples)));
         })?;
         listen();

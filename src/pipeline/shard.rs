@@ -11,7 +11,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Heard, Inference, Prepared, Progress, Step};
+use super::{Heard, Inference, Prepared, Progress, SaveOptions, Step};
 use crate::error::{Error, Fault, Result};
 use crate::io::{bytes_of, checksum_of_file};
 use crate::network::Network;
@@ -49,6 +49,8 @@ pub struct ShardRecord {
     sums: String,
     /// Seconds that sampling took.
     sampling_s: f64,
+    /// How the folder of the run is to be written.
+    save: SaveOptions,
     prepared: Arc<Prepared>,
 }
 
@@ -140,6 +142,7 @@ impl Prepared {
             solver: Solver::of(sampling.method()),
             sums: String::new(),
             sampling_s: begun.elapsed().as_secs_f64(),
+            save: SaveOptions::default(),
             prepared: Arc::clone(self),
         };
         Ok(Shard { record, part })
@@ -162,12 +165,13 @@ impl Shard {
         (self.record.range, self.record.sampling_s)
     }
 
-    /// Writes shard.npz and shard.json into a folder that is there.
+    /// Writes shard.npz and shard.json into a folder that is there; `save` is how the folder of the run is to be written.
     ///
     /// # Errors
     ///
     /// A file that cannot be written.
-    pub fn write(mut self, folder: &Path) -> Result<()> {
+    pub fn write(mut self, folder: &Path, save: &SaveOptions) -> Result<()> {
+        self.record.save = *save;
         write_file(&folder.join(SHARD_SUMS), |out| write_part(out, &self.part))?;
         self.record.sums = checksum_of_file(&folder.join(SHARD_SUMS))?;
         write_file(&folder.join(SHARD), |out| {
@@ -193,7 +197,8 @@ impl ShardRecord {
         let record: Self = read_json(&path, expected)?;
         let range = record.range[0] < record.range[1] && record.range[1] <= record.sampling.samples;
         let whole = range && record.prepared.is_whole() && record.prepared.graph_checksum() == record.graph;
-        let valid = record.sampling.validate().and_then(|()| record.prepared.keep.validate());
+        let valid =
+            record.sampling.validate().and_then(|()| record.prepared.keep.validate()).and_then(|()| record.save.validate());
         if !whole || valid.is_err() {
             let found = "damaged: its range, parameters or graph are not those that were sampled";
             return Err(Fault::file(found, "expected it as willis infer --range wrote it").in_file(&path));
@@ -255,6 +260,7 @@ impl ShardRecord {
         let mut options = prepared.options.clone();
         options.infer.sampling = self.sampling.clone();
         let mut all = options.comparable(&prepared.prior);
+        all["dpi"] = json!(self.save.dpi);
         all["keep"] = json!(prepared.keep);
         all["landmarks"] = json!(prepared.arteries.as_ref().and_then(|found| Some(&found.landmarks.as_ref()?.sha256)));
         all
@@ -268,12 +274,12 @@ pub fn differing(one: &Value, other: &Value) -> Option<String> {
     names.into_iter().find(|name| one[*name] != other[*name]).cloned()
 }
 
-/// Puts a run together from the folders of all its shards, in whatever order.
+/// Puts a run together from the folders of all its shards, in whatever order; and how its folder is to be written.
 ///
 /// # Errors
 ///
 /// A folder that is no shard, shards of different runs, samples in two shards or in none.
-pub fn merge(folders: &[PathBuf], mut each: impl FnMut(usize, u64, u64)) -> Result<Inference> {
+pub fn merge(folders: &[PathBuf], mut each: impl FnMut(usize, u64, u64)) -> Result<(Inference, SaveOptions)> {
     let started = Instant::now();
     let (mut shards, mut graph): (Vec<(&Path, ShardRecord)>, _) = (Vec::new(), Network::new());
     for path in folders {
@@ -306,7 +312,7 @@ pub fn merge(folders: &[PathBuf], mut each: impl FnMut(usize, u64, u64)) -> Resu
     each(count, part.done(), first.sampling.seed);
     let likelihood = Likelihood::new(part.total().unwrap_or_default(), part.uncertain().to_vec(), part.trace());
     let time = json!({ "sampling_s": seconds, "samples_per_s": part.done() as f64 / seconds, "shards": count });
-    first.prepared.decide(&first.sampling, likelihood, first.solver.method(), time)
+    Ok((first.prepared.decide(&first.sampling, likelihood, first.solver.method(), time)?, first.save))
 }
 
 /// Refuses shards, in rising order, that have samples in common or leave some out.
