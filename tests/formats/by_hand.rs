@@ -111,7 +111,7 @@ fn loops_link_points_and_their_faults_name_the_line() {
     }
     let ready = folder.path().join("g.graphml");
     std::fs::write(&ready, small(&[], &[("radius_mm", "1")])).unwrap();
-    assert!(read(&ready, &options).unwrap_err().to_string().starts_with("--loops "));
+    assert!(read(&ready, &options).unwrap_err().to_string().starts_with("loops "));
     options.loops = Some(folder.path().join("absent"));
     assert!(read(&path, &options).unwrap_err().to_string().contains("absent: cannot be read"));
 }
