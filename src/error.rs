@@ -133,7 +133,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// No pressures were found that meet Kirchhoff's law.
-    #[error("the conductances lie too far apart for the solver; try another --solver: lanes, gradients or cholesky")]
+    #[error("the conductances lie too far apart for the solver; try another --solver: lanes, gradients or reference")]
     Breakdown,
     /// Some subjects of a cohort failed; the rest stands.
     #[error("{failed} of {total} subject{} failed", if *total == 1 { "" } else { "s" })]
