@@ -411,8 +411,9 @@ impl<'a> SeparateRun<'a> {
             let found = format!("was made by willis {version}, and this is {}", env!("CARGO_PKG_VERSION"));
             return Err(Fault::file(found, "expected a run of this version").in_file(folder));
         }
-        let options: RunOptions =
-            serde_json::from_value(options).map_err(|_| Fault::file("a run of another command", RUN).in_file(folder))?;
+        let command = record.as_ref().map_or("", |record| record["command"].as_str().unwrap_or_default());
+        let other = |_| Fault::file(format!("was made by {command}"), RUN).in_file(folder);
+        let options: RunOptions = serde_json::from_value(options).map_err(other)?;
         Ok(Self { folder, input, parameters: options.comparable(&prior), record })
     }
 

@@ -141,13 +141,15 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// The options one by one under their own names, for two runs to be compared. Files that belong to one subject are left out, and a
-    /// file of priors is known by its content: `prior` is the record of it, with its SHA-256.
+    /// The options one by one under their own names, for two runs to be compared. Of a file that belongs to one subject
+    /// only that there is one; a file of priors is known by its content: `prior` is the record of it, with its SHA-256.
     pub fn comparable(&self, prior: &Value) -> Value {
         let mut flat = serde_json::Map::new();
         flatten(serde_json::to_value(self).unwrap_or_default(), &mut flat);
-        for own in ["loops", "conditions", "landmarks", "max_input"] {
-            flat.remove(own);
+        flat.remove("max_input");
+        for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks")] {
+            let is_given = flat.remove(own).is_some_and(|path| !path.is_null());
+            flat.insert(name.to_owned(), if is_given { "a file".into() } else { Value::Null });
         }
         if let Some(sha256) = prior.get("sha256") {
             flat.insert("prior".to_owned(), sha256.clone());

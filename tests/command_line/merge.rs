@@ -109,7 +109,7 @@ fn the_merged_run_is_repeated_by_its_command() {
     let shards = shards(here.path(), &run, "s", &[0, 64, 128]);
     merged(here.path(), &shards);
     let record: Value = serde_json::from_slice(&fs::read(here.path().join("merged/run.json")).expect("a record")).expect("JSON");
-    assert_eq!(record["command"], format!("willis infer {input} -n 128"));
+    assert_eq!(record["command"], format!("willis infer {input} -n 128 -o again"));
     assert_eq!(record["time"]["shards"], 2);
     let json = willis(here.path(), &["merge", "s0", "s64", "-o", "again", "--json", "-q"]);
     let said: Value = serde_json::from_slice(&json.stdout).expect("JSON");

@@ -126,10 +126,10 @@ fn runs_of_other_options_are_refused_by_what_differs() {
     let cases: [(&str, &[&str], &[&str]); 6] = [
         ("seed", &["-n", "64", "--seed", "1"], &["seed: has seed 1, where a has 0"]),
         ("samples", &["-n", "128"], &["has samples 128", "a has 64"]),
-        ("epsilon", &["-n", "64", "--epsilon", "0.3"], &["has epsilon [0.3]", "a has [0.5]"]),
+        ("epsilon", &["-n", "64", "--epsilon", "0.3"], &["has epsilon 0.3", "a has 0.5"]),
         ("keep", &["-n", "64", "--keep", "otsu"], &["has keep \"otsu\", where a has not given"]),
         ("inlet", &["-n", "64", "--inlet", "1"], &["has inlet"]),
-        ("bc", &["-n", "64", "--bc", "one.csv"], &["has bc \"one.csv\", where a has not given"]),
+        ("bc", &["-n", "64", "--bc", "one.csv"], &["has bc \"a file\", where a has not given"]),
     ];
     fs::write(here.join("one.csv"), "node,kind\n1,inlet\n").expect("written");
     fs::write(here.join("two.csv"), "node,kind,value\n1,inlet,90\n").expect("written");
@@ -150,7 +150,7 @@ fn runs_of_other_options_are_refused_by_what_differs() {
     run("two", "p2/t.swc", &["-n", "64", "--epsilon", "0.2,0.5"]);
     refused(here, &["merge", "a", "two", "-o", "out"], &["two: a folder without shard.json or run.json"]);
     done(here, &["merge", "a", "two/epsilon-0.5", "-o", "one", "-q"]);
-    refused(here, &["merge", "a", "two/epsilon-0.2", "-o", "out"], &["has epsilon [0.2]"]);
+    refused(here, &["merge", "a", "two/epsilon-0.2", "-o", "out"], &["has epsilon 0.2"]);
     run("shard", "p1/t.swc", &["-n", "128", "--range", "0..64"]);
     refused(here, &["merge", "shard", "a", "-o", "out"], &["shard: a shard, where a is a run"]);
     done(here, &["simulate", &data("circle-of-willis/complete.graphml"), "-o", "flow", "-q"]);

@@ -198,8 +198,6 @@ fn bad_perturbations_are_refused_by_option_value_and_accepted_form() {
         (&["--occlude", "wide", "--occlude", "wide"], &["--occlude", "wide", "twice"]),
         (&["--tortuosity", "wide=0.8"], &["--tortuosity", "wide=0.8", "at least 1"]),
         (&["--tortuosity", "wide=inf"], &["--tortuosity", "wide=inf", "at least 1"]),
-        (&["--stenosis-model", "young-tsai"], &["--stenosis-model", "young-tsai", "not modelled", "poiseuille"]),
-        (&["--stenosis-model", "magic"], &["--stenosis-model", "magic", "poiseuille"]),
     ];
     for (extra, words) in cases {
         let arguments = [&["simulate", "a.csv", "-o", "out"], &ENDS[..], extra].concat();
