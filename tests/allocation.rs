@@ -1,6 +1,6 @@
 //! A block of samples allocates nothing after the first: counted by an allocator that counts.
 
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums, Uncertain, Weight};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::peeling::{Peeled, peel};
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};

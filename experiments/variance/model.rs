@@ -2,8 +2,8 @@
 
 use willis::error::Result;
 use willis::internals::flow::batch::star_mesh;
-use willis::internals::flow::boundary::stated;
-use willis::internals::flow::floating::stranded;
+use willis::internals::flow::boundary_conditions::stated;
+use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use willis::Network;
 use willis::error::{Error, Result};
 use willis::internals::candidates::NEAREST;
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::convert::Target;
 use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops};

@@ -4,7 +4,7 @@ use super::most_probable_forest::{has_evidence, probabilities, probable};
 use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
-use crate::flow::floating::parts_that_carry;
+use crate::flow::floating_components::parts_that_carry;
 use crate::network::{Network, Origin, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
 

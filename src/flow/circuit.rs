@@ -1,6 +1,6 @@
 //! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
 
-use super::boundary::Boundary;
+use super::boundary_conditions::Boundary;
 use super::poiseuille::Tube;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};

@@ -1,10 +1,10 @@
 //! Blood flow in a network of rigid vessels: Poiseuille's law, boundary conditions, Kirchhoff's current law.
 
 pub mod batch;
-pub mod boundary;
+pub mod boundary_conditions;
 pub mod circuit;
 pub mod dead_ends;
-pub mod floating;
+pub mod floating_components;
 pub mod peeling;
 pub mod poiseuille;
 pub mod pressures;
@@ -14,6 +14,6 @@ pub mod state;
 
 pub use batch::solver::BatchSolver;
 pub use batch::star_mesh::StarMesh;
-pub use boundary::{Boundary, FoundOutlets, Given};
+pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use poiseuille::{Factors, Tube};

@@ -2,7 +2,7 @@
 
 use super::batch::solver::BatchSolver;
 use super::circuit::Circuit;
-use super::floating::{grounded, stranded};
+use super::floating_components::{grounded, stranded};
 use super::residual::Check;
 use crate::error::{Error, Result};
 use crate::support::simd::Scalar;

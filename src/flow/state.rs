@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::boundary::Boundary;
+use super::boundary_conditions::Boundary;
 use super::circuit::Circuit;
 use super::poiseuille::Tube;
 use super::pressures::PressureSolver;

@@ -1,9 +1,9 @@
 //! The probability of every edge and every root.
 
-use super::cliques::{Clique, cliques};
-use super::escape::escapes;
-use super::messages::complete;
-use super::random_walk::Walk;
+use super::absorbing_walk::Walk;
+use super::clique_messages::complete;
+use super::clique_tree::{Clique, cliques};
+use super::escape_probability::escapes;
 use super::{Edge, Forests};
 use crate::error::{Error, Result};
 use crate::support::elimination::{Star, least_degree};

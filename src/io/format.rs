@@ -18,8 +18,8 @@ use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, w
 use super::vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
 use super::vendors::vtrails::read_vtrails;
 use super::vtk::legacy::read_vtk;
+use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
-use super::vtk::xml::read_vtp;
 use super::xml;
 use crate::error::{Fault, Result};
 use crate::network::Network;

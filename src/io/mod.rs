@@ -41,6 +41,6 @@ pub use vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, writ
 pub use vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
 pub use vendors::vtrails::read_vtrails;
 pub use vtk::legacy::read_vtk;
+pub use vtk::vtp::read_vtp;
 pub use vtk::write::{write_vtk, write_vtp};
-pub use vtk::xml::read_vtp;
 pub(crate) use xml::escape;

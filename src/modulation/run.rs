@@ -12,7 +12,7 @@ use super::options::{Class, ModulationOptions};
 use crate::error::{Error, Result};
 use crate::flow::batch::solver::Workspace;
 use crate::flow::circuit::conductances;
-use crate::flow::floating::{drives_flow, grounded, stranded};
+use crate::flow::floating_components::{drives_flow, grounded, stranded};
 use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::residual::Check;
 use crate::flow::state::State;

@@ -2,20 +2,20 @@
 
 pub mod centerlines;
 mod coincident_points;
-mod contraction;
-pub(crate) mod locate;
+pub(crate) mod find_by_name;
 mod node;
 pub(crate) mod paths;
 pub mod quantity;
 pub mod units;
 mod vessel;
+mod vessels_from_centerlines;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
-pub use contraction::{RadiusRule, contract};
-pub use locate::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use find_by_name::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use node::{Condition, INLET_PRESSURE, Node, Role};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
+pub use vessels_from_centerlines::{RadiusRule, contract};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;

@@ -9,7 +9,7 @@ use super::in_progress::{
     HIDDEN_PREFIX, InProgress, UNFINISHED, clear_dead_runs, clear_leftovers_beside, has_checkpoint, is_in_progress, sync_folder,
     write_error,
 };
-use super::ownership::{entries, foreign_file};
+use super::own_files::{entries, foreign_file};
 use crate::error::{Error, Result};
 use crate::output::files::DiskFile;
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use crate::error::{Error, Result};
 use crate::io::checksum;
-use crate::output::ownership::entries;
+use crate::output::own_files::entries;
 
 /// The beginning of the name of every unfinished output.
 pub const HIDDEN_PREFIX: &str = ".willis-";

@@ -4,11 +4,11 @@ pub mod atomic;
 mod files;
 mod in_progress;
 pub mod names;
-mod ownership;
-pub mod partial_run;
+mod own_files;
+pub mod partial_run_file;
 
 pub use atomic::{StagedFile, StagedFolder};
 pub use files::{read_json, write_json, write_record};
 pub use in_progress::{InProgress, final_path, write_error};
-pub use ownership::is_cohort_file;
-pub use partial_run::{read_part, write_part};
+pub use own_files::is_cohort_file;
+pub use partial_run_file::{read_part, write_part};

@@ -9,7 +9,7 @@ use super::options::SourceFile;
 use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks};
 use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::Result;
-use crate::flow::boundary::stated;
+use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{bytes_of, checksum, read_landmarks};
 use crate::network::units::Scale;

@@ -9,7 +9,7 @@ use super::{ArterySource, Input};
 use crate::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
-use crate::flow::boundary::stated;
+use crate::flow::boundary_conditions::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::output::write_record;

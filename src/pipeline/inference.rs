@@ -13,7 +13,7 @@ use crate::flow::Boundary;
 use crate::network::Network;
 use crate::output::atomic::StagedFolder;
 use crate::output::write_record;
-use crate::report::record::Built;
+use crate::report::run_record::Built;
 use crate::report::{Outcome, Summary, phenotype_json, write_outcome, write_phenotype};
 use crate::sampling::{Likelihood, Method, SamplingOptions};
 

@@ -1,7 +1,7 @@
 //! The method, from top to bottom: read, boundary conditions, candidates, samples, decision.
 
 mod arteries;
-mod boundary;
+mod boundary_options;
 mod classify;
 mod inference;
 mod input;
@@ -13,7 +13,7 @@ mod simulate;
 mod stored_run;
 
 pub use arteries::ArterySource;
-pub use boundary::{BoundaryOptions, parse_found_outlets};
+pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use inference::Inference;
 pub use input::{Contents, Input, read};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::arteries::ArterySource;
-use super::boundary::BoundaryOptions;
+use super::boundary_options::BoundaryOptions;
 use super::prior::Prior;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::decision::Keep;

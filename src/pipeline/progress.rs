@@ -3,7 +3,7 @@
 use crate::candidates::CandidateOptions;
 use crate::flow::Boundary;
 use crate::network::Network;
-use crate::network::locate::Located;
+use crate::network::find_by_name::Located;
 use crate::sampling::{PartialRun, SamplingOptions};
 
 /// Follows a run. Every method does nothing by default.

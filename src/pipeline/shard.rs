@@ -17,7 +17,7 @@ use crate::io::{bytes_of, checksum_of_file};
 use crate::network::Network;
 use crate::output::atomic::write_file;
 use crate::output::names::{SHARD, SHARD_SUMS};
-use crate::output::partial_run::{read_part, write_part};
+use crate::output::partial_run_file::{read_part, write_part};
 use crate::output::read_json;
 use crate::sampling::{Likelihood, Method, PartialRun, Sampling, SamplingOptions};
 use crate::support::random::BLOCK;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::figures::convergence::convergence;
 use super::figures::heat_map::{Matrix, heat_map};
 use super::page::{Picture, infer_page, write_page};
-use super::record::Summary;
+use super::run_record::Summary;
 use crate::decision::{Decision, ExpectedErrors, Keep, Topology, threshold};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, Circuit, pressures};

@@ -6,11 +6,11 @@ mod inference;
 mod modulation;
 pub mod page;
 mod phenotype;
-pub mod record;
+pub mod run_record;
 mod simulation;
 
 pub use inference::{Outcome, agreement, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
-pub use record::{Provenance, Summary, outlets_found};
+pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, write_simulated};

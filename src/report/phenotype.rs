@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::record::Provenance;
+use super::run_record::Provenance;
 use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
 use crate::io::{Column, write_csv};

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
 use super::page::{Picture, simulation_page, write_page};
-use super::record::{Provenance, conditions, outlets_found};
+use super::run_record::{Provenance, conditions, outlets_found};
 use crate::error::Result;
 use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use crate::flow::{Boundary, FoundOutlets};

@@ -3,18 +3,18 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::choose;
-use super::choose::{FULL_GRAPH_LANES as B, Method};
+use super::batch_forest::{ForestProgram, IN_FOREST, InForest, KeySlot};
+use super::block_sums::{Forests, PerSample, expectation, open_vessels, part};
+use super::choose_solver;
+use super::choose_solver::{FULL_GRAPH_LANES as B, Method};
 use super::forest::{Forest, keys_or_zero};
-use super::forest_program::{ForestProgram, IN_FOREST, InForest, KeySlot};
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
 use super::sampler::Block;
-use super::sums::{Forests, PerSample, expectation, open_vessels, part};
 use crate::error::Result;
 use crate::flow::batch::star_mesh;
 use crate::flow::circuit::beyond_doubles;
-use crate::flow::floating::stranded;
+use crate::flow::floating_components::stranded;
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::residual::Check;
 use crate::flow::resilience::{diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drops};
@@ -112,7 +112,7 @@ impl FullGraph {
             });
         }
         let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
-        let forest = choose::forest_program(network.node_count(), &in_forest);
+        let forest = choose_solver::forest_program(network.node_count(), &in_forest);
         let one_each = || KeySlot::one_each(network.vessel_count());
         Ok(Some(Self {
             key_slots: forest.as_ref().map_or_else(one_each, |program| program.key_slots().to_vec()),

@@ -1,9 +1,10 @@
 //! Samples an over-connected graph: which vessels are open, flow, resilience, spanning forest, and the likelihood summed over all samples.
 
-mod choose;
+mod batch_forest;
+mod block_sums;
+mod choose_solver;
 mod dyadic_sums;
 pub mod forest;
-mod forest_program;
 mod full_graph;
 pub mod likelihood;
 pub mod options;
@@ -14,13 +15,12 @@ mod reduced_graph_kernel;
 pub mod reference;
 mod run;
 mod sampler;
-mod sums;
 mod ties;
 
-pub use choose::Method;
+pub use batch_forest::{ForestProgram, InForest};
+pub use choose_solver::Method;
 pub use dyadic_sums::{DyadicSums, Summed};
 pub use forest::{Forest, key};
-pub use forest_program::{ForestProgram, InForest};
 pub use likelihood::{Likelihood, Snapshot, Sums};
 pub use options::{SamplingOptions, Solver, Uncertain, Weight};
 pub use partial_run::PartialRun;

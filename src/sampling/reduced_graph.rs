@@ -4,20 +4,20 @@
 //! are kept once, for one vessel that stands for all of them, and each other vessel has a fixed share of them. A forest can leave out only
 //! the vessel of least ρ of a chain.
 
-use super::choose;
-use super::choose::Method;
-use super::forest_program::ForestProgram;
+use super::batch_forest::ForestProgram;
+use super::block_sums::open_vessels;
+use super::choose_solver;
+use super::choose_solver::Method;
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
 use super::reduced_graph_kernel::BlockKernel;
 pub use super::reduced_graph_kernel::Memory;
 use super::sampler::Block;
-use super::sums::open_vessels;
 use super::ties::Ties;
 use crate::error::{Error, Result};
 use crate::flow::batch::reduction::Reduction;
 use crate::flow::circuit::beyond_doubles;
-use crate::flow::floating::stranded;
+use crate::flow::floating_components::stranded;
 use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::resilience::{resilience, resilience_per_square_flow};
 use crate::flow::{BatchSolver, Circuit};
@@ -141,10 +141,10 @@ impl ReducedGraph {
             hanging.push(TreeFlow { slot: tree.node as u32, end: tree.end, factor: factors[most], total_share, row });
         }
 
-        let solver = choose::reduced_graph_solver(&core, params.solver)?;
+        let solver = choose_solver::reduced_graph_solver(&core, params.solver)?;
         let in_forest: Vec<Option<[usize; 2]>> = core.ends.iter().map(|ends| Some(*ends)).collect();
         let forest = match solver {
-            BatchSolver::StarMesh(_) => choose::forest_program(core.node_count(), &in_forest),
+            BatchSolver::StarMesh(_) => choose_solver::forest_program(core.node_count(), &in_forest),
             BatchSolver::Gradients(_) => None,
         };
         let slot = |node: usize| solver.slot(node) as u32;

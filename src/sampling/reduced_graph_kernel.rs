@@ -2,13 +2,13 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::choose::REDUCED_GRAPH_LANES as B;
+use super::batch_forest::{ForestProgram, IN_FOREST, InForest};
+use super::block_sums::{PerSample, expectation, pairwise};
+use super::choose_solver::REDUCED_GRAPH_LANES as B;
 use super::forest::{Forest, key, keys_or_zero};
-use super::forest_program::{ForestProgram, IN_FOREST, InForest};
 use super::likelihood::Sums;
 use super::options::Weight;
 use super::reduced_graph::{ChainFlow, ReducedGraph};
-use super::sums::{PerSample, expectation, pairwise};
 use super::ties;
 use crate::flow::batch::solver::Workspace;
 use crate::flow::residual::{Check, Residual};

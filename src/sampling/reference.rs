@@ -17,7 +17,7 @@ use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::UnGraph;
 
-use super::choose::Method;
+use super::choose_solver::Method;
 use super::forest::{key, vessel};
 use super::likelihood::Sums;
 use super::options::Weight;
@@ -28,7 +28,7 @@ use crate::error::{Error, Result};
 use crate::flow::Circuit;
 use crate::flow::dead_ends;
 use crate::flow::dead_ends::DeadEnds;
-use crate::flow::floating::{grounded, stranded};
+use crate::flow::floating_components::{grounded, stranded};
 use crate::flow::residual::Check;
 use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
 use crate::network::Network;

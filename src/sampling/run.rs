@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::choose::Method;
+use super::choose_solver::Method;
 use super::dyadic_sums::DyadicSums;
 use super::forest::MAX_VESSELS;
 use super::likelihood::{Likelihood, Sums};

@@ -1,6 +1,6 @@
 //! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
 
-use super::choose::{Method, Plan};
+use super::choose_solver::{Method, Plan};
 use super::likelihood::Sums;
 use super::options::SamplingOptions;
 use super::patterns::Patterns;

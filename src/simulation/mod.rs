@@ -1,7 +1,7 @@
 //! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
 
 use crate::error::{Error, Result};
-use crate::flow::floating::drives_flow;
+use crate::flow::floating_components::drives_flow;
 use crate::flow::poiseuille::check_viscosity;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Factors, Tube};

@@ -9,7 +9,7 @@ use super::logistic::{calibrate, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
-use crate::candidates::model::closures::{Closure, closures};
+use crate::candidates::model::loop_closures::{Closure, closures};
 use crate::candidates::model::posterior::{attachment_scores, root_scores};
 use crate::candidates::model::weights::{Pass, Provenance, Weights};
 use crate::error::{Error, Result};

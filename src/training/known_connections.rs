@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::candidates::features::Extraction;
-use crate::candidates::search::neighbours::PointIndex;
+use crate::candidates::search::point_index::PointIndex;
 use crate::support::geometry::{Point, distance};
 
 /// Points within so many tolerances beyond the nearest are meant too.

@@ -60,7 +60,7 @@ const CONFINED: &[(&str, &[&str])] = &[
             "cli/print/mod.rs",
         ],
     ),
-    ("kiddo", &["candidates/search/neighbours.rs"]),
+    ("kiddo", &["candidates/search/point_index.rs"]),
     ("plotters", &["report/figures/"]),
     ("ab_glyph", &["report/figures/font.rs"]),
     ("strsim", &["support/suggestions.rs"]),
@@ -349,7 +349,7 @@ fn what_is_allowed_is_not_caught() {
         ("flow/pressures.rs", "fn f() {}\n#[cfg(test)]\nmod tests {\n use crate::sampling::infer; fn g() { if a {} } }"),
         ("flow/pressures.rs", "#[cfg(test)]\nuse crate::sampling::infer;\nfn f() {}"),
         ("cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
-        ("candidates/search/neighbours.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
+        ("candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
         ("report/figures/figure.rs", "use plotters::prelude::*; use crate::decision::Decision; use crate::phantom::Kind;"),
     ];
     for (file, body) in fine {

@@ -8,7 +8,7 @@ use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::circle_of_willis::{Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, collaterals};
 use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{ReadOptions, read_graphml};
 use willis::internals::network::{Evidence, Network, Origin, Vessel};

@@ -179,7 +179,7 @@ fn an_output_is_an_input_with_the_same_flows() {
 
 #[test]
 fn bad_perturbations_are_refused_by_option_value_and_accepted_form() {
-    let cases: [(&[&str], &[&str]); 20] = [
+    let cases: [(&[&str], &[&str]); 18] = [
         (&["--occlude", "L-ICA 1"], &["--occlude", "\"L-ICA 1\"", "\"L-ICA I\"", "edge:0 to edge:3"]),
         (&["--occlude", "THICK"], &["--occlude", "THICK", "\"thin\""]),
         (&["--occlude", "edge:4"], &["--occlude", "edge:4", "edge:0 to edge:3"]),

@@ -2,7 +2,7 @@
 
 use crate::networks::{MMHG, pressure};
 use crate::vessels::{network, tube};
-use willis::internals::flow::boundary::{Total, stated};
+use willis::internals::flow::boundary_conditions::{Total, stated};
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::networks::{MMHG, VISCOSITY};
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
 use willis::internals::io::{ReadOptions, read_graphml};

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use crate::networks::{MMHG, VISCOSITY, boundary, pressure, run};
 use crate::vessels::{network, tube};
-use willis::internals::flow::floating::stranded;
+use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::pressures::pressures;
 use willis::internals::flow::{Circuit, StarMesh};
 use willis::internals::network::{Condition, Network};

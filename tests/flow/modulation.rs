@@ -5,7 +5,7 @@ use crate::networks;
 use crate::networks::{VISCOSITY, boundary, radii, random_conditions, random_network};
 use crate::vessels;
 use rand_distr::{Distribution as _, Gamma as Draws};
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
 use willis::internals::modulation::{Class, Instances, Modulation, ModulationOptions, Reading, modulate};

@@ -1,7 +1,7 @@
 //! Large graphs: three solvers with nothing in common find the same forests, edge for edge, on graphs reduced first, and as graphs of the
 //! same kind that are not reduced do.
 
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::network::Network;
 use willis::internals::phantom::{Kind, Recipe, over_connected};

@@ -6,7 +6,7 @@ use crate::networks::{radii, random_conditions, random_network, run};
 use crate::vessels;
 use proptest::prelude::*;
 use std::path::Path;
-use willis::internals::flow::boundary::stated;
+use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{Content, ReadOptions, read};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, infer};

@@ -2,9 +2,9 @@
 //!
 //! d is the gap, D = 2 r + h the child's width, h the spacing.
 
-use super::candidate::{MeasuredCandidate, angle};
 use super::extraction::Extraction;
 use super::fragment::Fragment;
+use super::measured_candidate::{MeasuredCandidate, angle};
 use crate::support::geometry::{Point, distance, dot, lerp};
 
 /// A gap in widths beyond which it is just long.

@@ -9,7 +9,7 @@ use super::tangent::{BranchShape, branch_shapes};
 use crate::candidates::NetworkPoint;
 use crate::candidates::search::free_ends::{FreeEnd, free_ends};
 use crate::candidates::search::limits::check_junctions;
-use crate::candidates::search::neighbours::PointIndex;
+use crate::candidates::search::point_index::PointIndex;
 use crate::error::{Error, Result};
 use crate::network::centerlines::is_radius;
 use crate::network::{Network, Origin, PathPoint, Vessel, fragments};

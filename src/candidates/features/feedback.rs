@@ -10,7 +10,7 @@ use ndarray::Array2;
 use super::extraction::Extraction;
 use super::smoothing::steady;
 use crate::candidates::search::Candidate;
-use crate::candidates::search::neighbours::PointIndex;
+use crate::candidates::search::point_index::PointIndex;
 use crate::forest_posterior::{Forests, Marginals, rooted_in};
 use crate::support::geometry::{distance, dot, sub, unit};
 

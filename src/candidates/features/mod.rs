@@ -4,25 +4,25 @@
 //! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a `MeasuredCandidate` and a row of
 //! [`FEATURES`]: that is all it takes to add or drop one.
 
-pub(crate) mod candidate;
 pub mod candidate_features;
 pub(crate) mod extraction;
 pub(crate) mod feedback;
 mod fragment;
+pub(crate) mod measured_candidate;
 pub(crate) mod path_lengths;
 pub(crate) mod root_features;
 pub(crate) mod smoothing;
 mod tangent;
 
-pub use candidate::measured;
 pub use extraction::Extraction;
 pub use feedback::{FEEDBACK_FEATURES, Feedback};
+pub use measured_candidate::measured;
 pub use root_features::{ROOT_FEATURES, root_features};
 
 use ndarray::Array2;
 
 use super::search::Candidate;
-use candidate::MeasuredCandidate;
+use measured_candidate::MeasuredCandidate;
 
 /// A feature of a candidate.
 pub type Feature = fn(&MeasuredCandidate) -> f64;

@@ -6,12 +6,12 @@
 //! weighs that too. Last, the probability of a pair of points, summed over its two directions, is calibrated:
 //! P = σ(a + b l + c min(l, 0)), l = ln p/(1 - p).
 
-pub mod closures;
 pub mod feature_table;
+pub mod loop_closures;
 pub mod posterior;
 pub mod weights;
 mod weights_file;
 
-pub use closures::CLOSURE_FEATURES;
+pub use loop_closures::CLOSURE_FEATURES;
 pub use posterior::{Calibration, posterior};
 pub use weights::{Fold, HeldOutScores, Pass, Provenance, Weights};

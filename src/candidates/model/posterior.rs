@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::closures::closures;
 use super::feature_table::CandidateTable;
+use super::loop_closures::closures;
 use super::weights::Weights;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::feedback::Feedback;

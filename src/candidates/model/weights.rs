@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::closures::CLOSURE_FEATURES;
+use super::loop_closures::CLOSURE_FEATURES;
 use crate::candidates::features::FEATURES;
 use crate::candidates::features::feedback::FEEDBACK_FEATURES;
 use crate::candidates::features::root_features::ROOT_FEATURES;

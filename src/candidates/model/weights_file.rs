@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use serde::Deserialize;
 
-use super::closures::CLOSURE_FEATURES;
+use super::loop_closures::CLOSURE_FEATURES;
 use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;

@@ -4,10 +4,10 @@ pub(crate) mod free_ends;
 pub(crate) mod limits;
 pub(crate) mod meeting_points;
 mod neighbourhood;
-pub mod neighbours;
+pub mod point_index;
 
 pub use meeting_points::MeetingPoints;
-pub use neighbours::join_nearest;
+pub use point_index::join_nearest;
 
 use std::collections::BTreeMap;
 

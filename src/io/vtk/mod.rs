@@ -4,5 +4,5 @@ mod array;
 mod cursor;
 pub(crate) mod legacy;
 pub(crate) mod polydata;
+pub(crate) mod vtp;
 pub(crate) mod write;
-pub(crate) mod xml;

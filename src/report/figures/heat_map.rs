@@ -6,7 +6,7 @@ use super::colour::{INK, MAP, Rgb, ZERO, colour};
 use super::figure::Figure;
 use crate::error::{Error, Result};
 use crate::output::names::LIKELIHOOD_PICTURE;
-use crate::report::record::unit_of;
+use crate::report::run_record::unit_of;
 use crate::sampling::Weight;
 
 const INCHES: [f64; 2] = [6.4, 5.6];

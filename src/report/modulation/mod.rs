@@ -7,7 +7,7 @@ mod tables;
 use std::path::Path;
 
 use super::page::{ModulationTables, Picture, modulation_page, write_page};
-use super::record::Provenance;
+use super::run_record::Provenance;
 use crate::error::Result;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{NamedArray, write_arrays, write_csv};

@@ -7,7 +7,7 @@ use super::ModulationOutcome;
 use crate::modulation::{Hypertension, Instances};
 use crate::network::Role;
 use crate::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
-use crate::report::record::{conditions, outlets_found};
+use crate::report::run_record::{conditions, outlets_found};
 use crate::support::Distribution;
 
 /// The results of a class, or of the unperturbed instance.

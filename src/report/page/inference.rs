@@ -5,7 +5,7 @@ use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
 use crate::report::inference::Outcome;
-use crate::report::record::{Summary, unit_of};
+use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";

@@ -2,8 +2,8 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::choose::FULL_GRAPH_LANES as B;
-use super::forest_program::InForest;
+use super::batch_forest::InForest;
+use super::choose_solver::FULL_GRAPH_LANES as B;
 use super::likelihood::Sums;
 use crate::support::random::BLOCK;
 use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat, zip};

@@ -4,7 +4,7 @@
 //! eliminate one half, solve the other as a problem of its own, go back through the first; then the other way round. About
 //! 1.3 n³ multiplications in all, and not one subtraction.
 
-use super::random_walk::{TOGETHER, Walk, add_multiple, add_multiples};
+use super::absorbing_walk::{TOGETHER, Walk, add_multiple, add_multiples};
 
 /// Probabilities of dying before a meeting: row = start, column = the node to be met; 0 where they are one.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Which solver, forest algorithm and group width a run uses, and why.
 
-use super::forest_program::ForestProgram;
+use super::batch_forest::ForestProgram;
 use super::full_graph::FullGraph;
 use super::options::{SamplingOptions, Solver};
 use super::reduced_graph::ReducedGraph;

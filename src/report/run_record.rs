@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::inference::Outcome;
 use crate::candidates;
 use crate::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
-use crate::flow::boundary::Total;
+use crate::flow::boundary_conditions::Total;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Condition, Network, Origin, Role, fragments};

@@ -3,8 +3,8 @@
 //! Upwards, a clique tells its parent how the walk continues among shared fragments through those below. Downwards, the parent tells
 //! each child the same of all others. It never subtracts a child's own message.
 
-use super::cliques::Clique;
-use super::random_walk::Walk;
+use super::absorbing_walk::Walk;
+use super::clique_tree::Clique;
 
 /// A walk among some fragments.
 struct Message {
@@ -102,8 +102,8 @@ fn set_places(nodes: &[usize], place: &mut [usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forest_posterior::cliques::cliques;
-    use crate::forest_posterior::escape::escapes;
+    use crate::forest_posterior::clique_tree::cliques;
+    use crate::forest_posterior::escape_probability::escapes;
     use crate::support::elimination::least_degree;
 
     /// `chains` chains of `length` links on node 0, each link both ways with odds of its own.

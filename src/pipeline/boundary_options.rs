@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::{Progress, Step};
 use crate::error::{Error, Place, Result};
-use crate::flow::boundary::{Total, stated};
+use crate::flow::boundary_conditions::{Total, stated};
 use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::bytes_of;
 use crate::io::tables::conditions::{read_csv, read_toml};

@@ -2,7 +2,7 @@
 
 use petgraph::unionfind::UnionFind;
 
-use super::boundary::Boundary;
+use super::boundary_conditions::Boundary;
 use super::circuit::Circuit;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Fragments, Network, fragments};
