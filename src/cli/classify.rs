@@ -79,7 +79,9 @@ impl ClassifyArgs {
         let input = read(path, &self.reading.options(path)?)?.with_command(command);
         say_read(terminal, &input, self.reading.units.is_none());
         let phenotype = classify(&input, self.source(path).as_ref(), &mut Follower::new(terminal))?;
-        phenotype.notes.iter().for_each(|note| terminal.say("note", note));
+        for note in &phenotype.notes {
+            terminal.say("note", note);
+        }
         terminal.say("counted", format!("{}, arteries by {}", plural(phenotype.counted, "vessel"), phenotype.known_by));
         say_variant(terminal, &phenotype.variant, phenotype.posterior.as_ref());
         say_collaterals(terminal, &phenotype.collaterals);

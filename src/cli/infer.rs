@@ -194,7 +194,9 @@ impl Inferences<'_> {
             let written = prepared.sample(options, &mut follower).and_then(|inference| {
                 say_outcome(terminal, &inference.outcome(), inference.seconds());
                 let (record, notes) = inference.write(&sub, &self.save)?;
-                notes.iter().for_each(|note| terminal.say("note", note));
+                for note in &notes {
+                    terminal.say("note", note);
+                }
                 if let Some((posterior, how)) = inference.posterior() {
                     terminal.say("drawn", how);
                     say_variant(terminal, &posterior.best(), Some(posterior));

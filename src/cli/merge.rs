@@ -60,7 +60,9 @@ impl MergeArgs {
         let folder = StagedFolder::new(&self.output, force)?;
         say_outcome(terminal, &inference.outcome(), inference.seconds());
         let (record, notes) = inference.write(&folder.path(), &save)?;
-        notes.iter().for_each(|note| terminal.say("note", note));
+        for note in &notes {
+            terminal.say("note", note);
+        }
         if let Some((posterior, how)) = inference.posterior() {
             terminal.say("drawn", how);
             say_variant(terminal, &posterior.best(), Some(posterior));
@@ -79,7 +81,7 @@ impl MergeArgs {
 
     /// Of shards of which some failed: the run failed.
     fn fail(&self, folders: &[PathBuf], kinds: Vec<Kind>, force: bool, terminal: Terminal) -> Result<()> {
-        let mut failed: Option<(&Path, Failure)> = None;
+        let mut failed: Option<(&Path, Box<Failure>)> = None;
         let mut made = Vec::new();
         for (path, kind) in folders.iter().zip(kinds) {
             if let Kind::FailedShard(failure) = kind {
@@ -103,7 +105,7 @@ impl MergeArgs {
             return Err(Fault::file(found, "expected the shards of one run").in_file(path));
         }
         terminal.say("failed", &failure.error);
-        Failure { range: None, ..failure }.write(&self.output, force)
+        Failure { range: None, ..*failure }.write(&self.output, force)
     }
 }
 
@@ -113,7 +115,7 @@ enum Kind {
     Run,
     Shard,
     /// Why there is no shard.
-    FailedShard(Failure),
+    FailedShard(Box<Failure>),
 }
 
 impl Kind {
@@ -134,7 +136,7 @@ impl Kind {
             Some(Self::Shard)
         } else if Failure::is_in(folder) {
             let failure = Failure::read(folder)?;
-            Some(if failure.range.is_some() { Self::FailedShard(failure) } else { Self::Run })
+            Some(if failure.range.is_some() { Self::FailedShard(Box::new(failure)) } else { Self::Run })
         } else {
             None
         })

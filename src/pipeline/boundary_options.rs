@@ -39,8 +39,8 @@ impl BoundaryOptions {
     /// `outlets`.
     pub(crate) fn resolve(&self, network: &Network, outlets: FoundOutlets, progress: &mut dyn Progress) -> Result<Boundary> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
-        given.extend(self.from_file(network, progress)?);
-        given.extend(self.from_options(network, progress)?);
+        given.extend(self.conditions_of_file(network, progress)?);
+        given.extend(self.conditions_of_options(network, progress)?);
         let given: Vec<Given> = given.into_values().collect();
         Boundary::resolve(network, &given, outlets)
     }
@@ -50,7 +50,7 @@ impl BoundaryOptions {
         self.conditions.is_some() || !self.inlet.is_empty() || !self.flow.is_empty()
     }
 
-    fn from_file(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_file(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
         let Some(path) = &self.conditions else { return Ok(BTreeMap::new()) };
         let bytes = bytes_of(path)?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
@@ -70,7 +70,7 @@ impl BoundaryOptions {
         Ok(given)
     }
 
-    fn from_options(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_options(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
         let options = [("inlet", &self.inlet), ("outlet", &self.outlet), ("flow", &self.flow)];
         let mut given = BTreeMap::new();
         for (option, text) in options.into_iter().flat_map(|(option, texts)| texts.iter().map(move |text| (option, text))) {

@@ -139,42 +139,6 @@ pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()
     page.commit()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
-        let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
-        Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
-    }
-
-    #[test]
-    fn columns_are_those_of_all_rows() {
-        let rows = [
-            row("a", Ok(vec![("nodes", Cell::Number(3.0))])),
-            row("b", Err("unreadable".into())),
-            row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
-        ];
-        let columns = cohort_columns(&rows);
-        let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
-        assert_eq!(names, ["subject", "input", "sha256", "status", "error", "nodes", "variant"]);
-        let mut table = Vec::new();
-        write_csv(&mut table, &columns).expect("columns of one length");
-        let lines = "a,,,ok,,3,\nb,,,failed,unreadable,,\nc,,,ok,,4,complete\n";
-        assert_eq!(String::from_utf8(table).expect("text").split_once('\n').expect("a header").1, lines);
-    }
-
-    #[test]
-    fn failed_and_uncertain_subjects_come_first() {
-        let sure = |wrong: f64| Ok(vec![("expected_wrong", Cell::Number(wrong)), ("expected_missed", Cell::Number(0.5))]);
-        let undecided = row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
-        let order = [row("f", Err(String::new())), row("w", sure(3.0)), undecided, row("s", sure(0.0)), row("n", Ok(vec![]))];
-        assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
-        let variant = |p: f64| row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
-        assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
-    }
-}
-
 /// A value of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
@@ -244,4 +208,40 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         }
     }
     figures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
+        let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
+        Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
+    }
+
+    #[test]
+    fn columns_are_those_of_all_rows() {
+        let rows = [
+            row("a", Ok(vec![("nodes", Cell::Number(3.0))])),
+            row("b", Err("unreadable".into())),
+            row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
+        ];
+        let columns = cohort_columns(&rows);
+        let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
+        assert_eq!(names, ["subject", "input", "sha256", "status", "error", "nodes", "variant"]);
+        let mut table = Vec::new();
+        write_csv(&mut table, &columns).expect("columns of one length");
+        let lines = "a,,,ok,,3,\nb,,,failed,unreadable,,\nc,,,ok,,4,complete\n";
+        assert_eq!(String::from_utf8(table).expect("text").split_once('\n').expect("a header").1, lines);
+    }
+
+    #[test]
+    fn failed_and_uncertain_subjects_come_first() {
+        let sure = |wrong: f64| Ok(vec![("expected_wrong", Cell::Number(wrong)), ("expected_missed", Cell::Number(0.5))]);
+        let undecided = row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
+        let order = [row("f", Err(String::new())), row("w", sure(3.0)), undecided, row("s", sure(0.0)), row("n", Ok(vec![]))];
+        assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
+        let variant = |p: f64| row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
+        assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
+    }
 }

@@ -121,6 +121,35 @@ fn turned<S: Simd>(simd: S, x: S::u32s, bits: u32) -> S::u32s {
     simd.or_u32s(left, simd.wrapping_dyn_shr_u32s(x, simd.splat_u32s(32 - bits)))
 }
 
+/// A block of samples: which vessels are open.
+pub fn occlusion(block: u64) -> u64 {
+    block
+}
+
+/// A block of topologies: where the free ends go on.
+pub fn ends(block: u64) -> u64 {
+    1 << 63 | block
+}
+
+/// A block of instances of the class in a place among the classes.
+pub fn modulation(class: usize, block: u64) -> u64 {
+    ((class as u64) << 48) + block
+}
+
+/// The anatomy of a phantom.
+pub const ANATOMY: u64 = 0;
+
+/// What breaks up a phantom.
+pub const DAMAGE: u64 = 0;
+
+/// The gaps of a phantom, so that a broken one is the whole one of the same seed, broken.
+pub const GAPS: u64 = 1;
+
+/// An attempt at the lattice of a phantom.
+pub fn lattice(attempt: u64) -> u64 {
+    2 + attempt
+}
+
 #[cfg(test)]
 mod tests {
     use rand::Rng;
@@ -154,33 +183,4 @@ mod tests {
             }
         }
     }
-}
-
-/// A block of samples: which vessels are open.
-pub fn occlusion(block: u64) -> u64 {
-    block
-}
-
-/// A block of topologies: where the free ends go on.
-pub fn ends(block: u64) -> u64 {
-    1 << 63 | block
-}
-
-/// A block of instances of the class in a place among the classes.
-pub fn modulation(class: usize, block: u64) -> u64 {
-    ((class as u64) << 48) + block
-}
-
-/// The anatomy of a phantom.
-pub const ANATOMY: u64 = 0;
-
-/// What breaks up a phantom.
-pub const DAMAGE: u64 = 0;
-
-/// The gaps of a phantom, so that a broken one is the whole one of the same seed, broken.
-pub const GAPS: u64 = 1;
-
-/// An attempt at the lattice of a phantom.
-pub fn lattice(attempt: u64) -> u64 {
-    2 + attempt
 }

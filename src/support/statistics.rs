@@ -47,27 +47,6 @@ pub fn otsu(values: &[f64]) -> Option<f64> {
     best.map(|(_, cut)| cut)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_numpy() {
-        // numpy.quantile([3, 1, 4, 1, 5, 9, 2, 6], [0.5, 0.1, 0.9])
-        let v = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
-        assert_eq!(median(&v), Some(3.5));
-        assert_eq!(quantile(&v, 0.1), Some(1.0));
-        assert!((quantile(&v, 0.9).unwrap_or(0.0) - 6.9).abs() < 1e-12);
-        assert_eq!(median(&[]), None);
-    }
-
-    #[test]
-    fn otsu_cuts_between_two_clusters() {
-        assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0]), Some(6.0));
-        assert_eq!(otsu(&[2.0, 2.0]), None);
-    }
-}
-
 /// A summary of a sample, all in its unit; NaN for a sample without values or with NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distribution {
@@ -107,5 +86,26 @@ mod distribution_tests {
         assert_eq!(d.quantiles, [1.0, 1.0, 3.0, 4.0, 4.8]);
         assert!(Distribution::of(vec![1.0, f64::NAN]).quantiles[0].is_nan());
         assert!(Distribution::of(Vec::new()).mean.is_nan());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        // numpy.quantile([3, 1, 4, 1, 5, 9, 2, 6], [0.5, 0.1, 0.9])
+        let v = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+        assert_eq!(median(&v), Some(3.5));
+        assert_eq!(quantile(&v, 0.1), Some(1.0));
+        assert!((quantile(&v, 0.9).unwrap_or(0.0) - 6.9).abs() < 1e-12);
+        assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn otsu_cuts_between_two_clusters() {
+        assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0]), Some(6.0));
+        assert_eq!(otsu(&[2.0, 2.0]), None);
     }
 }

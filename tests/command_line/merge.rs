@@ -144,7 +144,7 @@ fn shards_of_other_runs_are_refused_by_what_differs() {
         ("weight", &input, &["--weight", "count"], &["has weight \"count\""]),
         ("k", &input, &["-k", "4"], &["has k 4"]),
         ("uncertain", &input, &["--uncertain", "all"], &["has uncertain \"all\""]),
-        ("inlet", &input, &["--inlet", "1=90"], &["boundary conditions"]),
+        ("inlet", &input, &["--inlet", "1=90"], &["has inlet"]),
         ("dpi", &input, &["--dpi", "50"], &["has dpi 50"]),
     ];
     for (name, input, more, words) in others {

@@ -353,8 +353,8 @@ fn equal_distances_come_in_node_order() {
 fn parameters_out_of_range_are_named() {
     let wrong = [
         ("k", CandidateOptions { k: Some(0), ..CandidateOptions::default() }),
-        ("--max-gap", CandidateOptions { max_gap: Some(0.0), ..CandidateOptions::default() }),
-        ("--max-candidate-radius", CandidateOptions { max_radius: Some(f64::NAN), ..CandidateOptions::default() }),
+        ("max_gap", CandidateOptions { max_gap: Some(0.0), ..CandidateOptions::default() }),
+        ("max_candidate_radius", CandidateOptions { max_radius: Some(f64::NAN), ..CandidateOptions::default() }),
     ];
     for (name, params) in wrong {
         assert!(params.validate().unwrap_err().to_string().starts_with(name));

@@ -43,7 +43,7 @@ fn weights_and_folds_are_written_and_the_threads_do_not_matter() {
     }
     let whole = weights(&here.path().join("one/w.toml"));
     assert_eq!((whole.provenance.cases, whole.provenance.subjects, whole.passes.len()), (6, 3, 2));
-    assert!(whole.provenance.made_by.ends_with("willis train trees --folds 2 --save-folds --passes 2"));
+    assert!(whole.provenance.made_by.ends_with("willis train trees --folds 2 --save-folds --passes 2 -o again.toml"));
     let of: Vec<&str> = whole.provenance.figures.iter().map(|f| f.of.as_str()).collect();
     assert_eq!(of, ["trees", "trees/easy", "trees/hard"]);
     let mut held_out = Vec::new();

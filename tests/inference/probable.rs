@@ -168,7 +168,7 @@ fn rules_on_evidence_ask_for_it_and_have_their_ranges() {
     };
     for (rule, name) in [(Keep::Probable(ROOT_FACTOR), "probable"), (Keep::Probability(0.5), "probability")] {
         let said = decide(rule, &network, &likelihood).unwrap_err().to_string();
-        assert!(said.starts_with(&format!("--keep {name}: asks for probabilities")), "{said}");
+        assert!(said.starts_with(&format!("keep {name}: asks for probabilities")), "{said}");
     }
     for rule in [Keep::Probable(-0.1), Keep::Probable(f64::NAN), Keep::Probable(1001.0), Keep::Probability(1.1)] {
         assert!(rule.validate().is_err(), "{rule:?}");

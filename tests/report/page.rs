@@ -107,7 +107,7 @@ fn labels_are_text_whatever_they_say() {
         assert!(found[labels.len()..].iter().all(String::is_empty));
     }
     let record = content(&page(here.path(), "simulate"))["record"].clone();
-    assert_eq!(record["command"], "willis simulate '<b>&\"x.csv' --occlude '</script>'");
+    assert_eq!(record["command"], "willis simulate '<b>&\"x.csv' --occlude '</script>' -o again");
 }
 
 /// Columns, threshold and record against the other files of the folder; coordinates against the input, to a step of their grid.

@@ -87,31 +87,6 @@ impl PointIndex {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_tree_finds_what_brute_force_finds_ties_included() {
-        let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
-        let index = PointIndex::new(lattice.clone());
-        for p in &lattice {
-            for reach in [0.0, 1.0, 1.5, 2.0] {
-                let mut expected: Vec<(f64, usize)> = lattice
-                    .iter()
-                    .enumerate()
-                    .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
-                    .filter(|(d, _)| *d <= reach)
-                    .collect();
-                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
-                assert_eq!(index.within(*p, reach), expected);
-                assert_eq!(index.first(*p, expected.len()), expected);
-                assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
-            }
-        }
-    }
-}
-
 /// Joins every node of `ends` to the `k` nodes nearest to it by straight candidates of prior 1, without limit of distance.
 ///
 /// Left out are nodes without position, the node itself, those that a vessel joins to it already, and
@@ -138,6 +113,31 @@ pub fn join_nearest(network: &mut Network, ends: &[usize], k: usize) {
             let radius = a.radius.unwrap_or(f64::INFINITY).min(b.radius.unwrap_or(f64::INFINITY));
             let vessel = Vessel::new(as_stored(length), as_stored(radius), Origin::Candidate);
             network.add_vessel([end, other], vessel);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_ties_included() {
+        let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
+        let index = PointIndex::new(lattice.clone());
+        for p in &lattice {
+            for reach in [0.0, 1.0, 1.5, 2.0] {
+                let mut expected: Vec<(f64, usize)> = lattice
+                    .iter()
+                    .enumerate()
+                    .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
+                    .filter(|(d, _)| *d <= reach)
+                    .collect();
+                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                assert_eq!(index.within(*p, reach), expected);
+                assert_eq!(index.first(*p, expected.len()), expected);
+                assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
+            }
         }
     }
 }

@@ -3,10 +3,9 @@
 use willis::internals::flow::state::{LAMINAR_LIMIT, State};
 use willis::internals::network::Condition;
 use willis::internals::network::units::{millimetres, ml_per_min};
-use willis::internals::perturbation::Stenosis;
 use willis::internals::report::{MOST_COLLATERALS, Simulated};
 use willis::internals::simulation::{FlowChange, Perturbation, gains, reversals};
-use willis::{Change, Network};
+use willis::{Change, Network, Stenosis};
 
 use super::{Terminal, brief, count, plural};
 

@@ -208,7 +208,9 @@ pub fn say_read(terminal: Terminal, input: &Input, assumed: bool) {
     };
     let heading = format!("{}, {}{assumed}", source.format, source.units);
     terminal.say("read", format!("{}: {heading}: {size}{}", source.input, radii(network)));
-    source.notes.iter().for_each(|note| terminal.say("note", note));
+    for note in &source.notes {
+        terminal.say("note", note);
+    }
 }
 
 /// The range of the radii, after a comma.
@@ -242,7 +244,9 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
                 _ => "by evidence".to_owned(),
             };
             terminal.say("built", format!("{} in a graph of {nodes}, {vessels} ({how})", plural(candidates, "candidate")));
-            nothing_built(graph, options).iter().for_each(|note| terminal.say("note", note));
+            if let Some(note) = nothing_built(graph, options) {
+                terminal.say("note", note);
+            }
         }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
         Step::Note(note) => terminal.say("note", note),

@@ -132,7 +132,7 @@ impl Array {
             let all: Option<String> = match self.kind {
                 Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
                 Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
-                _ => None,
+                Kind::Number(..) => None,
             };
             all.map(|text| text.trim_end_matches('\0').to_owned())
         };

@@ -143,48 +143,6 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read(ticks: &[Tick]) -> Vec<String> {
-        let text = |label: &Label| match label.exponent.as_str() {
-            "" => label.text.clone(),
-            exponent => format!("{}^{exponent}", label.text),
-        };
-        ticks.iter().map(|tick| text(&tick.label)).collect()
-    }
-
-    #[test]
-    fn counts_are_a_few_round_numbers() {
-        assert_eq!(read(&count_ticks(0, 6)), ["0"]);
-        assert_eq!(read(&count_ticks(4, 6)), ["0", "1", "2", "3", "4"]);
-        assert_eq!(read(&count_ticks(59, 6)), ["0", "10", "20", "30", "40", "50"]);
-        assert_eq!(read(&count_ticks(29_999, 6)), ["0", "5000", "10,000", "15,000", "20,000", "25,000"]);
-        assert_eq!(read(&count_ticks(2_000_000, 6))[3..], ["1.5\u{b7}10^6", "2\u{b7}10^6"]);
-        assert!(count_ticks(u64::MAX, 6).len() <= 7);
-    }
-
-    #[test]
-    fn a_wide_range_has_powers_of_ten_and_a_narrow_one_steps_of_1_2_5() {
-        let ticks = |low: f64, high: f64| read(&LogRange::of([low, high, 0.0]).expect("positive values").ticks());
-        assert_eq!(ticks(0.5, 2e3), ["10^0", "10^1", "10^2", "10^3"]);
-        assert_eq!(ticks(3.0, 70.0), ["5", "10", "20", "50"]);
-        assert_eq!(ticks(7.0, 7.0), ["1", "2", "5"]);
-        assert_eq!(ticks(0.02, 0.3), ["0.02", "0.05", "0.1", "0.2"]);
-        assert_eq!(ticks(3e8, 3e8), ["5\u{b7}10^7", "10^8", "2\u{b7}10^8"]);
-        assert!(ticks(f64::MIN_POSITIVE, f64::MAX).len() <= 10);
-    }
-
-    #[test]
-    fn what_is_twelve_decades_below_the_largest_is_left_out() {
-        let range = LogRange::of([1e-20, 1e3]).expect("positive values");
-        assert!(range.clipped && range.share(1e-20) < 0.0 && range.share(1e3) >= 1.0);
-        assert_eq!(range.low.to_bits(), (-9.0_f64).to_bits());
-        assert_eq!(LogRange::of([0.0]), None);
-    }
-}
-
 /// A range of real numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearRange {
@@ -257,5 +215,47 @@ mod linear_tests {
         assert_eq!(read(0.0, 5e-7, 6)[..2], ["0", "1\u{b7}10^\u{2212}7"]);
         assert_eq!(LinearRange::of([f64::NAN]), None);
         assert!(LinearRange::of([2.0, 2.0]).is_some_and(|r| r.low < 2.0 && r.high > 2.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(ticks: &[Tick]) -> Vec<String> {
+        let text = |label: &Label| match label.exponent.as_str() {
+            "" => label.text.clone(),
+            exponent => format!("{}^{exponent}", label.text),
+        };
+        ticks.iter().map(|tick| text(&tick.label)).collect()
+    }
+
+    #[test]
+    fn counts_are_a_few_round_numbers() {
+        assert_eq!(read(&count_ticks(0, 6)), ["0"]);
+        assert_eq!(read(&count_ticks(4, 6)), ["0", "1", "2", "3", "4"]);
+        assert_eq!(read(&count_ticks(59, 6)), ["0", "10", "20", "30", "40", "50"]);
+        assert_eq!(read(&count_ticks(29_999, 6)), ["0", "5000", "10,000", "15,000", "20,000", "25,000"]);
+        assert_eq!(read(&count_ticks(2_000_000, 6))[3..], ["1.5\u{b7}10^6", "2\u{b7}10^6"]);
+        assert!(count_ticks(u64::MAX, 6).len() <= 7);
+    }
+
+    #[test]
+    fn a_wide_range_has_powers_of_ten_and_a_narrow_one_steps_of_1_2_5() {
+        let ticks = |low: f64, high: f64| read(&LogRange::of([low, high, 0.0]).expect("positive values").ticks());
+        assert_eq!(ticks(0.5, 2e3), ["10^0", "10^1", "10^2", "10^3"]);
+        assert_eq!(ticks(3.0, 70.0), ["5", "10", "20", "50"]);
+        assert_eq!(ticks(7.0, 7.0), ["1", "2", "5"]);
+        assert_eq!(ticks(0.02, 0.3), ["0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(ticks(3e8, 3e8), ["5\u{b7}10^7", "10^8", "2\u{b7}10^8"]);
+        assert!(ticks(f64::MIN_POSITIVE, f64::MAX).len() <= 10);
+    }
+
+    #[test]
+    fn what_is_twelve_decades_below_the_largest_is_left_out() {
+        let range = LogRange::of([1e-20, 1e3]).expect("positive values");
+        assert!(range.clipped && range.share(1e-20) < 0.0 && range.share(1e3) >= 1.0);
+        assert_eq!(range.low.to_bits(), (-9.0_f64).to_bits());
+        assert_eq!(LogRange::of([0.0]), None);
     }
 }
