@@ -27,7 +27,7 @@ pub enum Interval {
     Auto,
     /// Never.
     Off,
-    /// From the start, so long apart at least.
+    /// From the start, with at least this time between two.
     Every(Duration),
 }
 
@@ -164,7 +164,7 @@ struct Keeper<'a> {
 }
 
 impl Keeper<'_> {
-    /// The part that an earlier run of the same command left, if it left one that `fits`; what others left is only told of.
+    /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
     fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
         if self.interval == Interval::Off || !self.file.exists() {
@@ -236,7 +236,7 @@ impl Keeper<'_> {
         (self.last, self.cost) = (Some(Instant::now()), begun.elapsed());
     }
 
-    /// Says whose it is, for other runs to tell; this one goes on from the part alone.
+    /// Writes which run it belongs to, for the notes of other runs; this run resumes from the part alone.
     fn sign(&self) {
         let file = self.file.with_extension("json");
         if !file.exists() {

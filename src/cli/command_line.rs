@@ -62,7 +62,7 @@ fn quoted(word: &str) -> String {
 mod tests {
     use super::*;
 
-    /// The line is what a POSIX shell would take apart again.
+    /// A POSIX shell splits the line into the same words again.
     #[test]
     fn a_line_is_its_words() {
         let words = ["willis", "infer", "it's a scan.swc", "", "--bc", "{}.bc.csv", r"a\b", "''", "-n=64"];

@@ -29,7 +29,7 @@ const REPORT_AFTER: Duration = Duration::from_millis(50);
 /// The most sums whose memory a worker keeps to use again.
 const SPARE: usize = 6;
 
-/// Is told how far a run has come, and may stop it.
+/// Hears how far a run has come, and may stop it.
 pub trait Progress: Send {
     /// `done` of `total` samples are finished; false stops the run.
     fn report(&mut self, done: u64, total: u64) -> bool;

@@ -31,7 +31,7 @@ impl Rows {
     /// Random words of 64 bits that one of these holds.
     pub const WORDS_OF_64: usize = WORDS * SIDE_BY_SIDE / 2;
 
-    /// Nothing yet.
+    /// No words drawn yet.
     pub const ZERO: Self = Self([[0; SIDE_BY_SIDE]; WORDS]);
 }
 

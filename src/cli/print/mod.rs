@@ -17,7 +17,7 @@ use willis::internals::network::{Condition, Origin, Role, fragments};
 use willis::internals::pipeline::nothing_built;
 use willis::{Contents, Input, Network, Step};
 
-/// Where facts are told: standard error, so that standard output stays free for data.
+/// Prints facts on standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
 pub struct Terminal {
     quiet: bool,
@@ -39,7 +39,7 @@ impl Terminal {
         Self { quiet, verbose, of_many: false }
     }
 
-    /// The terminal of one subject among many: it tells nothing, or all that it has to tell where a person asked for more; its
+    /// The terminal of one subject among many: it prints nothing, or everything with `--verbose`; its
     /// work goes on through the first Ctrl-C.
     pub fn of_many(self) -> Self {
         Self { quiet: !self.verbose, verbose: self.verbose, of_many: true }
@@ -60,7 +60,7 @@ impl Terminal {
         self.verbose
     }
 
-    /// Tells a fact under a heading.
+    /// Prints a fact under a heading.
     pub fn say(self, heading: &str, fact: impl AsRef<str>) {
         if !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
@@ -69,7 +69,7 @@ impl Terminal {
         }
     }
 
-    /// Tells a fact that only some want to know.
+    /// Prints a fact with `--verbose` only.
     pub fn detail(self, heading: &str, fact: impl AsRef<str>) {
         if self.verbose {
             self.say(heading, fact);
@@ -166,7 +166,7 @@ impl CountProgress {
     }
 }
 
-/// A count with its thousands set apart.
+/// A count with commas between its thousands.
 pub fn count(n: impl TryInto<u64>) -> String {
     let digits = n.try_into().unwrap_or(u64::MAX).to_string();
     let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use super::{Terminal, plural};
 
-/// So many notes of single cases are told unasked.
+/// Up to this many notes of single cases are printed without `--verbose`.
 const MOST: usize = 3;
 
-/// Tells notes with how many it is true of (each of them a `noun`): what is true of several, and the rest when asked for.
+/// Prints each note with the number of cases that it applies to (each a `noun`): those of several cases always, the others with `--verbose`.
 pub fn say_notes(terminal: Terminal, notes: &BTreeMap<String, usize>, noun: &str) {
     let mut untold = 0;
     for (note, of) in notes {
