@@ -268,9 +268,9 @@ fn what_is_no_problem_is_refused_by_name() {
     assert_eq!(refused(&[0.0, f64::NAN], &[]), "log weight of root 1 NaN: a number from -100 to 100");
     assert_eq!(refused(&[f64::NEG_INFINITY], &[]), "log weight of root 0 -inf: a number from -100 to 100");
     assert_eq!(refused(&[0.0; 2], &[bridge(0, 1, 100.5)]), "log weight of edge 0 100.5: a number from -100 to 100, or -inf");
-    assert_eq!(refused(&[0.0; 2], &[bridge(1, 1, 0.0)]), "ends of bridge 0 1, 1: two different fragments below 2");
+    assert_eq!(refused(&[0.0; 2], &[bridge(1, 1, 0.0)]), "ends of edge 0 1, 1: two different fragments below 2");
     assert_eq!(
         refused(&[0.0; 2], &[bridge(0, 1, 0.0), bridge(0, 2, 0.0)]),
-        "ends of bridge 1 0, 2: two different fragments below 2"
+        "ends of edge 1 0, 2: two different fragments below 2"
     );
 }
