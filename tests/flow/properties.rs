@@ -224,7 +224,8 @@ proptest! {
         prop_assert_eq!((2.0 * short).to_bits(), long.to_bits());
     }
 
-    /// The solvers are three algorithms for one answer: likelihoods to 1e-9, votes exactly, ties among them.
+    /// The solvers are three algorithms for one answer: votes exactly, ties among them, and likelihoods to 1e-9. An edge that hardly
+    /// carries blood is known to the rounding of the edge that carries most: its flow is a difference of large pressures.
     #[test]
     fn solvers_agree(network in vessels(), at in any::<[usize; 2]>(), seed in any::<u64>()) {
         let [a, b] = at.map(|node| node % network.node_count());
@@ -238,7 +239,9 @@ proptest! {
         let lanes = run(Solver::Lanes);
         for other in [run(Solver::Gradients), run(Solver::Reference)] {
             prop_assert_eq!(&lanes.frequency, &other.frequency);
-            prop_assert!(lanes.likelihood.iter().zip(&other.likelihood).all(|(a, b)| near(*a, *b, 1e-9)));
+            let rounding = 1e-15 * lanes.likelihood.iter().copied().fold(0.0, f64::max);
+            let pairs = || lanes.likelihood.iter().zip(&other.likelihood);
+            prop_assert!(pairs().all(|(a, b)| near(*a, *b, 1e-9) || (a - b).abs() <= rounding));
         }
     }
 
