@@ -127,13 +127,13 @@ pub enum Error {
         source: io::Error,
     },
     /// The output is there already.
-    #[error("{}: exists already; choose another --output or give --force to replace it", path.display())]
+    #[error("{}: exists already; choose another `output` or give `force` to replace it", path.display())]
     Exists {
         /// The file or folder.
         path: PathBuf,
     },
     /// No pressures were found that meet Kirchhoff's law.
-    #[error("the conductances lie too far apart for the solver; try another --solver: lanes, gradients or reference")]
+    #[error("the conductances lie too far apart for the solver; try another `solver`: lanes, gradients or reference")]
     Breakdown,
     /// Some subjects of a cohort failed; the rest stands.
     #[error("{failed} of {total} subject{} failed", if *total == 1 { "" } else { "s" })]

@@ -249,7 +249,7 @@ impl Cohort<'_> {
                 if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
                     return;
                 }
-                let failure = made.err().map(|error| with_flags(error).to_string());
+                let failure = made.err().map(with_flags);
                 let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
                 match &failure {

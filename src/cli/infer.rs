@@ -104,7 +104,7 @@ impl InferArgs {
         let records = match work.one(&input, range.as_ref(), terminal, force) {
             Err(error) if self.sampling.record_failure && Failure::is_of_input(&error) => {
                 let range = range.as_ref().map(|blocks| samples_of(blocks, self.sampling.samples));
-                let error = with_flags(error).to_string();
+                let error = with_flags(error);
                 terminal.say("failed", &error);
                 let options = RunOptions { read: self.reading.options(&input)?, infer: work.for_input(&input) };
                 return Failure::of(&input, options, command_line("again"), range, error).write(&self.output, force);

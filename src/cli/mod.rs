@@ -80,21 +80,36 @@ pub fn say_error(error: Error) {
     print::line(format_args!("willis: {}", with_flags(error)));
 }
 
-/// An error that names an option as it is typed, where the library names a field: `--max-gap` for `max_gap`.
-fn with_flags(error: Error) -> Error {
-    let Error::Parameter { name, value, accepted } = error else { return error };
-    let (field, rest) = name.split_once(' ').map_or((name.as_str(), None), |(field, rest)| (field, Some(rest)));
+/// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.
+fn with_flags(error: Error) -> String {
+    let Error::Parameter { name, value, accepted } = error else { return flags_in(&error.to_string()) };
+    let (field, rest) = name.split_once(' ').map_or((name.as_str(), ""), |(field, rest)| (field, rest));
+    let name = flag(field).map_or_else(|| name.clone(), |flag| format!("{flag} {rest}").trim_end().to_owned());
+    flags_in(&Error::Parameter { name, value, accepted }.to_string())
+}
+
+/// A text of the library with the fields in backticks as options: "give `default_radius`" becomes "give --default-radius".
+pub fn flags_in(text: &str) -> String {
+    let mut parts = text.split('`');
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    while let Some(quoted) = parts.next() {
+        match (flag(quoted), parts.next()) {
+            (Some(flag), Some(after)) => out.extend([&flag, after]),
+            (_, after) => out.extend(["`", quoted, after.map_or("", |_| "`"), after.unwrap_or_default()]),
+        }
+    }
+    out
+}
+
+/// A field as the option of the subcommand at work.
+fn flag(field: &str) -> Option<String> {
     let flag = field.replace('_', "-");
-    let command = COMMAND.get().and_then(|command| Cli::builder().find_subcommand(command).cloned());
+    let command = COMMAND.get().and_then(|command| Cli::builder().find_subcommand(command).cloned())?;
     let is_flag =
         |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
-    let dashes = if flag.len() == 1 { "-" } else { "--" };
     let is_common = matches!(flag.as_str(), "threads" | "force");
-    let name = match command.filter(|command| is_common || command.get_arguments().any(is_flag)) {
-        Some(_) => format!("{dashes}{flag}{}", rest.map_or(String::new(), |rest| format!(" {rest}"))),
-        None => name.clone(),
-    };
-    Error::Parameter { name, value, accepted }
+    let dashes = if flag.len() == 1 { "-" } else { "--" };
+    (is_common || command.get_arguments().any(is_flag)).then(|| format!("{dashes}{flag}"))
 }
 
 impl Cli {

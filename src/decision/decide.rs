@@ -88,7 +88,7 @@ fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
     if has_evidence(network) {
         return Ok(probabilities(network));
     }
-    let accepted = "asks for probabilities, which come with --prior evidence on centerlines, or as probability in a graph";
+    let accepted = "asks for probabilities, which come with the evidence model on centerlines, or as probability in a graph";
     Err(Error::parameter("keep", rule, accepted))
 }
 

@@ -42,7 +42,7 @@ impl Target {
             if let Some(word) = word {
                 return Error::parameter("to", word, format!("expected one of {}", words()));
             }
-            let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or --to FORMAT";
+            let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or `to` FORMAT";
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
@@ -100,7 +100,7 @@ pub fn write_into(
     written.loops = target.format.write(network, &mut vessels, nodes)?;
     if !written.loops.is_empty() {
         let path = target.loops();
-        written.notes.push(format!("the links that close loops are in {}: give it with --loops", path.display()));
+        written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));
     }
     Ok(written)
 }

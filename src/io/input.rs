@@ -15,7 +15,7 @@ pub const MAX_INPUT: u64 = 2 << 30;
 /// hundredth; a file that does was made to fill the memory.
 const MOST_INFLATION: u64 = 100;
 const SMALL: u64 = 64 << 20;
-const OPTION: &str = "--max-input allows more";
+const OPTION: &str = "`max_input` allows more";
 
 /// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
 ///
@@ -240,7 +240,7 @@ mod tests {
         let room = UnpackLimit::of(1 << 30, 1000);
         assert!(room.take(600).is_ok() && room.left() == 400);
         let (found, accepted) = room.take(401).unwrap_err();
-        assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "--max-input allows more"));
+        assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "`max_input` allows more"));
         // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
         assert_eq!(UnpackLimit::of(10, u64::MAX).left(), 64 << 20);
     }

@@ -179,7 +179,7 @@ impl Content {
             }
         };
         let defaulted = format!(
-            "without any radius: took --default-radius, {} mm",
+            "without any radius: took `default_radius`, {} mm",
             default_radius.map_or(String::new(), |r| millimetres(r).to_string())
         );
         let (network, lines) = match self {
@@ -196,7 +196,7 @@ impl Content {
                 match (default_radius, without.first()) {
                     (None, None) => {}
                     (None, Some(row)) => {
-                        let accepted = "expected a positive radius, or --default-radius LENGTH";
+                        let accepted = "expected a positive radius, or `default_radius`";
                         return Err(Fault::item(format!("vessel {row}"), "no valid radius", accepted));
                     }
                     (Some(radius), _) => {

@@ -97,7 +97,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     }
     lines.strand = trees(&up).map_err(|row| {
         let found = format!("point {} is its own ancestor", lines.ids[row]);
-        Fault::line(line_of[row], found, "expected a tree; put the links that close loops into a --loops file")
+        Fault::line(line_of[row], found, "expected a tree; links that close loops go into the file of `loops`")
     })?;
     name_links(&mut lines, &types, &names);
     let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));

@@ -66,10 +66,10 @@ pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
     let others = [LengthUnit::Micrometre, LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre];
     let fitting = others.into_iter().filter(|unit| *unit != scale.unit && MEDIAN_RADIUS_MM.contains(&(raw * per_unit(*unit))));
     let advice = if scale.unit == LengthUnit::Voxel {
-        "see --spacing".to_owned()
+        "see `spacing`".to_owned()
     } else {
         let names: Vec<&str> = fitting.map(LengthUnit::symbol).chain(["voxels"]).collect();
-        format!("perhaps they are {}: see --units and --spacing", names.join(" or "))
+        format!("perhaps they are {}: see `units` and `spacing`", names.join(" or "))
     };
     notes.push(format!(
         "the median radius is {:.3} mm and the extent {:.3} mm, with lengths in {}, which no brain vessels have; {advice}",
@@ -85,11 +85,11 @@ fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String>
     let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
     let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
     is_small.then(|| {
-        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give --units cm")
+        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give `units` cm")
     })
 }
 
-const VOXELS: &str = "if lengths are in voxels, give --units voxel --spacing S";
+const VOXELS: &str = "if lengths are in voxels, give `units` voxel `spacing` S";
 
 /// Positions and radii, m: of the points, or of the nodes and vessels.
 fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {
@@ -126,7 +126,7 @@ mod tests {
         let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
         assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
         let cm = notes(LengthUnit::Millimetre, |x| 0.2 * x, |i| 0.05 * mm(i));
-        assert!(cm.contains("give --units cm"), "{cm}");
+        assert!(cm.contains("give `units` cm"), "{cm}");
         assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
         assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
         let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());

@@ -133,13 +133,13 @@ impl Scale {
         };
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
-                Err(Error::parameter("units", "voxel", "needs --spacing S or --spacing SX,SY,SZ, in mm"))
+                Err(Error::parameter("units", "voxel", "needs `spacing` S or `spacing` SX,SY,SZ, in mm"))
             }
             (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")
             }
             (LengthUnit::Voxel, Some(_)) | (_, None) => Ok(()),
-            (unit, Some(_)) => refused(&format!("goes with --units voxel, not {}", unit.symbol())),
+            (unit, Some(_)) => refused(&format!("goes with `units` voxel, not {}", unit.symbol())),
         }
     }
 

@@ -180,7 +180,7 @@ fn add(
             Fault::item(
                 name(),
                 format!("no valid radius on any of its {} points", points.len()),
-                "expected a positive radius, or give --default-radius",
+                "expected a positive radius, or give `default_radius`",
             )
         })?;
         radii.fill(radius);

@@ -76,7 +76,7 @@ impl StagedFolder {
             None => Ok(()),
             Some(path) => {
                 let accepted =
-                    format!("--force replaces only a folder of an earlier run, and {} is not one of its files", path.display());
+                    format!("`force` replaces only a folder of an earlier run, and {} is not one of its files", path.display());
                 Err(Error::parameter("output", target.display(), accepted))
             }
         }

@@ -239,7 +239,7 @@ impl LockError {
     pub fn of(self, target: &Path) -> Error {
         match self {
             Self::Busy(process) => {
-                let accepted = format!("another willis{process} is writing there; wait for it, or choose another --output");
+                let accepted = format!("another willis{process} is writing there; wait for it, or choose another `output`");
                 Error::parameter("output", target.display(), accepted)
             }
             Self::System(source) => Error::Write { path: target.to_owned(), source },

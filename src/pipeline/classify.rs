@@ -103,7 +103,7 @@ fn check_landmarks(input: &Input, found: &FoundArteries) -> Result<()> {
     match (&input.run, &found.landmarks) {
         (Some(run), Some(file)) if run.landmarks.as_ref() != Some(&file.sha256) => {
             let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
-            Err(Fault::file(why, "expected them unedited, or --landmarks FILE").in_file(&file.path))
+            Err(Fault::file(why, "expected them unedited, or `landmarks` FILE").in_file(&file.path))
         }
         _ => Ok(()),
     }

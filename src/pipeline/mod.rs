@@ -116,7 +116,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
     let prior = options.prior.as_ref().unwrap_or(&usual).load()?;
     if prior.is_evidence() && !is_fragments {
-        let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see --observed)";
+        let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
         return Err(Error::parameter("prior", options.prior.as_ref().unwrap_or(&usual).to_string(), accepted));
     }
     let building = CandidateOptions {
@@ -166,7 +166,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
 pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
     let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == crate::network::Origin::Candidate);
     (!candidates).then_some(match options.max_gap {
-        Some(_) => "no free end has another vessel within --max-gap; a larger one may help",
+        Some(_) => "no free end has another vessel within `max_gap`; a larger one may help",
         None => "no free end has another vessel within reach",
     })
 }

@@ -91,7 +91,7 @@ pub fn blocks_of(text: &str, samples: u64) -> Result<Range<u64>> {
     let ends = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse::<u64>().ok()?, b.trim().parse::<u64>().ok()?)));
     let Some((first, last)) = ends else { return refused("expected A..B, as in 0..640".into()) };
     if first >= last || last > samples {
-        return refused(format!("expected A < B, and B at most the {samples} --samples"));
+        return refused(format!("expected A < B, and B at most the {samples} `samples`"));
     }
     if let Some(border) = [first, last].into_iter().find(|at| !at.is_multiple_of(BLOCK) && *at != samples) {
         let (below, above) = (border / BLOCK * BLOCK, border.next_multiple_of(BLOCK).min(samples));
@@ -201,7 +201,7 @@ impl ShardRecord {
             record.sampling.validate().and_then(|()| record.prepared.keep.validate()).and_then(|()| record.save.validate());
         if !whole || valid.is_err() {
             let found = "damaged: its range, parameters or graph are not those that were sampled";
-            return Err(Fault::file(found, "expected it as willis infer --range wrote it").in_file(&path));
+            return Err(Fault::file(found, "expected it as the shard wrote it").in_file(&path));
         }
         Ok(record)
     }
@@ -209,7 +209,7 @@ impl ShardRecord {
     /// The sums of the shard in a folder, as they were written.
     fn part(&self, folder: &Path, graph: &Network) -> Result<PartialRun> {
         let path = folder.join(SHARD_SUMS);
-        let damaged = |found: &str| Fault::file(found, "expected it as willis infer --range wrote it").in_file(&path);
+        let damaged = |found: &str| Fault::file(found, "expected it as the shard wrote it").in_file(&path);
         if checksum_of_file(&path)? != self.sums {
             return Err(damaged("damaged: its SHA-256 is not that of shard.json"));
         }

@@ -31,7 +31,7 @@ impl Patterns {
             return Ok(Self::Drawn { occlusion: Occlusion::new(keep), seed: params.seed });
         }
         let refused = |uncertain| {
-            let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without --exact");
+            let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without `exact`");
             Error::parameter("exact", format!("with {uncertain} uncertain vessels"), accepted)
         };
         Enumeration::new(&keep).map(Self::Enumerated).map_err(refused)

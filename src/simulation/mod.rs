@@ -108,7 +108,7 @@ fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> 
     let open = stenosis.open_diameter;
     if !(open > 0.0 && open <= 1.0) {
         let reduction = format!("{}%", 100.0 * (1.0 - open));
-        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; see --occlude"));
+        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
     }
     match stenosis.stretch {
         Some(stretch) if !(stretch > 0.0 && stretch <= length) => Err(Error::parameter(

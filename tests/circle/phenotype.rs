@@ -418,7 +418,7 @@ fn codes_mean_arteries() {
     assert_eq!(LabelScheme::of(["1", "2", "16", "0", ""]), Ok(LabelScheme::ICafe));
     assert_eq!(LabelScheme::of(["L-ICA", "7", ""]), Ok(LabelScheme::Names));
     let ambiguous = LabelScheme::of(["1", "10", "2"]).unwrap_err();
-    assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("--labels icafe|topcow"), "{ambiguous:?}");
+    assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("`labels` icafe|topcow"), "{ambiguous:?}");
     assert!(LabelScheme::of(["1", "99"]).is_err());
 }
 
@@ -553,7 +553,7 @@ fn landmarks_are_refused_with_their_line() {
     refused("label,x_mm,y_mm,z_mm\n", &["no landmark"]);
     let nothing = network(&[("lt", "lm", "L-M1", 1.0)]);
     let fault = Circle::labelled(&nothing, LabelScheme::Names).expect_err("no inlet");
-    assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("--landmarks"), "{fault:?}");
+    assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("`landmarks`"), "{fault:?}");
     assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), LabelScheme::TopCow).is_err());
 }
 

@@ -179,14 +179,14 @@ fn every_point_that_was_made_one_with_a_node_names_it() {
 #[test]
 fn a_default_radius_goes_with_graphs_and_is_told() {
     let table: &[u8] = b"node_a,node_b,length_mm\na,b,10\nb,c,20\n";
-    refused(&[("e.csv", table)], &["infer", "e.csv", "-o", "out"], &["e.csv:2", "no radius_mm", "--default-radius LENGTH"]);
+    refused(&[("e.csv", table)], &["infer", "e.csv", "-o", "out"], &["e.csv:2", "no radius_mm", "--default-radius"]);
     let here = folder();
     fs::write(here.path().join("e.csv"), table).expect("written");
     let output = willis(here.path(), &["infer", "e.csv", "-o", "out", "--default-radius", "500um"]);
     let said = stderr(&output);
     assert!(output.status.success() && said.contains("2 candidate vessels, radius 0.500 mm"), "{said}");
     let notes = record(&here.path().join("out"))["notes"].to_string();
-    assert!(notes.contains("2 vessels without any radius: took --default-radius, 0.5 mm"), "{notes}");
+    assert!(notes.contains("2 vessels without any radius: took `default_radius`, 0.5 mm"), "{notes}");
     assert!(!notes.contains("NaN"), "{notes}");
     // Nothing is interpolated where no vessel has a radius.
     fs::write(here.path().join("a.swc"), "1 0 0 0 0 0 -1\n2 0 1 0 0 0 1\n3 0 2 0 0 0 2\n").expect("written");

@@ -251,8 +251,8 @@ fn perturbations_out_of_range_are_refused() {
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     };
     let stenosis = |open_diameter, stretch| Change::Stenosis(Stenosis { open_diameter, stretch });
-    refused(&[stenosis(0.0, None)], ["stenosis 100%", "occlude"]);
-    refused(&[stenosis(f64::NAN, None)], ["stenosis", "occlude"]);
+    refused(&[stenosis(0.0, None)], ["stenosis 100%", "occlusion"]);
+    refused(&[stenosis(f64::NAN, None)], ["stenosis", "occlusion"]);
     refused(&[stenosis(1.5, None)], ["stenosis -50%", "from 0%"]);
     refused(&[stenosis(0.5, Some(0.031))], ["31 mm", "30 mm"]);
     refused(&[stenosis(0.5, Some(0.0))], ["stenosis", "positive length"]);

@@ -168,7 +168,7 @@ np.save(f'{out}/bad-one.npy', c)
     let graph = "expected a skeleton graph: coords (N, 3), edges (M, 2) and radii (N) or (M)";
     let types = "expected float32, float64, integers, or text for labels";
     for (name, said) in [
-        ("none.npz", "no array radii among coords, edges, labels; expected radii, or give --default-radius"),
+        ("none.npz", "no array radii among coords, edges, labels; expected radii, or give `default_radius`"),
         ("bad-object.npz", &format!("array radii: Python objects (pickled); {types}")),
         ("bad-bool.npz", &format!("array coords: values of type |b1; {types}")),
         ("bad-struct.npz", &format!("array edges: structured values; {types}")),
@@ -308,7 +308,7 @@ fn the_trees_of_vtrails_are_read_from_matlab_s_hdf5() {
         assert_eq!(network.vessel_count(), if links == 5 { 3 } else { 1 });
     }
     for (name, options, said) in [
-        ("y.mat", mm(), "y.mat: VTrails' trees have no radii; give --default-radius"),
+        ("y.mat", mm(), "y.mat: VTrails' trees have no radii; give `default_radius`"),
         (
             "other.mat",
             optional(),

@@ -77,11 +77,11 @@ fn swc_faults_name_line_and_value() {
         ("1 0 0 0 0 1 9\n", "s:1: parent 9 does not exist; expected the id of a point, or -1"),
         (
             "1 0 0 0 0 1 1\n",
-            "s:1: point 1 is its own ancestor; expected a tree; put the links that close loops into a --loops file",
+            "s:1: point 1 is its own ancestor; expected a tree; links that close loops go into the file of `loops`",
         ),
         (
             "1 0 0 0 0 1 -1\n2 0 0 0 0 1 3\n3 0 0 0 0 1 2\n",
-            "s:2: point 2 is its own ancestor; expected a tree; put the links that close loops into a --loops file",
+            "s:2: point 2 is its own ancestor; expected a tree; links that close loops go into the file of `loops`",
         ),
         ("# nothing\n", "s: no points; expected lines of 7 columns (id type x y z radius parent)"),
     ] {
@@ -204,7 +204,7 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
         (
             vec![],
             vec![],
-            format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH"),
+            format!("{e}no radius_mm; expected radius_mm on the edge, or on both of its nodes, or `default_radius`"),
         ),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "-2")], format!("{e}length_mm -2; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "0")], format!("{e}length_mm 0; expected a positive number")),
@@ -339,7 +339,7 @@ fn vtp_faults_name_the_array_and_the_value() {
         (
             "Radius ",
             "Width",
-            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with --radius-array NAME, or give --default-radius LENGTH",
+            "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"Width\"; name one with `radius_array`, or give `default_radius`",
         ),
         ("3 1 0 1 2", "3 1 7 1 2", "v: line 0: point 7; expected a point from 0 to 4"),
         ("3 1 0 1 2", "3 1 -1 1 2", "v: line 0: point -1; expected a point from 0 to 4"),

@@ -119,12 +119,12 @@ fn what_a_file_unpacks_to_is_bounded() {
     let options = ReadOptions { max_input: 1_000_000, ..ReadOptions::default() };
     assert_eq!(
         read_first(&[("a.vtp", &zeros(1 << 16))], &options).unwrap_err(),
-        "a.vtp: array \"Points\" of Points: more than 1000000 bytes unpacked; --max-input allows more"
+        "a.vtp: array \"Points\" of Points: more than 1000000 bytes unpacked; `max_input` allows more"
     );
     let options = ReadOptions { max_input: 10, ..ReadOptions::default() };
     assert_eq!(
         read_first(&[("a.swc", b"1 1 0 0 0 1 -1\n")], &options).unwrap_err(),
-        "a.swc: 15 bytes; expected at most 10 bytes; --max-input allows more"
+        "a.swc: 15 bytes; expected at most 10 bytes; `max_input` allows more"
     );
 }
 

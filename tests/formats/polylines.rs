@@ -97,7 +97,7 @@ fn markups_faults_name_the_markup_and_the_value() {
         ),
         (
             curve(one),
-            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give --default-radius",
+            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give `default_radius`",
         ),
         (
             curve(&format!("{one}, \"measurements\": [{{\"name\": \"Radius\", \"controlPointValues\": [1, 2]}}]")),
@@ -110,7 +110,7 @@ fn markups_faults_name_the_markup_and_the_value() {
         ),
         (
             curve("\"controlPoints\": []"),
-            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give --default-radius",
+            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give `default_radius`",
         ),
     ] {
         assert_eq!(markups(&text).unwrap_err(), message);
@@ -121,7 +121,7 @@ fn markups_faults_name_the_markup_and_the_value() {
     let named = ReadOptions { radius_array: Some("thickness".into()), ..ReadOptions::default() };
     assert_eq!(
         read_markups(bare.as_bytes(), &named).unwrap_err().in_file(Path::new("m")).to_string(),
-        "m: markup 0 \"c\": no measurement thickness at its control points; expected the one that --radius-array names"
+        "m: markup 0 \"c\": no measurement thickness at its control points; expected the one that `radius_array` names"
     );
     let wide: Vec<u8> = [0xfeff].into_iter().chain(CURVES.encode_utf16()).flat_map(u16::to_be_bytes).collect();
     assert_eq!(
@@ -154,7 +154,7 @@ fn points_faults_name_line_and_value() {
     let columns = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
     for (text, message) in [
         ("fragment,x,y,radius\n1,0,0,1\n".into(), format!("p:1: columns fragment,x,y,radius; {columns}")),
-        ("fragment,x,y,z\n1,0,0,1\n".into(), "p:1: no column radius; expected one, or give --default-radius".into()),
+        ("fragment,x,y,z\n1,0,0,1\n".into(), "p:1: no column radius; expected one, or give `default_radius`".into()),
         ("fragment,x,y,z,x\n".into(), "p:1: column \"x\" comes twice; expected every column once".into()),
         (head.into(), "p: no points; expected a row for every point".into()),
         (format!("{head}1,0,0,zero,1\n"), "p:2: z \"zero\"; expected a number".into()),

@@ -80,7 +80,7 @@ fn voreen_edges_without_a_radius_need_the_default() {
     let edges = VOREEN_EDGES.replace("0.7853981633974483", "-1");
     let files = [("a_edges.csv", edges.as_bytes()), ("a_nodes.csv", VOREEN_NODES.as_bytes())];
     let said = read_first(&files, &mm()).unwrap_err();
-    let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give --default-radius";
+    let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
     assert_eq!(said, format!("a_edges.csv:4: edge 2: no valid radius; {accepted}"));
     let network = network_of(read_first(&files, &optional()).unwrap());
     assert!(network.vessel(2).radius.is_nan() && network.vessel(1).radius == metres(1.5));
@@ -146,7 +146,7 @@ fn vertices_with_radii_are_centerlines() {
     assert_eq!(courses(&network)[0].2, [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [2.0, 0.0, 0.0, 3.0]]);
     let said =
         read_first(&[("edges.csv", edges.as_bytes()), ("vertices.csv", vertices.replace("radius", "r").as_bytes())], &mm());
-    let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";
+    let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
     assert_eq!(said.unwrap_err(), format!("edges.csv:1: no radius; {accepted}"));
 }
 
@@ -349,7 +349,7 @@ fn graphml_takes_the_names_of_other_programs() {
         assert!(notes.contains(&format!("the radius of 1 edge is {note}")), "{notes:?}");
     }
     assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), "edge 0 (n0 - n1): avgRadiusAvg -1; expected a positive number");
-    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or `default_radius`";
     assert_eq!(sized("r", "red").unwrap_err(), format!("edge 0 (n0 - n1): no radius_mm; {accepted}"));
     let keys = key("pos", "node");
     let said = graph(&keys, &pos("1 2 x"), "", "").unwrap_err();
@@ -422,7 +422,7 @@ fn every_malformed_table_is_one_clear_line() {
         (vesselvio("Source ID,Target ID,radius_avg\n0,x,1\n"), "edges.csv:2: Target ID \"x\"; expected a number"),
         (
             vesselvio("Source ID,Target ID,radius_avg\n0,1,0\n"),
-            "edges.csv:2: edge 0: radius_avg \"0\"; expected a positive number, or give --default-radius",
+            "edges.csv:2: edge 0: radius_avg \"0\"; expected a positive number, or give `default_radius`",
         ),
         (
             vesselvio("Source ID,Target ID,radius_avg,length\n0,1,1,0\n"),
@@ -443,7 +443,7 @@ fn every_malformed_table_is_one_clear_line() {
         ),
     ];
     let like = alone("a.csv", "edge,node_a,node_b,length_mm,mean_radius_mm\r\n0,a,b,1,2\r\n").unwrap_err();
-    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
+    let accepted = "expected radius_mm on the edge, or on both of its nodes, or `default_radius`";
     assert_eq!(like, format!("a.csv:2: edge 0 (a - b): no radius_mm but mean_radius_mm; {accepted}"));
     let nodes_alone = alone("nodes.csv", "node,id,x_mm\na,a,1\n").unwrap_err();
     let accepted = "these are nodes; give the table of edges, with columns node_a,node_b or source,target";

@@ -191,7 +191,7 @@ fn tre_faults_name_line_and_value() {
         ),
         (
             tube("PointDim = x y z\nNPoints = 1\n", "1 2 3\n"),
-            "t:3: tube 1 has no radius; expected a column r in PointDim, or give --default-radius",
+            "t:3: tube 1 has no radius; expected a column r in PointDim, or give `default_radius`",
         ),
         (tube("NPoints = 0\n", ""), "t: no points in any tube; expected objects of type Tube with points"),
         (

@@ -88,7 +88,7 @@ fn a_file_typed_by_hand_is_read() {
 #[test]
 fn every_fault_has_its_place_and_one_line() {
     let named = "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"v\", \"n\", \"t\", \"a name\", \"Width\" and the cell arrays \
-                 \"label\"; name one with --radius-array NAME, or give --default-radius LENGTH";
+                 \"label\"; name one with `radius_array`, or give `default_radius`";
     for (from, to, message) in [
         ("ascii", "text", "v:3: the head of the file: \"text\"; expected ASCII or BINARY"),
         ("PolyData", "STRUCTURED_GRID", "v:4: the head of the file: dataset STRUCTURED_GRID; expected DATASET POLYDATA"),

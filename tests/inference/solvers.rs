@@ -138,6 +138,6 @@ fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
         infer(&weak, &boundary, &params, &mut |_: u64, _: u64| true)
     };
     let refused = of(Solver::Reference).expect_err("sixteen orders").to_string();
-    assert!(refused.contains("--solver: lanes"), "{refused}");
+    assert!(refused.contains("`solver`: lanes"), "{refused}");
     assert!(of(Solver::Lanes).is_ok());
 }

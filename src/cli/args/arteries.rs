@@ -15,7 +15,7 @@ pub struct ArteryArgs {
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     landmarks: Option<PathBuf>,
     /// What the labels are [default: names; numbers where only one list has them]
-    #[arg(long, conflicts_with = "landmarks", value_parser = words::<LabelScheme>(&[("names", "Names of arteries, as L-A1, \"A1 left\", ACoA"),
+    #[arg(long, conflicts_with = "landmarks", hide_short_help = true, value_parser = words::<LabelScheme>(&[("names", "Names of arteries, as L-A1, \"A1 left\", ACoA"),
         ("icafe", "The numbers of iCafe's VesselType"), ("topcow", "The numbers of the TopCoW challenge")]))]
     labels: Option<LabelScheme>,
 }

@@ -31,10 +31,11 @@ pub struct ReadingArgs {
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
     /// Voxel spacing in mm, with --units voxel: one number, or three
-    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
+        hide_short_help = true)]
     pub spacing: Option<Vec<f64>>,
     /// The VTP point array that holds the radius, when it has an unusual name
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub radius_array: Option<String>,
     /// Which radius stands for a vessel
     #[arg(long, default_value = "mean", hide_short_help = true, value_parser = words::<RadiusRule>(&[("mean", "The mean over arc length"),
@@ -45,7 +46,7 @@ pub struct ReadingArgs {
     pub default_radius: Option<String>,
     /// Links between points that SWC cannot hold: a CSV file of id_a,id_b; in its name {} is INPUT without its ending and {dir}
     /// the folder of INPUT
-    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
     pub loops: Option<PathBuf>,
     /// Take the vessels of a graph file as observed and build candidates around them
     #[arg(long, hide_short_help = true)]

@@ -19,7 +19,7 @@ pub struct SamplingArgs {
     #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub samples: u64,
     /// Instead of --samples: double the samples until every decision is two standard errors from flipping, up to 2^20
-    #[arg(long, value_name = "stable", conflicts_with = "samples", value_parser = ["stable"])]
+    #[arg(long, value_name = "stable", conflicts_with = "samples", value_parser = ["stable"], hide_short_help = true)]
     pub until: Option<String>,
     /// Enumerate every occlusion pattern of up to 20 uncertain vessels: the expectation, without Monte-Carlo error
     #[arg(long, conflicts_with = "until", hide_short_help = true)]

@@ -17,6 +17,8 @@ use willis::internals::network::{Condition, Origin, Role, fragments};
 use willis::internals::pipeline::nothing_built;
 use willis::{Contents, Input, Network, Step};
 
+use crate::cli::flags_in;
+
 /// Prints facts on standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
 pub struct Terminal {
@@ -65,7 +67,7 @@ impl Terminal {
         if !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
-            line(format_args!("{on}{heading:>10}{off}  {}", fact.as_ref()));
+            line(format_args!("{on}{heading:>10}{off}  {}", flags_in(fact.as_ref())));
         }
     }
 

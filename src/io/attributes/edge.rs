@@ -57,7 +57,7 @@ pub(in crate::io) fn vessels(
                 } else if options.is_radius_optional() {
                     f64::NAN
                 } else {
-                    let accepted = "expected radius_mm on the edge, or on both of its nodes, or --default-radius LENGTH";
+                    let accepted = "expected radius_mm on the edge, or on both of its nodes, or `default_radius`";
                     return Err(item.lacks("radius", accepted));
                 }
             }

@@ -49,7 +49,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         if !options.is_radius_optional() && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
             let (line, _) = object.field("PointDim").unwrap_or((object.line, ""));
             let found = format!("{} has no radius", object.name());
-            return Err(Fault::line(line, found, "expected a column r in PointDim, or give --default-radius"));
+            return Err(Fault::line(line, found, "expected a column r in PointDim, or give `default_radius`"));
         }
         let spacing = spacing(object)?;
         let scale = unit(object, &options.scale)?;

@@ -54,7 +54,7 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     if radii.is_none() && !radius_optional {
         return Err(Fault::file(
             format!("no array radii among {}", archive.names.join(", ")),
-            "expected radii, or give --default-radius",
+            "expected radii, or give `default_radius`",
         ));
     }
     let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
@@ -122,7 +122,7 @@ fn vessels(
         let item = |found: &str, accepted: &str| Fault::item(format!("edge {row}"), found, accepted);
         let radius = Some(radii[row]).filter(|r| is_radius(*r));
         if radius.is_none() && !radius_optional {
-            return Err(item("no valid radius", "expected a positive radius, or give --default-radius"));
+            return Err(item("no valid radius", "expected a positive radius, or give `default_radius`"));
         }
         add_straight(&mut network, ends.map(|end| end as usize), lengths[row], radius.unwrap_or(f64::NAN), &label(row))
             .ok_or_else(|| item("no positive length", "expected a positive length"))?;

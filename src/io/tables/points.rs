@@ -41,7 +41,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };
     if radius.is_none() && !options.is_radius_optional() {
-        return Err(Fault::line(header, "no column radius", "expected one, or give --default-radius"));
+        return Err(Fault::line(header, "no column radius", "expected one, or give `default_radius`"));
     }
     let mut lines = Centerlines::default();
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();

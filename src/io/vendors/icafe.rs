@@ -200,5 +200,5 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
 /// A note on the voxel spacing that iCafe states for a tracing, if lengths are not read as voxels.
 fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
     let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
-    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give --units voxel --spacing {spacing}"))
+    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units` voxel `spacing` {spacing}"))
 }

@@ -177,11 +177,11 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
         }
         (None, Some(name)) => {
             let found = format!("no measurement {name} at its control points");
-            Err(Fault::item(item(), found, "expected the one that --radius-array names"))
+            Err(Fault::item(item(), found, "expected the one that `radius_array` names"))
         }
         (None, None) if options.is_radius_optional() => Ok(None),
         (None, None) => {
-            let accepted = "expected a measurement Radius with a value for each control point, or give --default-radius";
+            let accepted = "expected a measurement Radius with a value for each control point, or give `default_radius`";
             Err(Fault::item(item(), "no radius", accepted))
         }
     }

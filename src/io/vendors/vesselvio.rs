@@ -60,7 +60,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
     let radius = rows.find(&["radius_avg", "radius"]);
     if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
-        let accepted = "expected radius_avg here or radius with the vertices, or give --default-radius";
+        let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
         return Err(Fault::line(rows.header_line(), "no radius", accepted));
     }
     let (length, label) = (rows.find(&["length"]), rows.find(&["label"]));
@@ -90,7 +90,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let size = options.scale.length(row.real(radius)?);
         if !is_radius(size) && !options.is_radius_optional() {
             let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
-            return Err(fault(found, "expected a positive number, or give --default-radius"));
+            return Err(fault(found, "expected a positive number, or give `default_radius`"));
         }
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
         straight += usize::from(length.is_nan());

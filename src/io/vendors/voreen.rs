@@ -90,7 +90,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
             }
             (None, None) if options.is_radius_optional() => f64::NAN,
             (None, None) => {
-                let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give --default-radius";
+                let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
                 return Err(fault("no valid radius".to_owned(), accepted));
             }
         };

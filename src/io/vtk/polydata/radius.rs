@@ -133,7 +133,7 @@ fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
         }
         None => Fault::file(
             format!("no point array {}", RADII[..NAMED].join(", ")),
-            format!("{has}; name one with --radius-array NAME, or give --default-radius LENGTH"),
+            format!("{has}; name one with `radius_array`, or give `default_radius`"),
         ),
     }
 }
