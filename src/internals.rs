@@ -27,6 +27,10 @@ pub mod forest_posterior {
 pub mod io {
     pub use crate::io::*;
 }
+/// See `src/masks`.
+pub mod masks {
+    pub use crate::masks::*;
+}
 /// See `src/modulation`.
 pub mod modulation {
     pub use crate::modulation::*;

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use willis::error::{Error, Result};
+use willis::error::{Error, Fault, Result};
 use willis::internals::io::convert::{Target, Written, losses, refusal, write_into};
-use willis::internals::io::{unread_columns, write_loops};
+use willis::internals::io::{Format, unread_columns, write_loops};
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::{Network, read};
@@ -37,13 +37,50 @@ pub struct ConvertArgs {
     json: bool,
 }
 
+/// Make centerlines of a segmentation mask
+///
+/// The vessels of the mask are thinned to lines of the same topology, in the scanner's frame, with radii; nothing is inferred. The
+/// ending of FILE says the format, as for convert.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis skeleton vessels.nii.gz -o lines.vtp
+  willis skeleton probabilities.nii.gz --level 0.5 -o lines.swc")]
+pub struct SkeletonArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Input")]
+    output: PathBuf,
+    /// The format to write
+    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
+    to: Option<String>,
+    /// Print a summary on standard output, as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl SkeletonArgs {
+    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        let Self { input, output, to, json } = self;
+        ConvertArgs { input, output, to, json }.write("skeleton", terminal, force)
+    }
+}
+
 impl ConvertArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
-        self.input.reading.refuse_candidates("convert")?;
+        self.write("convert", terminal, force)
+    }
+
+    fn write(self, command: &str, terminal: Terminal, force: bool) -> Result<()> {
+        self.input.reading.refuse_candidates(command)?;
         let target = Target::new(&self.output, self.to.as_deref())?;
         check(&target, force)?;
         let path = &self.input.input;
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
+        if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
+            let found = format!("a file of {}", input.provenance.format);
+            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NPY; convert rewrites centerlines").in_file(path));
+        }
         say_read(terminal, &input, self.input.reading.units.is_none());
         let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());
         let (names, mut lost) = put(&input.network, &target, terminal, force)?;

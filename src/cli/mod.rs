@@ -49,6 +49,7 @@ enum Command {
     Modulate(Box<modulate::ModulateArgs>),
     Classify(Box<classify::ClassifyArgs>),
     Convert(Box<convert::ConvertArgs>),
+    Skeleton(Box<convert::SkeletonArgs>),
     Train(train::TrainArgs),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
@@ -115,7 +116,7 @@ fn flag(field: &str) -> Option<String> {
 impl Cli {
     /// The parser; options that a command shares but refuses are not in its help.
     pub fn builder() -> clap::Command {
-        const REFUSE: [&str; 4] = ["simulate", "modulate", "classify", "convert"];
+        const REFUSE: [&str; 5] = ["simulate", "modulate", "classify", "convert", "skeleton"];
         Self::command().mut_subcommands(|command| {
             let refuses = REFUSE.contains(&command.get_name());
             if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
@@ -161,6 +162,7 @@ impl Cli {
             Command::Modulate(args) => args.run(terminal, force),
             Command::Classify(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
+            Command::Skeleton(args) => args.run(terminal, force),
             Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
 use crate::io::format::{Format, HEAD, format_of};
+use crate::io::images::metaimage::file_of_voxels;
 use crate::io::input::bytes_within;
 use crate::io::read::{ReadOptions, without_mark};
 use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
@@ -34,6 +35,7 @@ pub fn companion_files(path: &Path) -> Vec<PathBuf> {
         }
         Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
         Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::MetaImage) => file_of_voxels(path, bytes).into_iter().collect(),
         _ => Vec::new(),
     };
     found.sort();

@@ -192,9 +192,8 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
         Format::Swc | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
         Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
         Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
-        Format::Points | Format::Markups | Format::Tre | Format::ICafe | Format::VTrails => {
-            vec![Figures, Ids, LoneNodes, Statements, Conditions]
-        }
+        Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
+        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Npy => Vec::new(),
     }
 }
 

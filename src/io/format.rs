@@ -5,13 +5,17 @@ use std::path::Path;
 
 use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::graphml::{read_graphml, write_graphml};
+use super::images::metaimage::{is_metaimage, read_metaimage};
+use super::images::nifti::{self, is_nifti, read_nifti};
+use super::images::numpy::read_npy_mask;
+use super::images::{is_gzip, unpacked_head};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, ReadOptions};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
-use super::tables::reader::delimiter;
+use super::tables::reader::{delimiter, plural};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
 use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
@@ -22,6 +26,7 @@ use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::error::{Fault, Result};
+use crate::masks::{Mask, trace};
 use crate::network::Network;
 use crate::network::centerlines::Centerlines;
 
@@ -57,10 +62,16 @@ pub enum Format {
     Npz,
     /// VTrails' geodesic trees, a MATLAB 7.3 file.
     VTrails,
+    /// A mask in NIfTI-1 or NIfTI-2, plain or compressed by gzip.
+    Nifti,
+    /// A mask in MetaImage, the format of ITK.
+    MetaImage,
+    /// A mask as a NumPy array.
+    Npy,
 }
 
 /// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 13] = [
+const NAMES: [(Format, &str, &str, &str); 16] = [
     (Format::Swc, "SWC", "swc", "swc"),
     (Format::Vtp, "VTP", "vtp", "vtp"),
     (Format::Vtk, "VTK legacy", "vtk", "vtk"),
@@ -74,12 +85,20 @@ const NAMES: [(Format, &str, &str, &str); 13] = [
     (Format::Npz, "NPZ", "npz", "npz"),
     (Format::ICafe, "iCafe", "", ""),
     (Format::VTrails, "VTrails MAT", "", ""),
+    (Format::Nifti, "NIfTI mask", "", ""),
+    (Format::MetaImage, "MetaImage mask", "", ""),
+    (Format::Npy, "NumPy mask", "", ""),
 ];
 
 impl Format {
     /// The usual name.
     pub fn name(self) -> &'static str {
         NAMES.iter().find(|(format, ..)| *format == self).map_or("", |(_, name, ..)| name)
+    }
+
+    /// Whether it holds a segmentation mask, of which centerlines are made.
+    pub fn is_mask(self) -> bool {
+        matches!(self, Self::Nifti | Self::MetaImage | Self::Npy)
     }
 
     /// The words for the formats that can be written.
@@ -105,6 +124,7 @@ impl Format {
         let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
         let vessels = |(vessels, notes): (Network, Vec<String>)| (Content::Vessels(vessels), notes);
         let here = |fault: Fault| fault.in_file(path);
+        let mask = |mask: Mask| centerlines_of(mask, options).map(lines).map_err(here);
         let (content, notes) = match self {
             Self::Swc => return read_tracing(path, bytes, options),
             Self::ICafe => read_table_of_vessels(path, bytes, options)?,
@@ -119,6 +139,12 @@ impl Format {
             Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
+            Self::Nifti => mask(read_nifti(bytes, options.level, options.max_input).map_err(here)?)?,
+            Self::MetaImage => mask(read_metaimage(path, bytes, options.level, options.max_input)?)?,
+            Self::Npy => {
+                let spacing = options.scale.spacing;
+                mask(read_npy_mask(bytes, spacing, options.level, options.max_input).map_err(here)?)?
+            }
         };
         Ok((self, content, notes))
     }
@@ -147,13 +173,35 @@ impl Format {
             Self::Markups => write_markups(out, network)?,
             Self::Tre => write_tre(out, network)?,
             Self::Npz => write_skeleton_npz(out, network)?,
-            Self::ICafe | Self::VTrails => return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read")),
+            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Npy => {
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
+            }
         }
         Ok(Vec::new())
     }
 }
 
-const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ or VTrails MAT";
+/// The centerlines of a mask, with what a person should know about them.
+fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let ([x, y, z], spacing) = (mask.shape, mask.spacing());
+    let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
+    let traced = trace(&mask.in_scanner_order(), options.radius_from);
+    let traced =
+        traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
+    let mut notes = vec![format!(
+        "a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, in the scanner's frame (RAS: right, anterior, superior)"
+    )];
+    if traced.spurs > 0 {
+        notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
+    }
+    if traced.specks > 0 {
+        notes.push(format!("{} left out: too small for a line", plural(traced.specks, "speck")));
+    }
+    Ok((traced.lines, notes))
+}
+
+const ACCEPTED: &str =
+    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NPY";
 
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
@@ -196,7 +244,10 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
         return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
     }
-    if starts(b"\x1f\x8b") {
+    if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
+        return Ok(Some(Format::Nifti));
+    }
+    if is_gzip(bytes) {
         return Err(Fault::file("the file is compressed by gzip", "expected an unpacked file (gunzip)"));
     }
     if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
@@ -206,13 +257,16 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
     if starts(b"\x93NUMPY") {
-        return Err(Fault::file("a single NumPy array", "expected a skeleton graph as .npz: coords, edges, radii"));
+        return Ok(Some(Format::Npy));
     }
     if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
         return Ok(Some(Format::Npz));
     }
     if starts(b"# vtk DataFile") {
         return Ok(Some(Format::Vtk));
+    }
+    if is_metaimage(bytes) {
+        return Ok(Some(Format::MetaImage));
     }
     let text = bytes.trim_ascii_start();
     if text.starts_with(b"{") {

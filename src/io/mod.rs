@@ -6,6 +6,7 @@ mod companions;
 pub mod convert;
 mod format;
 mod graphml;
+mod images;
 pub(crate) mod input;
 mod itk;
 mod numpy;

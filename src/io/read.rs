@@ -13,6 +13,7 @@ use crate::io::graphml::read_graphml;
 use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::reader::plural;
+use crate::masks::RadiusFrom;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -60,6 +61,10 @@ pub struct ReadOptions {
     pub loops: Option<PathBuf>,
     /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
     pub observed: bool,
+    /// The least value of a vessel's voxel in an image of probabilities or intensities; without it the image holds classes.
+    pub level: Option<f64>,
+    /// What the radius of a mask's centerlines is.
+    pub radius_from: RadiusFrom,
     /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
@@ -73,6 +78,8 @@ impl Default for ReadOptions {
             default_radius: None,
             loops: None,
             observed: false,
+            level: None,
+            radius_from: RadiusFrom::default(),
             max_input: MAX_INPUT,
         }
     }
@@ -86,6 +93,9 @@ impl ReadOptions {
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         self.scale.validate()?;
+        if let Some(level) = self.level.filter(|level| !level.is_finite()) {
+            return Err(Error::parameter("level", level, "expected a finite number"));
+        }
         match self.default_radius {
             Some(m) if !(m.is_finite() && m > 0.0) => {
                 Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"))

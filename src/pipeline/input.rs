@@ -7,7 +7,9 @@ use super::stored_run::StoredRun;
 use crate::circle_of_willis::split_where_labels_change;
 use crate::error::{Error, Result};
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
+use crate::masks::RadiusFrom;
 use crate::network::centerlines::Centerlines;
+use crate::network::units::Scale;
 use crate::network::{Network, Origin};
 use crate::report::Provenance;
 
@@ -61,11 +63,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
         Content::Vessels(_) => Contents::Vessels,
         Content::Graph(_) => Contents::Graph,
     };
-    check_for(contents, options)?;
+    check_for(contents, format, options)?;
     if let Some(run) = &run {
         run.check_graph(&sha256)?;
     }
-    if let Some([x, y, z]) = options.scale.spacing.filter(|[x, y, z]| x != y || y != z) {
+    if let Some([x, y, z]) = options.scale.spacing.filter(|[x, y, z]| !format.is_mask() && (x != y || y != z)) {
         notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
     }
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
@@ -88,7 +90,19 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
 }
 
 /// Refuses options that do not go with what the file holds.
-fn check_for(contents: Contents, options: &ReadOptions) -> Result<()> {
+fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Result<()> {
+    let masks = "goes with a mask";
+    if let Some(level) = options.level.filter(|_| !format.is_mask()) {
+        return Err(Error::parameter("level", level, masks));
+    }
+    if options.radius_from != RadiusFrom::default() && !format.is_mask() {
+        return Err(Error::parameter("radius_from", "", masks));
+    }
+    let states_its_frame = matches!(format, Format::Nifti | Format::MetaImage);
+    if states_its_frame && options.scale != Scale::default() {
+        let unit = options.scale.unit.symbol();
+        return Err(Error::parameter("units", unit, "goes with coordinates; the file states where its voxels are"));
+    }
     if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
         let why = "goes with centerlines; the vessels of this input state their radii";
         return Err(Error::parameter("radius_array", name, why));

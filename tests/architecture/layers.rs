@@ -9,6 +9,7 @@ const LAYERS: &[&[&str]] = &[
     &["error"],
     &["support"],
     &["network"],
+    &["masks"],
     &["io", "forest_posterior", "flow"],
     &["candidates", "perturbation"],
     &["sampling", "simulation"],

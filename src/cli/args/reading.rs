@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use willis::error::{Error, Result};
 use willis::internals::io::byte_count;
-use willis::{LengthUnit, RadiusRule, ReadOptions, Scale};
+use willis::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 
 use super::figures::{length, spacing};
 use super::{file_of, words};
@@ -15,8 +15,8 @@ use super::{file_of, words};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// Centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
-    /// (GraphML, CSV of edges)
+    /// A mask (NIfTI, MetaImage, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of
+    /// points) or a candidate graph (GraphML, CSV of edges)
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     pub input: PathBuf,
     #[command(flatten)]
@@ -30,7 +30,7 @@ pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
-    /// Voxel spacing in mm, with --units voxel: one number, or three
+    /// Voxel spacing in mm, of a NumPy mask or of coordinates in voxels: one number, or three
     #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
         hide_short_help = true)]
     pub spacing: Option<Vec<f64>>,
@@ -51,6 +51,15 @@ pub struct ReadingArgs {
     /// Take the vessels of a graph file as observed and build candidates around them
     #[arg(long, hide_short_help = true)]
     pub observed: bool,
+    /// The least value of a vessel's voxel in an image of probabilities or intensities
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true, hide_short_help = true)]
+    pub level: Option<f64>,
+    /// What the radius of a mask's centerlines is
+    #[arg(long, default_value = "area", hide_short_help = true, value_parser = words::<RadiusFrom>(&[
+        ("area", "That of the circle with the area of the lumen's cross-section"),
+        ("distance", "The distance to the nearest voxel outside"),
+        ("inscribed", "That of the largest sphere inside")]))]
+    pub radius_from: RadiusFrom,
     /// The largest file to read, on the disk and unpacked
     #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = byte_count, hide_short_help = true)]
     pub max_input: u64,
@@ -82,6 +91,8 @@ impl ReadingArgs {
             default_radius: length("default_radius", self.default_radius.as_ref())?,
             loops: self.loops.clone(),
             observed: self.observed,
+            level: self.level,
+            radius_from: self.radius_from,
             max_input: self.max_input,
         };
         options.validate()?;
@@ -103,6 +114,8 @@ impl ReadingArgs {
                 return Err(Error::parameter("spacing", given.join(","), "expected one or three positive numbers, in mm"));
             }
         };
-        Ok(Scale { unit: self.units.unwrap_or_default(), spacing })
+        // A spacing is one of voxels.
+        let unit = self.units.unwrap_or(if spacing.is_some() { LengthUnit::Voxel } else { LengthUnit::default() });
+        Ok(Scale { unit, spacing })
     }
 }

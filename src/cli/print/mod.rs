@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use willis::internals::flow::Boundary;
+use willis::internals::io::Format;
 use willis::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis::internals::network::{Condition, Origin, Role, fragments};
 use willis::internals::pipeline::nothing_built;
@@ -194,7 +195,8 @@ pub fn brief(x: f64) -> String {
 /// Says what was read; `assumed` where nobody said the unit.
 pub fn say_read(terminal: Terminal, input: &Input, assumed: bool) {
     let (network, source) = (&input.network, &input.provenance);
-    let assumed = if assumed { " assumed" } else { "" };
+    let is_mask = input.format.is_some_and(Format::is_mask);
+    let assumed = if assumed && !is_mask { " assumed" } else { "" };
     let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
     let size = match input.contents {
         Contents::Centerlines(points) => {

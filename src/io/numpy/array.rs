@@ -66,6 +66,7 @@ impl Array {
         let (kind, size) = match (kind, size) {
             (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
             (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
+            (Some("b"), Some(size @ 1)) => (Kind::Number(NumberType::Unsigned), size),
             (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
             (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
             (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
@@ -141,6 +142,24 @@ impl Array {
         }
         let texts: Option<Vec<String>> = self.data.chunks_exact(self.size).map(letters).collect();
         texts.ok_or_else(|| self.fault("values that are no text".to_owned(), "expected names, or whole numbers"))
+    }
+
+    /// The type of its numbers, the bytes of each, and whether the most significant byte is first.
+    pub(crate) fn numbers(&self) -> Result<(NumberType, usize, bool), Fault> {
+        match self.kind {
+            Kind::Number(kind) => Ok((kind, self.size, self.big)),
+            Kind::Utf32 | Kind::Ascii => Err(self.fault("text", "expected numbers")),
+        }
+    }
+
+    /// Whether the first axis runs fastest.
+    pub(crate) fn is_fortran(&self) -> bool {
+        self.fortran
+    }
+
+    /// The values as they are stored.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.data
     }
 
     /// A fault of this array.

@@ -1,0 +1,26 @@
+//! Reads masks saved by NumPy: an array of three axes, x, y and z, whose spacing the caller states.
+
+use crate::error::Fault;
+use crate::io::input::UnpackLimit;
+use crate::io::numpy::array::Array;
+use crate::masks::Mask;
+
+use super::voxels::Voxels;
+
+/// Reads a mask. The first axis of the array is x; voxel 0,0,0 is at the origin.
+pub(crate) fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+    let array = Array::read("of voxels", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), most))?;
+    let Ok([x, y, z]) = <[usize; 3]>::try_from(array.shape.as_slice()) else {
+        return Err(array.fault(format!("{} dimensions", array.shape.len()), "expected a mask of three"));
+    };
+    let Some(spacing) = spacing else {
+        return Err(array.fault("no spacing: NumPy states none", "expected `spacing` SX,SY,SZ, in mm"));
+    };
+    let (kind, size, big) = array.numbers()?;
+    let diagonal = |axis: usize| std::array::from_fn(|column| if column == axis { spacing[axis] } else { 0.0 });
+    let rows: [[f64; 4]; 3] = std::array::from_fn(diagonal);
+    // In C order the last axis runs fastest.
+    let (shape, affine) =
+        if array.is_fortran() { ([x, y, z], rows) } else { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) };
+    Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine }.read(array.bytes(), level, most)
+}

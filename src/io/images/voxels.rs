@@ -1,0 +1,123 @@
+//! The voxels of an image as the classes of a mask, read as a stream.
+
+use std::io::{ErrorKind, Read};
+
+use crate::error::Fault;
+use crate::io::binary::NumberType;
+use crate::masks::{Affine, Mask};
+use crate::support::geometry::{Point, cross, dot, norm_squared};
+
+/// More classes than any list of arteries has.
+const MOST_CLASSES: usize = 64;
+const ACCEPTED: &str =
+    "expected a mask: whole numbers from 0 to 255, 0 being background; `level` takes what is at least so large";
+/// Voxels that are read at once.
+const BLOCK: usize = 1 << 14;
+
+/// How an image stores its voxels, and where they are.
+#[derive(Debug, Clone)]
+pub(super) struct Voxels {
+    /// Lengths along the three axes; the first runs fastest.
+    pub shape: [usize; 3],
+    pub kind: NumberType,
+    /// Bytes of a value.
+    pub size: usize,
+    pub big: bool,
+    /// A value is this many times the stored number, plus the second.
+    pub slope: [f64; 2],
+    /// Scanner's frame, mm.
+    pub affine: Affine,
+}
+
+impl Voxels {
+    /// How many bytes they take; a fault where that is more than `most`, or nothing.
+    pub fn bytes(&self, most: u64) -> Result<u64, Fault> {
+        let shape = self.shape;
+        let words = format!("{} x {} x {} voxels of {} bytes", shape[0], shape[1], shape[2], self.size);
+        if shape.contains(&0) {
+            return Err(Fault::file(words, "expected an image with voxels"));
+        }
+        let count = shape.iter().try_fold(self.size as u64, |all, n| all.checked_mul(*n as u64));
+        let count = count.filter(|count| *count <= most);
+        count.ok_or_else(|| Fault::file(words, format!("expected at most {most} bytes; `max_input` allows more")))
+    }
+
+    /// Reads a mask: each voxel's class, or 1 from a level on.
+    pub fn read(self, mut bytes: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+        self.check_frame()?;
+        let count = (self.bytes(most)? / self.size as u64) as usize;
+        let mut classes: Vec<u8> = Vec::new();
+        let mut block = vec![0; BLOCK * self.size];
+        let mut seen = [false; 256];
+        while classes.len() < count {
+            let wanted = (count - classes.len()).min(BLOCK) * self.size;
+            let found = fill(&mut bytes, &mut block[..wanted]).map_err(|error| {
+                Fault::file(format!("after {} of {count} voxels: {error}", classes.len()), "expected a whole file")
+            })?;
+            if found < wanted {
+                let found = format!("{} of {count} voxels", classes.len() + found / self.size);
+                return Err(Fault::file(found, "expected all of them; is the file cut off?"));
+            }
+            for value in block[..wanted].chunks_exact(self.size) {
+                let value = self.slope[0] * self.kind.value(value, self.big) + self.slope[1];
+                let class = self.class(value, level, classes.len())?;
+                seen[usize::from(class)] = true;
+                classes.push(class);
+            }
+        }
+        let several = seen[1..].iter().filter(|is| **is).count();
+        if several > MOST_CLASSES {
+            return Err(Fault::file(format!("looks like an image, not a mask: {several} values"), ACCEPTED));
+        }
+        if several == 0 {
+            let accepted = "expected voxels of vessels, which are not 0";
+            return Err(Fault::file("an empty mask", if level.is_some() { "expected a lower `level`" } else { accepted }));
+        }
+        Ok(Mask { shape: self.shape, classes, affine: self.affine })
+    }
+
+    fn class(&self, value: f64, level: Option<f64>, row: usize) -> Result<u8, Fault> {
+        let place = || {
+            let [x, y, _] = self.shape;
+            format!("voxel {},{},{}", row % x, row / x % y, row / (x * y))
+        };
+        if value.is_nan() {
+            return Err(Fault::item(place(), "not a number", "expected a finite value"));
+        }
+        match level {
+            Some(level) => Ok(u8::from(value >= level)),
+            None if (0.0..=255.0).contains(&value) && value.fract() == 0.0 => Ok(value as u8),
+            None => Err(Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED)),
+        }
+    }
+
+    /// Refuses a frame that is flat, or not finite.
+    fn check_frame(&self) -> Result<(), Fault> {
+        let column = |axis: usize| -> Point { [0, 1, 2].map(|row| self.affine[row][axis]) };
+        let [a, b, c] = [column(0), column(1), column(2)];
+        let lengths = [a, b, c].map(|column| norm_squared(column).sqrt());
+        let found = format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
+        let is_positive = lengths.iter().all(|length| length.is_finite() && *length > 0.0);
+        if !is_positive || !self.affine.iter().flatten().all(|x| x.is_finite()) {
+            return Err(Fault::file(found, "expected a positive spacing along every axis, and a finite origin"));
+        }
+        if dot(a, cross(b, c)).abs() < 1e-6 * lengths.iter().product::<f64>() {
+            return Err(Fault::file("axes that lie in a plane", "expected three independent directions"));
+        }
+        Ok(())
+    }
+}
+
+/// Fills as much of `out` as there are bytes.
+fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < out.len() {
+        match bytes.read(&mut out[filled..]) {
+            Ok(0) => break,
+            Ok(count) => filled += count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}

@@ -1,0 +1,24 @@
+//! From a segmentation mask to centerlines: thinning, the graph of the skeleton, spurs, smoothing, radii by area.
+//!
+//! | step | file |
+//! |---|---|
+//! | a mask in the scanner's frame, in one order of axes | `mask.rs` |
+//! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
+//! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
+//! | voxels to nodes and branches, spurs | `skeleton.rs` |
+//! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
+//! | smoothing, lengths, radii, labels | `trace.rs` |
+
+mod distance;
+mod foreground;
+mod lumen;
+mod mask;
+mod skeleton;
+mod thinning;
+mod trace;
+
+pub use distance::distances;
+pub use foreground::Foreground;
+pub use mask::{Affine, Mask};
+pub use thinning::thin;
+pub use trace::{RadiusFrom, Traced, trace};

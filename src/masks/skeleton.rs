@@ -1,0 +1,219 @@
+//! The skeleton's voxels as a graph of nodes and branches, and its spurs.
+
+use std::collections::BTreeMap;
+
+use super::foreground::{Foreground, neighbours};
+
+/// A branch is a spur if its tip reaches less than this many times its own radius beyond the wall of the vessel that it leaves.
+const SPUR: f64 = 1.0;
+
+/// A skeleton as nodes and the branches between them. Voxels are rows of the foreground.
+#[derive(Debug, Clone, Default)]
+pub struct Skeleton {
+    /// The voxels of each node: one, or those of a junction.
+    pub nodes: Vec<Vec<u32>>,
+    /// The branches.
+    pub branches: Vec<Branch>,
+    /// Skeleton voxels without a neighbour, which make no vessel.
+    pub specks: usize,
+}
+
+/// A line of voxels between two nodes.
+#[derive(Debug, Clone)]
+pub struct Branch {
+    /// The nodes at its ends.
+    pub ends: [usize; 2],
+    /// The voxels between them, from the first end to the second.
+    pub voxels: Vec<u32>,
+}
+
+/// The graph of a skeleton's voxels.
+pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
+    let links = links(vessels, thinned);
+    let mut found = Skeleton { specks: links.iter().filter(|at| at.is_empty()).count(), ..Skeleton::default() };
+    // Voxels of which a line passes through have two links; the others are nodes, junctions of many voxels one.
+    let mut node_of = vec![usize::MAX; thinned.len()];
+    for start in 0..thinned.len() {
+        if node_of[start] == usize::MAX && !matches!(links[start].len(), 0 | 2) {
+            let cluster = cluster(start, &links);
+            cluster.iter().for_each(|at| node_of[*at] = found.nodes.len());
+            found.nodes.push(cluster.into_iter().map(|at| thinned[at]).collect());
+        }
+    }
+    let mut walked = vec![false; thinned.len()];
+    for first in 0..thinned.len() {
+        if node_of[first] != usize::MAX {
+            for next in &links[first] {
+                let branch = walk(first, *next, &links, &node_of);
+                let is_within = branch.len() == 2 && node_of[first] == node_of[branch[1]];
+                let last = branch[branch.len() - 1];
+                // Each is walked from both ends: it is taken from the lower one.
+                let seen = if branch.len() == 2 { last < first } else { walked[branch[1]] };
+                if !seen && !is_within {
+                    branch[1..branch.len() - 1].iter().for_each(|at| walked[*at] = true);
+                    found.add(&branch, [node_of[first], node_of[last]], thinned);
+                }
+            }
+        }
+    }
+    // What is left are rings without a junction: each gets a node at its first voxel.
+    for first in 0..thinned.len() {
+        if links[first].len() == 2 && node_of[first] == usize::MAX && !walked[first] {
+            node_of[first] = found.nodes.len();
+            found.nodes.push(vec![thinned[first]]);
+            let branch = walk(first, links[first][0], &links, &node_of);
+            branch.iter().for_each(|at| walked[*at] = true);
+            found.add(&branch, [node_of[first]; 2], thinned);
+        }
+    }
+    found
+}
+
+impl Skeleton {
+    fn add(&mut self, branch: &[usize], ends: [usize; 2], thinned: &[u32]) {
+        let voxels = branch[1..branch.len() - 1].iter().map(|at| thinned[*at]).collect();
+        self.branches.push(Branch { ends, voxels });
+    }
+
+    /// How many ends of branches each node has.
+    pub fn degrees(&self) -> Vec<usize> {
+        let mut degrees = vec![0; self.nodes.len()];
+        self.branches.iter().flat_map(|branch| branch.ends).for_each(|end| degrees[end] += 1);
+        degrees
+    }
+
+    /// Removes the spurs and joins the branches that they leave behind; returns how many there were. At each junction the one that
+    /// reaches least goes first, then all are looked at again, so that of a fork at the tip of a vessel one arm stays.
+    pub fn prune(&mut self, reach: impl Fn(&Self, &Branch, usize) -> f64) -> usize {
+        let mut removed = 0;
+        loop {
+            let degrees = self.degrees();
+            let mut least: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+            for (row, branch) in self.branches.iter().enumerate() {
+                let [a, b] = branch.ends;
+                let (junction, tip) = if degrees[a] == 1 { (b, a) } else { (a, b) };
+                if degrees[tip] == 1 && degrees[junction] > 2 {
+                    let reach = reach(self, branch, junction);
+                    let entry = least.entry(junction).or_insert((f64::INFINITY, row));
+                    if reach < SPUR && reach < entry.0 {
+                        *entry = (reach, row);
+                    }
+                }
+            }
+            let mut spurs: Vec<usize> = least.values().filter(|(reach, _)| *reach < SPUR).map(|(_, row)| *row).collect();
+            if spurs.is_empty() {
+                return removed;
+            }
+            removed += spurs.len();
+            spurs.sort_unstable();
+            let mut row = 0;
+            self.branches.retain(|_| {
+                row += 1;
+                spurs.binary_search(&(row - 1)).is_err()
+            });
+            self.join_through();
+        }
+    }
+
+    /// Makes one branch of the two that meet at a node where no other does.
+    fn join_through(&mut self) {
+        let mut at: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
+        for (row, branch) in self.branches.iter().enumerate() {
+            branch.ends.iter().for_each(|end| at[*end].push(row));
+        }
+        let mut gone = vec![false; self.branches.len()];
+        for node in 0..self.nodes.len() {
+            let &[a, b] = at[node].as_slice() else { continue };
+            if a == b {
+                continue;
+            }
+            // The first is turned to end here, the second to begin here.
+            let turned = |branch: &Branch, last: bool| {
+                let mut branch = branch.clone();
+                if (branch.ends[usize::from(last)]) != node {
+                    branch.ends.reverse();
+                    branch.voxels.reverse();
+                }
+                branch
+            };
+            let (first, second) = (turned(&self.branches[a], true), turned(&self.branches[b], false));
+            let mut voxels = first.voxels;
+            voxels.push(self.nodes[node][self.nodes[node].len() / 2]);
+            voxels.extend(second.voxels);
+            self.branches[a] = Branch { ends: [first.ends[0], second.ends[1]], voxels };
+            gone[b] = true;
+            at[second.ends[1]].iter_mut().filter(|row| **row == b).for_each(|row| *row = a);
+            at[node].clear();
+        }
+        let mut row = 0;
+        self.branches.retain(|_| {
+            row += 1;
+            !gone[row - 1]
+        });
+    }
+}
+
+/// The neighbours of each voxel of the skeleton, less the longest side of every triangle: a diagonal beside a way of shorter steps.
+fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<Vec<usize>> {
+    let at: BTreeMap<u32, usize> =
+        thinned.iter().enumerate().map(|(row, voxel)| (vessels.places[*voxel as usize], row)).collect();
+    let steps = neighbours(vessels.strides());
+    let all: Vec<Vec<(usize, [i8; 3])>> = thinned
+        .iter()
+        .map(|voxel| {
+            let place = vessels.places[*voxel as usize] as isize;
+            let there = |(step, by): (isize, [i8; 3])| at.get(&u32::try_from(place + step).ok()?).map(|row| (*row, by));
+            steps.into_iter().filter_map(there).collect()
+        })
+        .collect();
+    let axes = |by: [i8; 3]| by.iter().filter(|x| **x != 0).count();
+    // Two sides that are as long as the third, which happens to face diagonals alone, leave out the last pair.
+    let is_longest = |a: usize, (b, by): (usize, [i8; 3])| {
+        all[a].iter().filter(|(c, _)| *c != b).any(|(c, to)| {
+            let from = [0, 1, 2].map(|axis| by[axis] - to[axis]);
+            let touches = from.iter().all(|x| x.abs() <= 1);
+            let (side, first, second) = (axes(by), axes(*to), axes(from));
+            let order = |a: usize, b: usize| (a.max(b), a.min(b));
+            let is_last = order(a, b) > order(a, *c) && order(a, b) > order(b, *c);
+            touches && (side > first.max(second) || (side == first && side == second && is_last))
+        })
+    };
+    let kept = |a: usize| all[a].iter().filter(|link| !is_longest(a, **link)).map(|(b, _)| *b).collect();
+    (0..thinned.len()).map(kept).collect()
+}
+
+/// The voxels of three or more links that hang together with a voxel, in their order; the voxel alone where it is an end, or where
+/// they make a ring, which one node would hide.
+fn cluster(start: usize, links: &[Vec<usize>]) -> Vec<usize> {
+    if links[start].len() < 3 {
+        return vec![start];
+    }
+    let mut found = vec![start];
+    let mut next = 0;
+    while let Some(at) = found.get(next).copied() {
+        for to in &links[at] {
+            if links[*to].len() > 2 && !found.contains(to) {
+                found.push(*to);
+            }
+        }
+        next += 1;
+    }
+    let within: usize = found.iter().map(|at| links[*at].iter().filter(|to| found.contains(to)).count()).sum();
+    if within / 2 + 1 > found.len() {
+        return vec![start];
+    }
+    found.sort_unstable();
+    found
+}
+
+/// The voxels from a node over its neighbour to the next node, both included.
+fn walk(first: usize, next: usize, links: &[Vec<usize>], node_of: &[usize]) -> Vec<usize> {
+    let mut line = vec![first, next];
+    let (mut before, mut here) = (first, next);
+    while node_of[here] == usize::MAX {
+        let onward = if links[here][0] == before { links[here][1] } else { links[here][0] };
+        (before, here) = (here, onward);
+        line.push(here);
+    }
+    line
+}

@@ -1,0 +1,324 @@
+//! Centerlines of a mask: smooth lines along the skeleton's branches, with the radius of the lumen around them.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::distance::distances;
+use super::foreground::Foreground;
+use super::lumen::nearest_seeds;
+use super::mask::Mask;
+use super::skeleton::{Branch, Skeleton, skeleton};
+use super::thinning::thin;
+use crate::network::centerlines::Centerlines;
+use crate::network::units::metres;
+use crate::support::geometry::{Point, distance, dot, sub, unit};
+
+/// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
+const SMOOTH: f64 = 2.0;
+/// The weights reach this many standard deviations.
+const REACH: f64 = 3.0;
+
+/// What the radius of a centerline point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RadiusFrom {
+    /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length.
+    #[default]
+    Area,
+    /// The distance from the skeleton to the nearest voxel outside.
+    Distance,
+    /// The radius of the largest sphere inside: that distance, less half a voxel.
+    Inscribed,
+}
+
+/// Centerlines made of a mask.
+#[derive(Debug, Clone)]
+pub struct Traced {
+    /// The centerlines, m, in the scanner's frame. Labels are the numbers of the classes where the mask has several.
+    pub lines: Centerlines,
+    /// Spurs that were removed.
+    pub spurs: usize,
+    /// Specks: components of the mask too small for a line.
+    pub specks: usize,
+}
+
+/// The centerlines of a mask; `None` for a mask without vessels, or one too large to index.
+pub fn trace(mask: &Mask, radius_from: RadiusFrom) -> Option<Traced> {
+    let vessels = Foreground::of(mask)?;
+    let thinned = thin(&vessels);
+    let depth = distances(&vessels, mask.spacing());
+    let mut graph = skeleton(&vessels, &thinned);
+    let tracer = Tracer { mask, vessels: &vessels, depth: &depth };
+    let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
+    let lines = tracer.lines(&graph, radius_from);
+    Some(Traced { lines, spurs, specks: graph.specks })
+}
+
+struct Tracer<'a> {
+    mask: &'a Mask,
+    vessels: &'a Foreground,
+    depth: &'a [f64],
+}
+
+/// A branch in space: one point for each voxel, the nodes first and last. Lengths in mm.
+struct Line {
+    points: Vec<Point>,
+    /// The length of the stretch that each point stands for.
+    lengths: Vec<f64>,
+    /// The volume of the lumen nearest to it, mm³.
+    volumes: Vec<f64>,
+    /// The distance to the background.
+    depths: Vec<f64>,
+}
+
+impl Tracer<'_> {
+    fn at(&self, voxel: u32) -> Point {
+        self.mask.position(self.vessels.voxel(voxel as usize).map(|index| index as f64))
+    }
+
+    fn depth(&self, voxel: u32) -> f64 {
+        let depth = self.depth[voxel as usize];
+        // A mask without any background says nothing about widths.
+        if depth.is_finite() { depth } else { 0.0 }
+    }
+
+    /// The middle of a node.
+    fn middle(&self, node: &[u32]) -> Point {
+        let sum = node
+            .iter()
+            .map(|voxel| self.vessels.voxel(*voxel as usize))
+            .fold([0; 3], |sum, at| [0, 1, 2].map(|k| sum[k] + at[k]));
+        self.mask.position(sum.map(|total| total as f64 / node.len() as f64))
+    }
+
+    fn widest(&self, node: &[u32]) -> f64 {
+        node.iter().map(|voxel| self.depth(*voxel)).fold(0.0, f64::max)
+    }
+
+    /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in radii of the branch.
+    fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
+        let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
+        let mut length = 0.0;
+        let mut line: Vec<Point> = branch.voxels.iter().map(|voxel| self.at(*voxel)).collect();
+        if branch.ends[0] != junction {
+            line.reverse();
+        }
+        let ends = [self.middle(&graph.nodes[junction]), self.middle(&graph.nodes[tip])];
+        let mut before = ends[0];
+        for point in line.iter().chain([&ends[1]]) {
+            length += distance(before, *point);
+            before = *point;
+        }
+        let own = self.widest(&graph.nodes[tip]);
+        (length + own - self.widest(&graph.nodes[junction])) / (2.0 * own)
+    }
+
+    fn lines(&self, graph: &Skeleton, radius_from: RadiusFrom) -> Centerlines {
+        let mut lines: Vec<Line> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
+        let step = self.mask.spacing().iter().product::<f64>().cbrt();
+        for line in &mut lines {
+            line.points = smooth(&line.points, step);
+        }
+        let degrees = graph.degrees();
+        self.fill(graph, &degrees, &mut lines);
+        let mut out = Centerlines::default();
+        let several = self.vessels.classes.iter().any(|class| *class != self.vessels.classes[0]);
+        let mut row_of = vec![u32::MAX; graph.nodes.len()];
+        for (strand, (branch, line)) in graph.branches.iter().zip(&lines).enumerate() {
+            let radii = match radius_from {
+                RadiusFrom::Area => line.radii(step),
+                RadiusFrom::Distance => line.depths.clone(),
+                RadiusFrom::Inscribed => line.depths.iter().map(|depth| depth - step / 2.0).collect(),
+            };
+            let mut before: Option<u32> = None;
+            let last = line.points.len() - 1;
+            for (n, (point, radius)) in line.points.iter().zip(radii).enumerate() {
+                let node = if n == 0 { Some(branch.ends[0]) } else { (n == last).then_some(branch.ends[1]) };
+                let known = node.map(|node| row_of[node]).filter(|row| *row != u32::MAX);
+                let row = known.unwrap_or_else(|| {
+                    let id = out.points.len() as u64;
+                    out.add_point(point.map(metres), metres(radius), id, strand as u32)
+                });
+                if let Some(node) = node {
+                    row_of[node] = row;
+                    out.radii[row as usize] = out.radii[row as usize].max(metres(radius));
+                }
+                if let Some(before) = before {
+                    let voxel = branch.voxels.get((n - 1).min(branch.voxels.len().saturating_sub(1)));
+                    let voxel = voxel.copied().unwrap_or(graph.nodes[branch.ends[1]][0]);
+                    let class = self.vessels.classes[voxel as usize].to_string();
+                    out.add_link([before, row], if several { &class } else { "" });
+                }
+                before = Some(row);
+            }
+        }
+        out
+    }
+
+    fn line(&self, graph: &Skeleton, branch: &Branch) -> Line {
+        let [first, last] = branch.ends.map(|end| &graph.nodes[end]);
+        let inner = branch.voxels.iter();
+        let points = std::iter::once(self.middle(first)).chain(inner.clone().map(|v| self.at(*v))).chain([self.middle(last)]);
+        let depths = std::iter::once(self.widest(first)).chain(inner.map(|v| self.depth(*v))).chain([self.widest(last)]);
+        let count = branch.voxels.len() + 2;
+        Line { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
+    }
+
+    /// Gives each point the volume of the lumen around it and the length of its stretch, and draws free ends out to the tips of the lumen.
+    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) {
+        // Every voxel of the graph with where it is: a node, or a point of a branch.
+        let mut seeds: Vec<(u32, Result<usize, (usize, usize)>)> = Vec::new();
+        let met: Vec<bool> = degrees.iter().map(|degree| *degree > 0).collect();
+        for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| met[*node]) {
+            seeds.extend(voxels.iter().map(|voxel| (*voxel, Ok(node))));
+        }
+        for (row, branch) in graph.branches.iter().enumerate() {
+            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, Err((row, n + 1)))));
+        }
+        seeds.sort_unstable_by_key(|(voxel, _)| *voxel);
+        seeds.dedup_by_key(|(voxel, _)| *voxel);
+        let voxels: Vec<u32> = seeds.iter().map(|(voxel, _)| *voxel).collect();
+        let nearest = nearest_seeds(self.vessels, &voxels, [0, 1, 2].map(|axis| self.mask.column(axis)));
+        let cell = self.mask.voxel_volume();
+        let mut of_node = vec![0.0; graph.nodes.len()];
+        // The lumen around a free end, beyond it along the line.
+        let mut beyond = vec![0.0; graph.nodes.len()];
+        let mut direction: Vec<Option<(Point, Point)>> = vec![None; graph.nodes.len()];
+        for (branch, line) in graph.branches.iter().zip(&*lines) {
+            let n = line.points.len();
+            let far = |at: usize| line.points[at.min(n - 1)];
+            let span = (2.0 * SMOOTH) as usize + 1;
+            let ends = [(far(0), far(span)), (far(n - 1), far((n - 1).saturating_sub(span)))];
+            for (end, (tip, inside)) in branch.ends.into_iter().zip(ends) {
+                if degrees[end] == 1 {
+                    direction[end] = Some((tip, unit(sub(tip, inside))));
+                }
+            }
+        }
+        for (voxel, seed) in nearest.iter().enumerate() {
+            let Some(seed) = seed else { continue };
+            match seeds[*seed as usize].1 {
+                Err((row, point)) => lines[row].volumes[point] += cell,
+                Ok(node) => {
+                    let is_beyond = direction[node].is_some_and(|(tip, to)| dot(sub(self.at(voxel as u32), tip), to) > 0.0);
+                    *(if is_beyond { &mut beyond[node] } else { &mut of_node[node] }) += cell;
+                }
+            }
+        }
+        for line in &mut *lines {
+            line.measure();
+        }
+        // The lumen at a junction belongs to the vessels that meet there, in the shares of their cross-sections.
+        let mut shares: Vec<Vec<(usize, bool, f64)>> = vec![Vec::new(); graph.nodes.len()];
+        for (row, branch) in graph.branches.iter().enumerate() {
+            let line = &lines[row];
+            let inside = |from_last: bool| {
+                let n = line.depths.len();
+                let at = (n / 2).min(4);
+                let depth = line.depths[if from_last { n - 1 - at } else { at }];
+                (depth * depth).max(f64::MIN_POSITIVE)
+            };
+            shares[branch.ends[0]].push((row, false, inside(false)));
+            shares[branch.ends[1]].push((row, true, inside(true)));
+        }
+        for (node, shares) in shares.iter().enumerate() {
+            let all: f64 = shares.iter().map(|(.., share)| share).sum();
+            for (row, is_last, share) in shares {
+                let line = &mut lines[*row];
+                let end = if *is_last { line.volumes.len() - 1 } else { 0 };
+                line.volumes[end] += (of_node[node] + beyond[node]) * share / all;
+            }
+        }
+        let step = self.mask.spacing().iter().product::<f64>().cbrt();
+        for (branch, line) in graph.branches.iter().zip(lines) {
+            for (is_last, end) in [(false, branch.ends[0]), (true, branch.ends[1])] {
+                let Some((tip, to)) = direction[end] else { continue };
+                let n = line.points.len();
+                // As far as the volume beyond the end goes in a lumen as wide as behind it.
+                let behind: Vec<usize> = if is_last { (0..n - 1).rev().collect() } else { (1..n).collect() };
+                let near = &behind[..behind.len().min((2.0 * SMOOTH) as usize + 1)];
+                let (volume, length) = near.iter().fold((0.0, 0.0), |(v, l), at| (v + line.volumes[*at], l + line.lengths[*at]));
+                let area = if volume > 0.0 { volume / length } else { PI * step * step / 4.0 };
+                let at = if is_last { n - 1 } else { 0 };
+                let out = beyond[end] / area;
+                line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
+                line.lengths[at] += out;
+            }
+        }
+    }
+}
+
+impl Line {
+    /// The length that each point stands for: half of the way to its neighbours.
+    fn measure(&mut self) {
+        self.lengths.fill(0.0);
+        for n in 1..self.points.len() {
+            let half = distance(self.points[n - 1], self.points[n]) / 2.0;
+            self.lengths[n - 1] += half;
+            self.lengths[n] += half;
+        }
+    }
+
+    /// The radius of a circle with the area of the lumen: weighted volume over weighted length, the weights as wide as the lumen.
+    fn radii(&self, step: f64) -> Vec<f64> {
+        let mut along = 0.0;
+        let mut at = Vec::with_capacity(self.points.len());
+        for n in 0..self.points.len() {
+            along += if n > 0 { distance(self.points[n - 1], self.points[n]) } else { 0.0 };
+            at.push(along);
+        }
+        let n = self.points.len();
+        (0..n)
+            .map(|here| {
+                let wide = self.depths[here].max(2.0 * step);
+                let (mut volume, mut length) = (0.0, 0.0);
+                let mut add = |other: usize| {
+                    let apart = (at[other] - at[here]) / wide;
+                    let weight = (-0.5 * apart * apart).exp();
+                    volume += weight * self.volumes[other];
+                    length += weight * self.lengths[other];
+                    apart.abs() < REACH
+                };
+                let _ = (here..n).all(&mut add);
+                let _ = (0..here).rev().all(&mut add);
+                (volume / length / PI).sqrt()
+            })
+            .collect()
+    }
+}
+
+/// The line with each point moved to the weighted mean of those around it; beyond an end the line is turned about it, so that ends stay.
+fn smooth(points: &[Point], step: f64) -> Vec<Point> {
+    let n = points.len() as isize;
+    let reach = (REACH * SMOOTH) as isize;
+    let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / SMOOTH).powi(2)).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let _ = step;
+    let turned = |k: isize, about: isize| {
+        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
+        [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis])
+    };
+    let at = |k: isize| {
+        if k < 0 {
+            turned(k, 0)
+        } else if k >= n {
+            turned(k, n - 1)
+        } else {
+            points[k as usize]
+        }
+    };
+    (0..n)
+        .map(|here| {
+            if here == 0 || here == n - 1 {
+                return points[here as usize];
+            }
+            let mut sum = [0.0; 3];
+            for (k, weight) in (here - reach..).zip(&weights) {
+                let point = at(k);
+                (0..3).for_each(|axis| sum[axis] += weight * point[axis]);
+            }
+            sum.map(|x| x / total)
+        })
+        .collect()
+}
