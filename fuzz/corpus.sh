@@ -58,3 +58,19 @@ put icafe "$work/icafe.csv"
 printf '\223NUMPY\001\000\166\000%-117s\n' "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1), }" > "$work/prior.npy"
 printf '\000\000\000\000\000\000\360\077' >> "$work/prior.npy"
 put prior-npy "$work/prior.npy"
+# A NIfTI-1 mask of 4 x 2 x 2 voxels: the header's length, dimensions, type, spacing, offset and signature; then the voxels.
+head -c 352 /dev/zero > "$work/mask.nii"
+at() { printf "$2" | dd of="$work/mask.nii" bs=1 seek="$1" conv=notrunc status=none; }
+at 0 '\134\001'
+at 40 '\003\000\004\000\002\000\002\000'
+at 70 '\002\000'
+at 76 '\000\000\200\077\000\000\200\077\000\000\200\077\000\000\200\077'
+at 108 '\000\000\260\103'
+at 344 'n+1\000'
+printf '\001\001\001\001\000\000\000\000\000\000\000\000\000\000\000\000' >> "$work/mask.nii"
+put nifti "$work/mask.nii"
+printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n\001\001\001\001' > "$work/mask.mha"
+put metaimage "$work/mask.mha"
+printf '\223NUMPY\001\000\166\000%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 1, 1), }" > "$work/mask.npy"
+printf '\001\001\001\001' >> "$work/mask.npy"
+put npy-mask "$work/mask.npy"

@@ -10,6 +10,7 @@ use willis::error::Fault;
 use willis::internals::io;
 use willis::internals::io::{Content, ReadOptions};
 use willis::internals::io::tables::conditions;
+use willis::internals::masks::{Mask, RadiusFrom, trace};
 use willis::internals::network::{Network, RadiusRule, contract};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::circle_of_willis::identify_landmarks;
@@ -33,6 +34,13 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
     if let Ok((mut lines, _)) = read {
         lines.weld(1e-6);
         let _ = contract(&lines, RadiusRule::Mean, Some(1e-3));
+    }
+}
+
+/// Masks go on to become centerlines.
+fn mask(read: Result<Mask, Fault>) {
+    if let Ok(mask) = read {
+        let _ = trace(&mask.in_scanner_order(), RadiusFrom::Area);
     }
 }
 
@@ -72,6 +80,9 @@ fuzz_target!(|bytes: &[u8]| {
                 let _ = willis::internals::io::read_vesselvio_edges(second, vertices, &optional);
             }
         }
+        "nifti" => mask(willis::internals::io::read_nifti(bytes, None, 1 << 24)),
+        "metaimage" => drop(willis::internals::io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
+        "npy-mask" => mask(willis::internals::io::read_npy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
         "icafe" => drop(willis::internals::io::read_traced_vessels(bytes, &mm)),
         "links" => drop(willis::internals::io::read_links(bytes)),
         "loops" => {

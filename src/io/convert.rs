@@ -10,7 +10,7 @@ use crate::io::format::Format;
 use crate::io::polylines::{between, is_straight, node_points};
 use crate::io::vendors::voreen::has_whole_ids;
 use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use crate::support::geometry::{distance, lerp};
+use crate::support::geometry::{Point, distance, lerp};
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,6 +58,20 @@ impl Target {
     pub fn loops(&self) -> PathBuf {
         self.path.with_extension("loops.csv")
     }
+}
+
+/// A network in the scanner's frame as ITK and 3D Slicer keep positions: x to the patient's left, y backward (LPS).
+pub fn in_itk_frame(network: &Network) -> Network {
+    let turn = |at: Point| [-at[0], -at[1], at[2]];
+    let mut turned = network.clone();
+    for row in 0..turned.node_count() {
+        let node = turned.node_mut(row);
+        node.position = node.position.map(turn);
+    }
+    for row in 0..turned.vessel_count() {
+        turned.vessel_mut(row).path.iter_mut().for_each(|point| point.position = turn(point.position));
+    }
+    turned
 }
 
 /// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].

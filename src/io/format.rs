@@ -248,7 +248,7 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         return Ok(Some(Format::Nifti));
     }
     if is_gzip(bytes) {
-        return Err(Fault::file("the file is compressed by gzip", "expected an unpacked file (gunzip)"));
+        return Err(Fault::file("the file is compressed by gzip", "expected a mask in NIfTI, or an unpacked file (gunzip)"));
     }
     if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
         return Ok(Some(Format::VTrails));

@@ -11,6 +11,7 @@ use crate::support::geometry::{Point, norm_squared};
 pub fn nearest_seeds(vessels: &Foreground, seeds: &[u32], steps: [Point; 3]) -> Vec<Option<u32>> {
     let around = neighbours(vessels.strides());
     let mut of: Vec<Option<u32>> = vec![None; vessels.len()];
+    let mut best: Vec<(u64, u32)> = vec![(u64::MAX, u32::MAX); vessels.len()];
     let apart = |voxel: usize, seed: u32| {
         let (a, b) = (vessels.voxel(voxel), vessels.voxel(seeds[seed as usize] as usize));
         let by = [0, 1, 2].map(|axis| a[axis] as f64 - b[axis] as f64);
@@ -26,8 +27,13 @@ pub fn nearest_seeds(vessels: &Foreground, seeds: &[u32], steps: [Point; 3]) -> 
         }
         of[voxel] = Some(seed);
         for (step, _) in around {
-            let next = vessels.row((vessels.places[voxel] as isize + step) as usize).filter(|row| of[*row].is_none());
-            open.extend(next.map(|row| Reverse((apart(row, seed).to_bits(), seed, row as u32))));
+            let next = vessels.row((vessels.places[voxel] as isize + step) as usize);
+            let Some(next) = next.filter(|row| of[*row].is_none()) else { continue };
+            let nearer = (apart(next, seed).to_bits(), seed);
+            if nearer < best[next] {
+                best[next] = nearer;
+                open.push(Reverse((nearer.0, seed, next as u32)));
+            }
         }
     }
     of

@@ -1,6 +1,6 @@
 //! The skeleton's voxels as a graph of nodes and branches, and its spurs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::foreground::{Foreground, neighbours};
 
@@ -36,7 +36,9 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
     for start in 0..thinned.len() {
         if node_of[start] == usize::MAX && !matches!(links[start].len(), 0 | 2) {
             let cluster = cluster(start, &links);
-            cluster.iter().for_each(|at| node_of[*at] = found.nodes.len());
+            for at in &cluster {
+                node_of[*at] = found.nodes.len();
+            }
             found.nodes.push(cluster.into_iter().map(|at| thinned[at]).collect());
         }
     }
@@ -61,8 +63,11 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
         if links[first].len() == 2 && node_of[first] == usize::MAX && !walked[first] {
             node_of[first] = found.nodes.len();
             found.nodes.push(vec![thinned[first]]);
-            let branch = walk(first, links[first][0], &links, &node_of);
-            branch.iter().for_each(|at| walked[*at] = true);
+            let next = links[first].first().copied().unwrap_or(first);
+            let branch = walk(first, next, &links, &node_of);
+            for at in &branch {
+                walked[*at] = true;
+            }
             found.add(&branch, [node_of[first]; 2], thinned);
         }
     }
@@ -153,38 +158,48 @@ impl Skeleton {
     }
 }
 
-/// The neighbours of each voxel of the skeleton, less the longest side of every triangle: a diagonal beside a way of shorter steps.
-fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<Vec<usize>> {
+/// The neighbours of each voxel of the skeleton, less the diagonals beside a way of shorter steps.
+///
+/// The union of the voxels has the homotopy type of the complex of all sets of mutual neighbours (boxes that touch in pairs have a
+/// point in common). Removing an edge keeps it if one voxel touches both ends and every other voxel that does: Boissonnat and Pritam,
+/// "Edge collapse and persistence of flag complexes" (2020). The longest edges go first, so that no triangle is left to look like a loop.
+fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<BTreeSet<usize>> {
     let at: BTreeMap<u32, usize> =
         thinned.iter().enumerate().map(|(row, voxel)| (vessels.places[*voxel as usize], row)).collect();
     let steps = neighbours(vessels.strides());
-    let all: Vec<Vec<(usize, [i8; 3])>> = thinned
-        .iter()
-        .map(|voxel| {
-            let place = vessels.places[*voxel as usize] as isize;
-            let there = |(step, by): (isize, [i8; 3])| at.get(&u32::try_from(place + step).ok()?).map(|row| (*row, by));
-            steps.into_iter().filter_map(there).collect()
-        })
-        .collect();
-    let axes = |by: [i8; 3]| by.iter().filter(|x| **x != 0).count();
-    // Two sides that are as long as the third, which happens to face diagonals alone, leave out the last pair.
-    let is_longest = |a: usize, (b, by): (usize, [i8; 3])| {
-        all[a].iter().filter(|(c, _)| *c != b).any(|(c, to)| {
-            let from = [0, 1, 2].map(|axis| by[axis] - to[axis]);
-            let touches = from.iter().all(|x| x.abs() <= 1);
-            let (side, first, second) = (axes(by), axes(*to), axes(from));
-            let order = |a: usize, b: usize| (a.max(b), a.min(b));
-            let is_last = order(a, b) > order(a, *c) && order(a, b) > order(b, *c);
-            touches && (side > first.max(second) || (side == first && side == second && is_last))
-        })
-    };
-    let kept = |a: usize| all[a].iter().filter(|link| !is_longest(a, **link)).map(|(b, _)| *b).collect();
-    (0..thinned.len()).map(kept).collect()
+    let mut links: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); thinned.len()];
+    let mut edges = Vec::new();
+    for (row, voxel) in thinned.iter().enumerate() {
+        let place = vessels.places[*voxel as usize] as isize;
+        for (step, by) in steps {
+            let Some(other) = u32::try_from(place + step).ok().and_then(|place| at.get(&place)).copied() else { continue };
+            links[row].insert(other);
+            if other > row {
+                edges.push((by.iter().filter(|x| **x != 0).count(), row, other));
+            }
+        }
+    }
+    edges.sort_unstable_by(|a, b| b.cmp(a));
+    loop {
+        let before = edges.len();
+        edges.retain(|(_, a, b)| {
+            let common: Vec<usize> = links[*a].intersection(&links[*b]).copied().collect();
+            let is_dominated = common.iter().any(|c| common.iter().all(|d| c == d || links[*c].contains(d)));
+            if is_dominated {
+                links[*a].remove(b);
+                links[*b].remove(a);
+            }
+            !is_dominated
+        });
+        if edges.len() == before {
+            return links;
+        }
+    }
 }
 
 /// The voxels of three or more links that hang together with a voxel, in their order; the voxel alone where it is an end, or where
 /// they make a ring, which one node would hide.
-fn cluster(start: usize, links: &[Vec<usize>]) -> Vec<usize> {
+fn cluster(start: usize, links: &[BTreeSet<usize>]) -> Vec<usize> {
     if links[start].len() < 3 {
         return vec![start];
     }
@@ -207,12 +222,12 @@ fn cluster(start: usize, links: &[Vec<usize>]) -> Vec<usize> {
 }
 
 /// The voxels from a node over its neighbour to the next node, both included.
-fn walk(first: usize, next: usize, links: &[Vec<usize>], node_of: &[usize]) -> Vec<usize> {
+fn walk(first: usize, next: usize, links: &[BTreeSet<usize>], node_of: &[usize]) -> Vec<usize> {
     let mut line = vec![first, next];
     let (mut before, mut here) = (first, next);
     while node_of[here] == usize::MAX {
-        let onward = if links[here][0] == before { links[here][1] } else { links[here][0] };
-        (before, here) = (here, onward);
+        let onward = links[here].iter().find(|to| **to != before);
+        (before, here) = (here, onward.copied().unwrap_or(before));
         line.push(here);
     }
     line

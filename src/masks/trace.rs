@@ -32,6 +32,17 @@ pub enum RadiusFrom {
     Inscribed,
 }
 
+impl RadiusFrom {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Area => "area",
+            Self::Distance => "distance",
+            Self::Inscribed => "inscribed",
+        }
+    }
+}
+
 /// Centerlines made of a mask.
 #[derive(Debug, Clone)]
 pub struct Traced {
@@ -72,7 +83,20 @@ struct Line {
     depths: Vec<f64>,
 }
 
+/// Where a voxel of the graph is.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Node(usize),
+    /// A branch and one of its points.
+    Point(usize, usize),
+}
+
 impl Tracer<'_> {
+    /// The side of a cube as large as a voxel, mm.
+    fn step(&self) -> f64 {
+        self.mask.voxel_volume().cbrt()
+    }
+
     fn at(&self, voxel: u32) -> Point {
         self.mask.position(self.vessels.voxel(voxel as usize).map(|index| index as f64))
     }
@@ -116,9 +140,9 @@ impl Tracer<'_> {
 
     fn lines(&self, graph: &Skeleton, radius_from: RadiusFrom) -> Centerlines {
         let mut lines: Vec<Line> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
-        let step = self.mask.spacing().iter().product::<f64>().cbrt();
+        let step = self.step();
         for line in &mut lines {
-            line.points = smooth(&line.points, step);
+            line.points = smooth(&line.points);
         }
         let degrees = graph.degrees();
         self.fill(graph, &degrees, &mut lines);
@@ -168,13 +192,13 @@ impl Tracer<'_> {
     /// Gives each point the volume of the lumen around it and the length of its stretch, and draws free ends out to the tips of the lumen.
     fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) {
         // Every voxel of the graph with where it is: a node, or a point of a branch.
-        let mut seeds: Vec<(u32, Result<usize, (usize, usize)>)> = Vec::new();
+        let mut seeds: Vec<(u32, Place)> = Vec::new();
         let met: Vec<bool> = degrees.iter().map(|degree| *degree > 0).collect();
         for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| met[*node]) {
-            seeds.extend(voxels.iter().map(|voxel| (*voxel, Ok(node))));
+            seeds.extend(voxels.iter().map(|voxel| (*voxel, Place::Node(node))));
         }
         for (row, branch) in graph.branches.iter().enumerate() {
-            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, Err((row, n + 1)))));
+            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, Place::Point(row, n + 1))));
         }
         seeds.sort_unstable_by_key(|(voxel, _)| *voxel);
         seeds.dedup_by_key(|(voxel, _)| *voxel);
@@ -199,10 +223,15 @@ impl Tracer<'_> {
         for (voxel, seed) in nearest.iter().enumerate() {
             let Some(seed) = seed else { continue };
             match seeds[*seed as usize].1 {
-                Err((row, point)) => lines[row].volumes[point] += cell,
-                Ok(node) => {
-                    let is_beyond = direction[node].is_some_and(|(tip, to)| dot(sub(self.at(voxel as u32), tip), to) > 0.0);
-                    *(if is_beyond { &mut beyond[node] } else { &mut of_node[node] }) += cell;
+                Place::Point(row, point) => lines[row].volumes[point] += cell,
+                Place::Node(node) => {
+                    // A voxel that the end divides lies in part beyond it.
+                    let share = direction[node].map_or(0.0, |(tip, to)| {
+                        let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
+                        (dot(sub(self.at(voxel as u32), tip), to) / width + 0.5).clamp(0.0, 1.0)
+                    });
+                    beyond[node] += cell * share;
+                    of_node[node] += cell * (1.0 - share);
                 }
             }
         }
@@ -230,7 +259,7 @@ impl Tracer<'_> {
                 line.volumes[end] += (of_node[node] + beyond[node]) * share / all;
             }
         }
-        let step = self.mask.spacing().iter().product::<f64>().cbrt();
+        let step = self.step();
         for (branch, line) in graph.branches.iter().zip(lines) {
             for (is_last, end) in [(false, branch.ends[0]), (true, branch.ends[1])] {
                 let Some((tip, to)) = direction[end] else { continue };
@@ -289,12 +318,11 @@ impl Line {
 }
 
 /// The line with each point moved to the weighted mean of those around it; beyond an end the line is turned about it, so that ends stay.
-fn smooth(points: &[Point], step: f64) -> Vec<Point> {
+fn smooth(points: &[Point]) -> Vec<Point> {
     let n = points.len() as isize;
     let reach = (REACH * SMOOTH) as isize;
     let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / SMOOTH).powi(2)).exp()).collect();
     let total: f64 = weights.iter().sum();
-    let _ = step;
     let turned = |k: isize, about: isize| {
         let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
         [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis])

@@ -105,6 +105,12 @@ pub struct Scale {
     pub spacing: Option<[f64; 3]>,
 }
 
+/// A spacing as it is typed.
+fn words(spacing: [f64; 3]) -> String {
+    let given = spacing.map(|x| x.to_string());
+    if given.iter().all(|x| *x == given[0]) { given[0].clone() } else { given.join(",") }
+}
+
 impl LengthUnit {
     /// The unit's usual abbreviation.
     pub fn symbol(self) -> &'static str {
@@ -126,20 +132,34 @@ impl Scale {
     /// Names the option, its value and what is accepted.
     pub fn validate(&self) -> crate::error::Result<()> {
         use crate::error::Error;
-        let refused = |accepted: &str| {
-            let given = self.spacing.unwrap_or_default().map(|x| x.to_string());
-            let given = if given.iter().all(|x| *x == given[0]) { given[0].clone() } else { given.join(",") };
-            Err(Error::parameter("spacing", given, accepted))
-        };
+        let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
                 Err(Error::parameter("units", "voxel", "needs `spacing` S or `spacing` SX,SY,SZ, in mm"))
             }
-            (LengthUnit::Voxel, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
+            (LengthUnit::Voxel | LengthUnit::Millimetre, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")
             }
-            (LengthUnit::Voxel, Some(_)) | (_, None) => Ok(()),
-            (unit, Some(_)) => refused(&format!("goes with `units` voxel, not {}", unit.symbol())),
+            // In mm it may be that of a mask: whoever knows the format looks again.
+            (LengthUnit::Voxel | LengthUnit::Millimetre, Some(_)) | (_, None) => Ok(()),
+            (_, Some(_)) => refused(&self.needs_voxels()),
+        }
+    }
+
+    /// What is said of a spacing where coordinates are not in voxels.
+    fn needs_voxels(&self) -> String {
+        format!("goes with `units` voxel, not {}", self.unit.symbol())
+    }
+
+    /// Refuses a spacing of coordinates that are not in voxels.
+    ///
+    /// # Errors
+    ///
+    /// Names the option and what it goes with.
+    pub(crate) fn check_coordinates(&self) -> crate::error::Result<()> {
+        match (self.unit, self.spacing) {
+            (LengthUnit::Voxel, _) | (_, None) => Ok(()),
+            (_, Some(spacing)) => Err(crate::error::Error::parameter("spacing", words(spacing), self.needs_voxels())),
         }
     }
 

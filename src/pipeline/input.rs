@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
 use crate::masks::RadiusFrom;
 use crate::network::centerlines::Centerlines;
-use crate::network::units::Scale;
+use crate::network::units::LengthUnit;
 use crate::network::{Network, Origin};
 use crate::report::Provenance;
 
@@ -96,12 +96,15 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
         return Err(Error::parameter("level", level, masks));
     }
     if options.radius_from != RadiusFrom::default() && !format.is_mask() {
-        return Err(Error::parameter("radius_from", "", masks));
+        return Err(Error::parameter("radius_from", options.radius_from.name(), masks));
     }
-    let states_its_frame = matches!(format, Format::Nifti | Format::MetaImage);
-    if states_its_frame && options.scale != Scale::default() {
+    if !format.is_mask() {
+        options.scale.check_coordinates()?;
+    } else if options.scale.unit != LengthUnit::default() {
         let unit = options.scale.unit.symbol();
-        return Err(Error::parameter("units", unit, "goes with coordinates; the file states where its voxels are"));
+        return Err(Error::parameter("units", unit, "goes with coordinates; those of a mask are in mm"));
+    } else if options.scale.spacing.is_some() && format != Format::Npy {
+        return Err(Error::parameter("spacing", "", "goes with a NumPy mask; this file states its own"));
     }
     if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
         let why = "goes with centerlines; the vessels of this input state their radii";

@@ -14,4 +14,5 @@ mod real_data;
 mod refusals;
 mod separate_runs;
 mod simulate;
+mod skeleton;
 mod terminal;

@@ -17,6 +17,8 @@ mod damaged;
 mod hostile;
 mod hostile_outputs;
 mod icafe;
+mod images;
+mod masks;
 mod peer_files;
 mod peers;
 mod polylines;

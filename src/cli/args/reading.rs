@@ -114,8 +114,6 @@ impl ReadingArgs {
                 return Err(Error::parameter("spacing", given.join(","), "expected one or three positive numbers, in mm"));
             }
         };
-        // A spacing is one of voxels.
-        let unit = self.units.unwrap_or(if spacing.is_some() { LengthUnit::Voxel } else { LengthUnit::default() });
-        Ok(Scale { unit, spacing })
+        Ok(Scale { unit: self.units.unwrap_or_default(), spacing })
     }
 }

@@ -38,7 +38,13 @@ pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
 }
 
 /// Reads a mask; `path` tells where a second file is.
-pub(crate) fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, no mask of three dimensions, or one without a usable frame.
+pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
     let here = |fault: Fault| fault.in_file(path);
     let header = Header::read(bytes).map_err(here)?;
     let voxels = header.voxels().map_err(here)?;

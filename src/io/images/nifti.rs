@@ -38,6 +38,7 @@ pub(crate) fn is_nifti(head: &[u8]) -> bool {
 #[derive(Clone, Copy)]
 struct Layout {
     is_pair: fn(&[u8]) -> bool,
+    /// Where numbers of this many bytes are.
     dim: (usize, usize),
     datatype: usize,
     pixdim: usize,
@@ -51,7 +52,7 @@ struct Layout {
     code: usize,
     quaternion: usize,
     sform: usize,
-    units: usize,
+    units: (usize, usize),
 }
 
 const ONE: Layout = Layout {
@@ -67,7 +68,7 @@ const ONE: Layout = Layout {
     code: 2,
     quaternion: 256,
     sform: 280,
-    units: 123,
+    units: (123, 1),
 };
 
 const TWO: Layout = Layout {
@@ -83,7 +84,7 @@ const TWO: Layout = Layout {
     code: 4,
     quaternion: 352,
     sform: 400,
-    units: 500,
+    units: (500, 4),
 };
 
 /// A header and how it is read.
@@ -94,7 +95,13 @@ struct Header<'a> {
 }
 
 /// Reads a mask.
-pub(crate) fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, no mask of three dimensions, or one without a usable frame.
+pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, Fault> {
     let mut stream: Box<dyn Read> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");
@@ -164,7 +171,7 @@ impl Header<'_> {
     /// The scanner's frame in mm from voxels.
     fn affine(&self, shape: [usize; 3]) -> Result<Affine, Fault> {
         let layout = &self.layout;
-        let unit = match self.whole(layout.units, layout.code.min(1)) & 7 {
+        let unit = match self.whole(layout.units.0, layout.units.1) & 7 {
             1 => 1e3,
             3 => 1e-3,
             _ => 1.0,

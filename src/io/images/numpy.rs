@@ -8,7 +8,13 @@ use crate::masks::Mask;
 use super::voxels::Voxels;
 
 /// Reads a mask. The first axis of the array is x; voxel 0,0,0 is at the origin.
-pub(crate) fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, no mask of three dimensions, or one without a usable frame.
+pub fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
     let array = Array::read("of voxels", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), most))?;
     let Ok([x, y, z]) = <[usize; 3]>::try_from(array.shape.as_slice()) else {
         return Err(array.fault(format!("{} dimensions", array.shape.len()), "expected a mask of three"));

@@ -66,8 +66,7 @@ impl Array {
         let (kind, size) = match (kind, size) {
             (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
             (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
-            (Some("b"), Some(size @ 1)) => (Kind::Number(NumberType::Unsigned), size),
-            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
+            (Some("b"), Some(size @ 1)) | (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
             (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
             (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
             (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), accepted)),
