@@ -204,6 +204,7 @@ struct FreeEnds {
     nodes: Vec<usize>,
     radius: Vec<f64>,
     part: Vec<usize>,
+    at_border: Vec<bool>,
 }
 
 impl FreeEnds {
@@ -218,11 +219,12 @@ impl FreeEnds {
             radius[b] = vessel.end_radius(true);
         }
         let nodes = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
-        Self { nodes, radius, part: fragments(network, |_, v| counts(v)).of_node }
+        let at_border = network.nodes().map(|node| node.at_border).collect();
+        Self { nodes, radius, part: fragments(network, |_, v| counts(v)).of_node, at_border }
     }
 
     /// The widest ends, up to three, and the widest of each part with two or more; `spare` leaves every part, and the
-    /// whole, an end that can be an outlet. Ties go to the lower node.
+    /// whole, an end that can be an outlet. Ends where a vessel leaves the image come before all others. Ties go to the lower node.
     fn inlets(&self, spare: bool) -> Vec<usize> {
         let mut free = std::collections::BTreeMap::new();
         for node in &self.nodes {
@@ -230,7 +232,8 @@ impl FreeEnds {
         }
         let many: std::collections::BTreeSet<usize> = free.iter().filter(|(_, n)| **n > 1).map(|(part, _)| *part).collect();
         let mut widest = self.nodes.clone();
-        widest.sort_by(|a, b| self.radius[*b].total_cmp(&self.radius[*a]).then(a.cmp(b)));
+        let by_width = |a: &usize, b: &usize| self.radius[*b].total_cmp(&self.radius[*a]).then(a.cmp(b));
+        widest.sort_by(|a, b| self.at_border[*b].cmp(&self.at_border[*a]).then_with(|| by_width(a, b)));
         let mut inlets = Vec::new();
         let mut started = std::collections::BTreeSet::new();
         for node in &widest {

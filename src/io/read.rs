@@ -17,6 +17,7 @@ use crate::masks::RadiusFrom;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
+use crate::support::geometry::Point;
 
 /// The content of a file.
 #[derive(Debug, Clone)]
@@ -65,6 +66,10 @@ pub struct ReadOptions {
     pub level: Option<f64>,
     /// What the radius of a mask's centerlines is.
     pub radius_from: RadiusFrom,
+    /// The corners of the image's box with the least and the largest coordinates, m, in the frame of the file. A free end at its faces is
+    /// where a vessel leaves the image. A mask states its own.
+    #[serde(rename = "box_m")]
+    pub field_of_view: Option<[Point; 2]>,
     /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
@@ -79,6 +84,7 @@ impl Default for ReadOptions {
             loops: None,
             observed: false,
             level: None,
+            field_of_view: None,
             radius_from: RadiusFrom::default(),
             max_input: MAX_INPUT,
         }
@@ -95,6 +101,11 @@ impl ReadOptions {
         self.scale.validate()?;
         if let Some(level) = self.level.filter(|level| !level.is_finite()) {
             return Err(Error::parameter("level", level, "expected a finite number"));
+        }
+        if let Some([low, high]) = self.field_of_view.filter(|[low, high]| !(0..3).all(|k| low[k] < high[k])) {
+            let given: Vec<String> = low.iter().chain(&high).map(|m| millimetres(*m).to_string()).collect();
+            let accepted = "expected the least x,y,z and the largest x,y,z, in mm";
+            return Err(Error::parameter("box", given.join(","), accepted));
         }
         match self.default_radius {
             Some(m) if !(m.is_finite() && m > 0.0) => {

@@ -145,7 +145,7 @@ impl Tracer<'_> {
             line.points = smooth(&line.points);
         }
         let degrees = graph.degrees();
-        self.fill(graph, &degrees, &mut lines);
+        let at_border = self.fill(graph, &degrees, &mut lines);
         let mut out = Centerlines::default();
         let several = self.vessels.classes.iter().any(|class| *class != self.vessels.classes[0]);
         let mut row_of = vec![u32::MAX; graph.nodes.len()];
@@ -166,6 +166,7 @@ impl Tracer<'_> {
                 });
                 if let Some(node) = node {
                     row_of[node] = row;
+                    out.at_border.extend(at_border[node].then_some(out.ids[row as usize]));
                     out.radii[row as usize] = out.radii[row as usize].max(metres(radius));
                 }
                 if let Some(before) = before {
@@ -190,7 +191,9 @@ impl Tracer<'_> {
     }
 
     /// Gives each point the volume of the lumen around it and the length of its stretch, and draws free ends out to the tips of the lumen.
-    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) {
+    /// Returns whether each node is a free end whose lumen reaches the border of the image.
+    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) -> Vec<bool> {
+        let mut at_border = vec![false; graph.nodes.len()];
         // Every voxel of the graph with where it is: a node, or a point of a branch.
         let mut seeds: Vec<(u32, Place)> = Vec::new();
         let met: Vec<bool> = degrees.iter().map(|degree| *degree > 0).collect();
@@ -230,6 +233,9 @@ impl Tracer<'_> {
                         let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
                         (dot(sub(self.at(voxel as u32), tip), to) / width + 0.5).clamp(0.0, 1.0)
                     });
+                    let is_border =
+                        (0..3).any(|axis| [false, true].iter().any(|forward| self.vessels.is_last(voxel, axis, *forward)));
+                    at_border[node] |= is_border && direction[node].is_some();
                     beyond[node] += cell * share;
                     of_node[node] += cell * (1.0 - share);
                 }
@@ -275,6 +281,7 @@ impl Tracer<'_> {
                 line.lengths[at] += out;
             }
         }
+        at_border
     }
 }
 

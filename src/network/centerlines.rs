@@ -1,6 +1,6 @@
 //! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::support::geometry::Point;
 
@@ -21,6 +21,8 @@ pub struct Centerlines {
     pub labels: Labels,
     /// Points that were merged with another: their numbers in the file, and the row of the other.
     pub merged: Vec<(u64, u32)>,
+    /// The numbers of the points where a vessel leaves the image.
+    pub at_border: BTreeSet<u64>,
 }
 
 impl Centerlines {

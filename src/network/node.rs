@@ -71,6 +71,9 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
+    /// Whether a vessel leaves the image here, so that it is no end of a gap.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_border: bool,
     /// The score of leaving the fragment of this node a root, where there is evidence: the posterior probability that it is attached to
     /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
     #[serde(rename = "alone")]

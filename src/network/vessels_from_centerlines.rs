@@ -108,6 +108,7 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
             id: lines.ids[point].to_string(),
             position: Some(lines.points[point]),
             radius: Some(lines.radii[point]).filter(|r| is_radius(*r)),
+            at_border: lines.at_border.contains(&lines.ids[point]),
             ..Node::default()
         });
     }

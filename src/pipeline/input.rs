@@ -6,12 +6,14 @@ use std::time::Instant;
 use super::stored_run::StoredRun;
 use crate::circle_of_willis::split_where_labels_change;
 use crate::error::{Error, Result};
+use crate::io::tables::reader::plural;
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
 use crate::masks::RadiusFrom;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::LengthUnit;
 use crate::network::{Network, Origin};
 use crate::report::Provenance;
+use crate::support::geometry::Point;
 
 /// A network and where it comes from: what every other function of this crate starts from.
 #[derive(Debug, Clone)]
@@ -72,6 +74,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     }
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
     notes.append(&mut made.notes);
+    if let Some(field_of_view) = options.field_of_view {
+        let ends = mark_border(&mut made.network, field_of_view);
+        notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
+    }
     let is_graph = contents == Contents::Graph;
     if is_graph && options.observed {
         (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
@@ -89,9 +95,29 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     Ok(Input { network: made.network, contents, format, is_fragments, provenance, options, run, started, lines: made.lines })
 }
 
+/// Marks the free ends that are no further from a face of the box than their radius, or beyond it; how many there are.
+fn mark_border(network: &mut Network, [low, high]: [Point; 2]) -> usize {
+    let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
+    let mut radius = vec![0.0; network.node_count()];
+    for ([a, b], vessel) in network.vessels() {
+        (radius[a], radius[b]) = (vessel.end_radius(false), vessel.end_radius(true));
+    }
+    let mut count = 0;
+    for row in (0..network.node_count()).filter(|row| degree[*row] == 1) {
+        let node = network.node_mut(row);
+        let Some(at) = node.position else { continue };
+        node.at_border = (0..3).any(|k| (at[k] - low[k]).min(high[k] - at[k]) <= radius[row]);
+        count += usize::from(node.at_border);
+    }
+    count
+}
+
 /// Refuses options that do not go with what the file holds.
 fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Result<()> {
     let masks = "goes with a mask";
+    if options.field_of_view.is_some() && format.is_mask() {
+        return Err(Error::parameter("box", "", "goes with centerlines; a mask states its own"));
+    }
     if let Some(level) = options.level.filter(|_| !format.is_mask()) {
         return Err(Error::parameter("level", level, masks));
     }

@@ -63,3 +63,32 @@ fn options_of_masks_go_with_masks() {
     refused(&["skeleton", "m.npy", "--spacing", "1", "--level", "nan", "-o", "o.swc"], "--level NaN: expected a finite number");
     refused(&["skeleton", "m.npy", "--spacing", "1", "--level", "2", "-o", "o.swc"], "an empty mask; expected a lower --level");
 }
+
+/// Two pieces of one vessel whose gap is bridged; with a box whose face runs through the gap they end at it, and are not.
+#[test]
+fn nothing_is_joined_where_vessels_leave_the_image() {
+    let here = folder();
+    let piece = |first: u32, from: u32| {
+        let line = |n: u32| {
+            let parent = if n == 0 { "-1".to_owned() } else { (first + n - 1).to_string() };
+            format!("{} 0 {} 0 0 1 {parent}\n", first + n, from + n)
+        };
+        (0..15).map(line).collect::<String>()
+    };
+    fs::write(here.path().join("a.swc"), piece(1, 0) + &piece(101, 17)).expect("written");
+    let run = |more: &[&str]| {
+        let output = willis(here.path(), &[&["infer", "a.swc", "-o", "out", "--force"], more].concat());
+        let said = stderr(&output);
+        assert!(output.status.success(), "{said}");
+        let nodes = fs::read_to_string(here.path().join("out/nodes.csv")).expect("nodes");
+        (said, nodes)
+    };
+    assert!(run(&[]).0.contains("topology  1 component"));
+    let (said, _) = run(&["--box", "-5,-5,-5,14.5,5,5"]);
+    assert!(said.contains("3 free ends at the border of the image's box") && said.contains("topology  2 components"), "{said}");
+    let cases = [("1,2,3", "--box 1,2,3: expected six numbers"), ("0,0,0,1,0,1", "--box 0,0,0,1,0,1: expected the least x,y,z")];
+    for (given, wanted) in cases {
+        let output = willis(here.path(), &["infer", "a.swc", "-o", "o", "--box", given]);
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(wanted), "{}", stderr(&output));
+    }
+}

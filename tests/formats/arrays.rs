@@ -184,7 +184,10 @@ np.save(f'{out}/bad-one.npy', c)
         ("bad-empty.npz", &format!("no array coords among nothing; {graph}")),
         ("bad-csr.npz", &format!("a sparse matrix of scipy.sparse, such as likelihood.npz; {graph}")),
         ("bad-coo.npz", &format!("a sparse matrix of scipy.sparse, such as likelihood.npz; {graph}")),
-        ("bad-one.npy", "a single NumPy array; expected a skeleton graph as .npz: coords, edges, radii"),
+        (
+            "bad-one.npy",
+            "array of voxels: 2 dimensions; expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",
+        ),
     ] {
         let found = load(name, &mm()).expect_err(name);
         assert_eq!(found, format!("{name}: {said}"));

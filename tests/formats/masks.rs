@@ -367,3 +367,19 @@ fn scikit_image_and_edt_say_the_same() {
     // Theirs removes some voxels that are not simple, or ends, so it is a little shorter.
     assert!(cases == 40 && (0.95..1.2).contains(&(mine as f64 / theirs)), "{mine} {theirs}");
 }
+
+#[test]
+fn a_vessel_that_leaves_the_image_ends_at_its_border() {
+    // A bar from face to face, and one that ends inside.
+    let through = mask([30, 9, 9], |[_, y, z]| (3..6).contains(&y) && (3..6).contains(&z));
+    let traced = trace(&through, RadiusFrom::Area).expect("lines");
+    assert_eq!(traced.lines.at_border.len(), 2);
+    let xs: Vec<f64> = traced.lines.points.iter().map(|p| p[0] * 1e3).collect();
+    let (low, high) = (xs.iter().copied().fold(f64::MAX, f64::min), xs.iter().copied().fold(f64::MIN, f64::max));
+    assert!((low + 0.5).abs() < 0.3 && (high - 29.5).abs() < 0.3, "{low} {high}");
+    let inside = mask([30, 9, 9], |[x, y, z]| x > 6 && (3..6).contains(&y) && (3..6).contains(&z));
+    let lines = trace(&inside, RadiusFrom::Area).expect("lines").lines;
+    assert_eq!(lines.at_border.len(), 1);
+    let row = lines.ids.iter().position(|id| lines.at_border.contains(id)).expect("an end");
+    assert!(lines.points[row][0] > 28e-3, "{:?}", lines.points[row]);
+}

@@ -47,6 +47,8 @@ pub struct Extraction {
     pub ends: Vec<FreeEnd>,
     /// Per point its free end; `None` elsewhere.
     pub end_at: Vec<Option<usize>>,
+    /// The nodes where a vessel leaves the image.
+    pub at_border: Vec<usize>,
     /// The nodes where blood is known to enter, in rising order.
     pub inlets: Vec<usize>,
     /// The fragments.
@@ -125,6 +127,7 @@ impl Extraction {
             to_free_end: graph.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>()),
             to_junction: graph.to_nearest(&junctions),
             fragments: Vec::new(),
+            at_border: (0..network.node_count()).filter(|node| network.node(*node).at_border).collect(),
             inlets,
             index: PointIndex::new(position.clone()),
             place,
@@ -146,6 +149,16 @@ impl Extraction {
             this.ends[end].orientation = orientation;
         }
         Ok(this)
+    }
+
+    /// Whether a point is where a vessel leaves the image, or nearer to that place than the vessel is wide.
+    pub fn is_at_border(&self, point: usize) -> bool {
+        let is_near = |node: &usize| {
+            let wide = self.radius[*node].max(self.spacing);
+            *node == point
+                || (self.fragment[*node] == self.fragment[point] && distance(self.position[*node], self.position[point]) < wide)
+        };
+        self.at_border.iter().any(is_near)
     }
 }
 

@@ -6,6 +6,8 @@ use clap::Args;
 use serde::Serialize;
 use willis::error::{Error, Result};
 use willis::internals::io::byte_count;
+use willis::internals::network::units::metres;
+use willis::internals::support::geometry::Point;
 use willis::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 
 use super::figures::{length, spacing};
@@ -60,6 +62,9 @@ pub struct ReadingArgs {
         ("distance", "The distance to the nearest voxel outside"),
         ("inscribed", "That of the largest sphere inside")]))]
     pub radius_from: RadiusFrom,
+    /// The box of the image, in mm: its least and its largest x,y,z; a vessel that ends at its faces goes on outside, so nothing is joined there
+    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, hide_short_help = true)]
+    pub field_of_view: Option<Vec<f64>>,
     /// The largest file to read, on the disk and unpacked
     #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = byte_count, hide_short_help = true)]
     pub max_input: u64,
@@ -92,6 +97,7 @@ impl ReadingArgs {
             loops: self.loops.clone(),
             observed: self.observed,
             level: self.level,
+            field_of_view: self.field_of_view()?,
             radius_from: self.radius_from,
             max_input: self.max_input,
         };
@@ -102,6 +108,19 @@ impl ReadingArgs {
     /// The file of links that goes with an input.
     pub fn loops(&self, input: &Path) -> Option<PathBuf> {
         self.loops.as_ref().map(|name| file_of(name, input))
+    }
+
+    fn field_of_view(&self) -> Result<Option<[Point; 2]>> {
+        let Some(given) = &self.field_of_view else { return Ok(None) };
+        let Ok([a, b, c, d, e, f]) = <[f64; 6]>::try_from(given.as_slice()) else {
+            let given: Vec<String> = given.iter().map(f64::to_string).collect();
+            return Err(Error::parameter(
+                "box",
+                given.join(","),
+                "expected six numbers: the least x,y,z and the largest x,y,z, in mm",
+            ));
+        };
+        Ok(Some([[a, b, c].map(metres), [d, e, f].map(metres)]))
     }
 
     fn scale(&self) -> Result<Scale> {

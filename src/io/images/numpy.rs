@@ -17,7 +17,10 @@ use super::voxels::Voxels;
 pub fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
     let array = Array::read("of voxels", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), most))?;
     let Ok([x, y, z]) = <[usize; 3]>::try_from(array.shape.as_slice()) else {
-        return Err(array.fault(format!("{} dimensions", array.shape.len()), "expected a mask of three"));
+        return Err(array.fault(
+            format!("{} dimensions", array.shape.len()),
+            "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",
+        ));
     };
     let Some(spacing) = spacing else {
         return Err(array.fault("no spacing: NumPy states none", "expected `spacing` SX,SY,SZ, in mm"));

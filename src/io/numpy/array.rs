@@ -17,12 +17,16 @@ const MOST_VALUES: usize = 1 << 27;
 const MOST_INFLATION: u64 = 1100;
 /// The header of a plain array has less than 200 bytes.
 const MOST_HEADER: usize = 4096;
+/// The values that skeleton graphs have.
+const ACCEPTED: &str = "expected float32, float64, integers, or text for labels";
 /// Brackets within one another at the most.
 const MOST_BRACKETS: usize = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Number(NumberType),
+    /// True or false, as a byte.
+    Truth,
     /// UTF-32 text.
     Utf32,
     /// Bytes of ASCII text.
@@ -58,19 +62,19 @@ impl Array {
         let length = |n: &Value| n.as_integer().and_then(|n| n.to_string().parse::<usize>().ok());
         let shape: Vec<usize> = shape.iter().map(length).collect::<Option<_>>().ok_or_else(unreadable)?;
         let descr = entry("descr").ok_or_else(unreadable)?;
-        let accepted = "expected float32, float64, integers, or text for labels";
         let Some(dtype) = descr.as_string().map(String::as_str).filter(|d| d.is_ascii()) else {
-            return Err(fault("structured values".into(), accepted));
+            return Err(fault("structured values".into(), ACCEPTED));
         };
         let (order, kind, size) = (dtype.get(..1), dtype.get(1..2), dtype.get(2..).and_then(|s| s.parse::<usize>().ok()));
         let (kind, size) = match (kind, size) {
             (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
             (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
-            (Some("b"), Some(size @ 1)) | (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
+            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
+            (Some("b"), Some(size @ 1)) => (Kind::Truth, size),
             (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
             (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
-            (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), accepted)),
-            _ => return Err(fault(format!("values of type {dtype}"), accepted)),
+            (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), ACCEPTED)),
+            _ => return Err(fault(format!("values of type {dtype}"), ACCEPTED)),
         };
         let values = shape.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).filter(|n| *n <= MOST_VALUES);
         let bytes = values
@@ -118,7 +122,11 @@ impl Array {
 
     /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        let Kind::Number(kind) = self.kind else { return Err(self.fault("text", "expected numbers")) };
+        let kind = match self.kind {
+            Kind::Number(kind) => kind,
+            Kind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
+            Kind::Utf32 | Kind::Ascii => return Err(self.fault("text", "expected numbers")),
+        };
         Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
     }
 
@@ -132,7 +140,7 @@ impl Array {
             let all: Option<String> = match self.kind {
                 Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
                 Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
-                Kind::Number(..) => None,
+                Kind::Number(..) | Kind::Truth => None,
             };
             all.map(|text| text.trim_end_matches('\0').to_owned())
         };
@@ -147,6 +155,7 @@ impl Array {
     pub(crate) fn numbers(&self) -> Result<(NumberType, usize, bool), Fault> {
         match self.kind {
             Kind::Number(kind) => Ok((kind, self.size, self.big)),
+            Kind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
             Kind::Utf32 | Kind::Ascii => Err(self.fault("text", "expected numbers")),
         }
     }
