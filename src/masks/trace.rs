@@ -16,6 +16,9 @@ use crate::support::geometry::{Point, distance, dot, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.0;
+/// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
+/// little.
+const WIDEST: f64 = 1.5;
 /// The weights reach this many standard deviations.
 const REACH: f64 = 3.0;
 
@@ -318,7 +321,8 @@ impl Line {
                 };
                 let _ = (here..n).all(&mut add);
                 let _ = (0..here).rev().all(&mut add);
-                (volume / length / PI).sqrt()
+                let most = if self.depths[here] > 0.0 { WIDEST * self.depths[here] } else { f64::INFINITY };
+                (volume / length / PI).sqrt().min(most)
             })
             .collect()
     }
