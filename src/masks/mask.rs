@@ -37,20 +37,6 @@ impl Mask {
         self.affine.map(|[a, b, c, d]| a * voxel[0] + b * voxel[1] + c * voxel[2] + d)
     }
 
-    /// The corners of the image's box with the least and the largest coordinates, mm; voxels reach half their length beyond their centres.
-    pub fn bounds(&self) -> [Point; 2] {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for corner in 0..8_usize {
-            let end = |axis: usize| if corner >> axis & 1 == 0 { -0.5 } else { self.shape[axis] as f64 - 0.5 };
-            let at = self.position([end(0), end(1), end(2)]);
-            for axis in 0..3 {
-                low[axis] = low[axis].min(at[axis]);
-                high[axis] = high[axis].max(at[axis]);
-            }
-        }
-        [low, high]
-    }
-
     /// The same mask with its axes in the order and the direction of the scanner's frame, as close as whole turns bring them, so that
     /// a result does not depend on how the file orders its axes.
     #[must_use]

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::foreground::{Foreground, neighbours};
 
-/// A branch is a spur if its tip reaches less than this many times its own radius beyond the wall of the vessel that it leaves.
+/// A branch is a spur if its tip reaches less than this many of its own diameters beyond the wall of the vessel that it leaves.
 const SPUR: f64 = 1.0;
 
 /// A skeleton as nodes and the branches between them. Voxels are rows of the foreground.
@@ -33,14 +33,11 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
     let mut found = Skeleton { specks: links.iter().filter(|at| at.is_empty()).count(), ..Skeleton::default() };
     // Voxels of which a line passes through have two links; the others are nodes, junctions of many voxels one.
     let mut node_of = vec![usize::MAX; thinned.len()];
-    for start in 0..thinned.len() {
-        if node_of[start] == usize::MAX && !matches!(links[start].len(), 0 | 2) {
-            let cluster = cluster(start, &links);
-            for at in &cluster {
-                node_of[*at] = found.nodes.len();
-            }
-            found.nodes.push(cluster.into_iter().map(|at| thinned[at]).collect());
+    for cluster in clusters(&links) {
+        for at in &cluster {
+            node_of[*at] = found.nodes.len();
         }
+        found.nodes.push(cluster.into_iter().map(|at| thinned[at]).collect());
     }
     let mut walked = vec![false; thinned.len()];
     for first in 0..thinned.len() {
@@ -197,27 +194,39 @@ fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<BTreeSet<usize>> {
     }
 }
 
-/// The voxels of three or more links that hang together with a voxel, in their order; the voxel alone where it is an end, or where
-/// they make a ring, which one node would hide.
-fn cluster(start: usize, links: &[BTreeSet<usize>]) -> Vec<usize> {
-    if links[start].len() < 3 {
-        return vec![start];
-    }
-    let mut found = vec![start];
-    let mut next = 0;
-    while let Some(at) = found.get(next).copied() {
-        for to in &links[at] {
-            if links[*to].len() > 2 && !found.contains(to) {
-                found.push(*to);
+/// The voxels of each node, in the order of their first: an end alone, the connected voxels of three or more links together, unless they
+/// make a ring, which one node would hide.
+fn clusters(links: &[BTreeSet<usize>]) -> Vec<Vec<usize>> {
+    let mut seen = vec![false; links.len()];
+    let mut found = Vec::new();
+    for start in 0..links.len() {
+        match links[start].len() {
+            1 => found.push(vec![start]),
+            0 | 2 => {}
+            _ if seen[start] => {}
+            _ => {
+                seen[start] = true;
+                let (mut cluster, mut next, mut within) = (vec![start], 0, 0);
+                while let Some(at) = cluster.get(next).copied() {
+                    for to in links[at].iter().copied().filter(|to| links[*to].len() > 2) {
+                        within += 1;
+                        if !std::mem::replace(&mut seen[to], true) {
+                            cluster.push(to);
+                        }
+                    }
+                    next += 1;
+                }
+                cluster.sort_unstable();
+                // Each link within was met from both ends.
+                if within / 2 + 1 > cluster.len() {
+                    found.extend(cluster.into_iter().map(|at| vec![at]));
+                } else {
+                    found.push(cluster);
+                }
             }
         }
-        next += 1;
     }
-    let within: usize = found.iter().map(|at| links[*at].iter().filter(|to| found.contains(to)).count()).sum();
-    if within / 2 + 1 > found.len() {
-        return vec![start];
-    }
-    found.sort_unstable();
+    found.sort_unstable_by_key(|cluster| cluster[0]);
     found
 }
 

@@ -123,7 +123,7 @@ impl Tracer<'_> {
         node.iter().map(|voxel| self.depth(*voxel)).fold(0.0, f64::max)
     }
 
-    /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in radii of the branch.
+    /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.
     fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
         let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
         let mut length = 0.0;
@@ -199,8 +199,7 @@ impl Tracer<'_> {
         let mut at_border = vec![false; graph.nodes.len()];
         // Every voxel of the graph with where it is: a node, or a point of a branch.
         let mut seeds: Vec<(u32, Place)> = Vec::new();
-        let met: Vec<bool> = degrees.iter().map(|degree| *degree > 0).collect();
-        for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| met[*node]) {
+        for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| degrees[*node] > 0) {
             seeds.extend(voxels.iter().map(|voxel| (*voxel, Place::Node(node))));
         }
         for (row, branch) in graph.branches.iter().enumerate() {

@@ -383,3 +383,11 @@ fn a_vessel_that_leaves_the_image_ends_at_its_border() {
     let row = lines.ids.iter().position(|id| lines.at_border.contains(id)).expect("an end");
     assert!(lines.points[row][0] > 28e-3, "{:?}", lines.points[row]);
 }
+
+/// The skeleton of a hollow ball is a shell of many thousand voxels that all have many neighbours.
+#[test]
+fn a_shell_is_thinned_and_drawn() {
+    let ball = mask([64, 64, 64], |p| (26.0..29.0).contains(&norm_squared(p.map(|x| x as f64 - 32.0)).sqrt()));
+    let traced = trace(&ball, RadiusFrom::Area).expect("lines");
+    assert!(traced.lines.points.len() > 5000 && traced.lines.radii.iter().all(|r| *r > 0.0));
+}

@@ -47,8 +47,8 @@ pub struct Extraction {
     pub ends: Vec<FreeEnd>,
     /// Per point its free end; `None` elsewhere.
     pub end_at: Vec<Option<usize>>,
-    /// The nodes where a vessel leaves the image.
-    pub at_border: Vec<usize>,
+    /// Whether a point is where a vessel leaves the image, or on that vessel and nearer to the place than it is wide.
+    pub at_border: Vec<bool>,
     /// The nodes where blood is known to enter, in rising order.
     pub inlets: Vec<usize>,
     /// The fragments.
@@ -127,7 +127,7 @@ impl Extraction {
             to_free_end: graph.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>()),
             to_junction: graph.to_nearest(&junctions),
             fragments: Vec::new(),
-            at_border: (0..network.node_count()).filter(|node| network.node(*node).at_border).collect(),
+            at_border: vec![false; place.len()],
             inlets,
             index: PointIndex::new(position.clone()),
             place,
@@ -144,6 +144,7 @@ impl Extraction {
             spacing,
             graph,
         };
+        this.mark_border(network);
         this.fragments = this.measure_fragments(parts.count);
         for (end, orientation) in this.orientations().into_iter().enumerate() {
             this.ends[end].orientation = orientation;
@@ -151,14 +152,14 @@ impl Extraction {
         Ok(this)
     }
 
-    /// Whether a point is where a vessel leaves the image, or nearer to that place than the vessel is wide.
-    pub fn is_at_border(&self, point: usize) -> bool {
-        let is_near = |node: &usize| {
-            let wide = self.radius[*node].max(self.spacing);
-            *node == point
-                || (self.fragment[*node] == self.fragment[point] && distance(self.position[*node], self.position[point]) < wide)
-        };
-        self.at_border.iter().any(is_near)
+    /// Marks the points at the ends where vessels leave the image.
+    fn mark_border(&mut self, network: &Network) {
+        for node in (0..network.node_count()).filter(|node| network.node(*node).at_border) {
+            let near = self.index.around(self.position[node], self.radius[node].max(self.spacing));
+            for (_, point) in near.into_iter().filter(|(_, point)| self.fragment[*point] == self.fragment[node]) {
+                self.at_border[point] = true;
+            }
+        }
     }
 }
 

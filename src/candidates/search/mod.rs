@@ -111,11 +111,11 @@ fn from_each_end(
             if budget.is_spent() {
                 break;
             }
-            if extraction.is_at_border(end.point) {
+            if extraction.at_border[end.point] {
                 continue;
             }
             let (mut points, looked_at) = choose(end, &mut paths);
-            points.retain(|point| !extraction.is_at_border(*point));
+            points.retain(|point| !extraction.at_border[*point]);
             let within = |point: usize| extraction.fragment[point] == end.fragment;
             candidates.extend(points.into_iter().map(|point| Candidate { end: row, point, within: within(point) }));
             budget.spend(looked_at);
