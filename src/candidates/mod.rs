@@ -1,8 +1,10 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
 pub mod features;
+pub mod joins;
 pub mod model;
 mod over_connected;
+pub mod resample;
 pub mod search;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,8 @@ use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
 use features::extraction::Extraction;
+use joins::JoinTable;
+use joins::model::JoinModel;
 use model::posterior::{Posterior, posterior};
 use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
@@ -118,7 +122,7 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
         let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
         NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None }
     });
-    Ok(over_connected(network, &e, found.collect(), options).0)
+    Ok(over_connected(network, None, &e, found.collect(), options).0)
 }
 
 /// Joins the fragments of the observed vessels by the candidates that the evidence allows.
@@ -156,7 +160,7 @@ pub fn build_with_evidence(
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence) }
     };
-    let (mut graph, node_at) = over_connected(network, &e, found.into_iter().map(new_vessel).collect(), options);
+    let (mut graph, node_at) = over_connected(network, None, &e, found.into_iter().map(new_vessel).collect(), options);
     for (place, fragment) in e.place.iter().zip(&e.fragment) {
         let node = match place {
             NetworkPoint::Node(node) => Some(node),
@@ -167,6 +171,35 @@ pub fn build_with_evidence(
         }
     }
     Ok(graph)
+}
+
+/// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
+///
+/// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them.
+///
+/// # Errors
+///
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
+pub fn build_joins(network: &Network, options: &CandidateOptions, model: &JoinModel) -> Result<Network> {
+    options.validate()?;
+    let branches = options.k.unwrap_or(SearchOptions::default().branches);
+    let table = JoinTable::new(network, branches)?;
+    let e = &table.extraction;
+    let scores = table.scores(model);
+    let found = table.pairs.first.iter().zip(&scores).filter_map(|(row, score)| {
+        let candidate = table.candidates[*row];
+        let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
+        let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
+        let probability = model.probability(*score);
+        let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
+        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        stays.then(|| NewVessel {
+            candidate,
+            radii: [e.ends[candidate.end].radius, there],
+            evidence: Some(Evidence::undirected(probability)),
+        })
+    });
+    Ok(over_connected(network, Some(&table.resampled), e, found.collect(), options).0)
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::features::extraction::Extraction;
+use super::resample::{PathPlace, Resampled};
 use super::search::Candidate;
 use super::{CandidateOptions, CandidateRadius, NetworkPoint};
 use crate::network::units::as_stored;
@@ -20,9 +21,10 @@ pub struct NewVessel {
 }
 
 /// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
-/// a vessel is split.
+/// a vessel is split. The extraction is that of the network, or of the same network with other points along its vessels.
 pub fn over_connected(
     network: &Network,
+    resampled: Option<&Resampled>,
     extraction: &Extraction,
     mut found: Vec<NewVessel>,
     options: &CandidateOptions,
@@ -32,10 +34,11 @@ pub fn over_connected(
     let places = |new: &NewVessel| points(new).map(|point| extraction.place[point]);
     let mut joined: BTreeSet<[NetworkPoint; 2]> = network.vessels().map(|(ends, _)| pair(ends.map(NetworkPoint::Node))).collect();
     found.retain(|new| joined.insert(pair(places(new))));
-    let mut cuts: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    let mut cuts: BTreeMap<usize, BTreeMap<usize, PathPlace>> = BTreeMap::new();
     for place in found.iter().flat_map(places) {
         if let NetworkPoint::Along { vessel, point } = place {
-            cuts.entry(vessel).or_default().insert(point);
+            let on_path = resampled.map_or(PathPlace { point, share: 0.0 }, |resampled| resampled.place(vessel, point));
+            cuts.entry(vessel).or_default().insert(point, on_path);
         }
     }
     let (mut graph, node_at) = split(network, &cuts, options.radius_rule);
@@ -50,7 +53,7 @@ pub fn over_connected(
             CandidateRadius::Mean => 0.5 * (a + b),
         };
         let radius = options.max_radius.map_or(radius, |most| radius.min(most));
-        let [from, to] = points(&new).map(|point| extraction.position[point]);
+        let [from, to] = [0, 1].map(|end| graph.node(ends[end]).position.unwrap_or(extraction.position[points(&new)[end]]));
         let path = [from, to].map(|position| PathPoint { position, radius, id: None }).to_vec();
         let prior = new.evidence.map_or(1.0, |e| e.probability);
         let vessel = Vessel::new(distance(from, to), radius, Origin::Candidate);
@@ -78,13 +81,14 @@ fn store(network: &mut Network) {
     }
 }
 
-/// The network with its vessels split at the points of `cuts`, given per vessel, and the new node at every cut.
+/// The network with its vessels split at the points of `cuts`, given per vessel with their places on its path, and the new node at
+/// every cut.
 ///
 /// A new node takes the number of its point as id; where the point has none, or the id is taken, it is called after the
 /// vessel's row and the point.
 fn split(
     network: &Network,
-    cuts: &BTreeMap<usize, BTreeSet<usize>>,
+    cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>,
     rule: RadiusRule,
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let mut graph = Network::new();
@@ -98,20 +102,23 @@ fn split(
             graph.add_vessel(ends, vessel.clone());
             continue;
         };
-        let (mut from, mut start) = (ends[0], 0);
-        for point in points {
-            let node = graph.add_node(cut_node(vessel, row, *point, &mut taken));
+        let (mut from, mut begun, mut next) = (ends[0], Vec::new(), 0);
+        for (point, place) in points {
+            let at = place.on(&vessel.path);
+            let node = graph.add_node(cut_node(at, row, *point, &mut taken));
             node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
-            graph.add_vessel([from, node], part(vessel, &vessel.path[start..=*point], rule));
-            (from, start) = (node, *point);
+            begun.extend_from_slice(&vessel.path[next..place.point + usize::from(place.share > 0.0)]);
+            begun.push(at);
+            graph.add_vessel([from, node], part(vessel, &begun, rule));
+            (from, begun, next) = (node, vec![at], place.point + 1);
         }
-        graph.add_vessel([from, ends[1]], part(vessel, &vessel.path[start..], rule));
+        begun.extend_from_slice(&vessel.path[next..]);
+        graph.add_vessel([from, ends[1]], part(vessel, &begun, rule));
     }
     (graph, node_at)
 }
 
-fn cut_node(vessel: &Vessel, row: usize, point: usize, taken: &mut BTreeSet<String>) -> Node {
-    let at = &vessel.path[point];
+fn cut_node(at: PathPoint, row: usize, point: usize, taken: &mut BTreeSet<String>) -> Node {
     let mut id = at.id.map_or_else(|| format!("{row}:{point}"), |id| id.to_string());
     while !taken.insert(id.clone()) {
         id = format!("{row}:{id}");

@@ -7,12 +7,13 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use willis::error::{Error, Result};
+use willis::internals::candidates::joins::model::JoinScores;
 use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
-use willis::internals::training::read_cases;
 use willis::internals::training::{
-    Case, CrossValidation, Example, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets,
+    Case, CrossValidation, Example, JoinExample, Model, Step, TrainParams, check_folds, cross_validate, cross_validate_joins,
+    fit, fit_joins, goes_without_inlets, read_cases,
 };
 
 use super::args::figures::whole;
@@ -41,6 +42,9 @@ pub struct TrainArgs {
     /// Write the weights of each fold too, as FILE.fold-1.toml and so on, with the subjects that they never saw
     #[arg(long)]
     save_folds: bool,
+    /// What the cases are: hand tracings, whose fragments form a forest, or automatic skeletons, whose candidates are judged one by one
+    #[arg(long, value_enum, default_value_t = Kind::Tracing)]
+    model: Kind,
     /// Penalty of large weights
     #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,
@@ -52,13 +56,23 @@ pub struct TrainArgs {
     json: bool,
 }
 
+/// What the cases are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    Tracing,
+    Skeleton,
+}
+
 impl TrainArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let params = self.params()?;
         let outputs = self.outputs()?;
         outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
+        if self.model == Kind::Skeleton {
+            return self.fit_skeletons(&outputs, terminal, force);
+        }
         let began = Instant::now();
-        let read = read_cases(&self.cases)?;
+        let read = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &read.notes, "case");
         let all: Vec<&Case> = read.cases.iter().collect();
         if self.folds > 0 {
@@ -100,6 +114,60 @@ impl TrainArgs {
         terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
         if self.json {
             print_json(&summary(&read.cases, &names, &validated.figures))?;
+        }
+        Ok(())
+    }
+
+    /// Fits the join model.
+    fn fit_skeletons(&self, outputs: &[PathBuf], terminal: Terminal, force: bool) -> Result<()> {
+        let began = Instant::now();
+        let read = read_cases(&self.cases, Model::Skeleton)?;
+        say_notes(terminal, &read.notes, "case");
+        let all: Vec<&Case> = read.cases.iter().collect();
+        if self.folds > 0 {
+            check_folds(&all, self.folds)?;
+        }
+        let examples = JoinExample::measure(&all)?;
+        for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
+            let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
+            let [cases, connections] = [plural(of_set.len(), "case"), plural(sum(&|e| e.needed), "true connection")];
+            let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.matches.len()), "candidate"));
+            let set = &of_set[0].case.data_set;
+            terminal.say("read", format!("{set}: {cases}, {connections}, {reached} of them within reach of {pairs}"));
+        }
+        terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
+        let say = |heading: &str, step: &str| {
+            terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
+        };
+        let mut model = fit_joins(&examples.iter().collect::<Vec<_>>(), &mut |step| say("fitted", step))?;
+        let mut folds = Vec::new();
+        if self.folds > 0 {
+            let (models, figures) =
+                cross_validate_joins(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
+            figures.iter().for_each(|figures| say_join_figures(terminal, figures));
+            model.provenance.figures = figures;
+            folds = if self.save_folds { models } else { folds };
+        }
+        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+        let mut staged = Vec::new();
+        let figures = model.provenance.figures.clone();
+        for (path, mut model) in outputs.iter().zip([model].into_iter().chain(folds)) {
+            model.provenance.made_by.clone_from(&made_by);
+            let file = StagedFile::new(path, force)?;
+            write_file(&file.path(), |out| model.write(out))?;
+            staged.push(file);
+        }
+        staged.into_iter().try_for_each(StagedFile::commit)?;
+        let names: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
+        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
+        if self.json {
+            print_json(&json!({
+                "willis": env!("CARGO_PKG_VERSION"),
+                "command": command_line("again.toml"),
+                "output": names,
+                "cases": read.cases.len(),
+                "figures": figures,
+            }))?;
         }
         Ok(())
     }
@@ -166,6 +234,25 @@ fn say_figures(terminal: Terminal, figures: &HeldOutScores) {
             or_none(figures.average_precision),
             or_none(figures.calibration_error),
             figures.log_likelihood,
+            plural(figures.cases, "case"),
+            plural(figures.subjects, "subject")
+        ),
+    );
+}
+
+fn say_join_figures(terminal: Terminal, figures: &JoinScores) {
+    let or_none = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.3}"));
+    terminal.say(
+        "held out",
+        format!(
+            "{}: average precision {}, precision {} at recall {}, calibration error {:.4}, {:.0} expected of {} ({} of {})",
+            figures.of,
+            or_none(figures.average_precision),
+            or_none(figures.precision),
+            or_none(figures.recall),
+            figures.calibration_error,
+            figures.expected,
+            figures.right,
             plural(figures.cases, "case"),
             plural(figures.subjects, "subject")
         ),

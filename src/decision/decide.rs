@@ -1,5 +1,6 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
+use super::best_first::best_first_of;
 use super::most_probable_forest::{has_evidence, probabilities, probable};
 use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
@@ -63,6 +64,10 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         Keep::Probable(root_factor) => {
             let probability = evidence("probable", network)?;
             (probable(network, root_factor)?, near(&probability, 0.5))
+        }
+        Keep::BestFirst(least) => {
+            let probability = evidence("best-first", network)?;
+            (best_first_of(network, least), near(&probability, least))
         }
         _ => by_samples(rule, cut, result),
     };

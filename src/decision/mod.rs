@@ -1,10 +1,12 @@
 //! From likelihoods and probabilities to an answer: the rule, the most probable forest, whole topologies.
 
+pub mod best_first;
 pub mod decide;
 pub mod most_probable_forest;
 pub mod rules;
 pub mod whole_topologies;
 
+pub use best_first::{BEST_FIRST, best_first, best_first_of};
 pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
 pub use most_probable_forest::{
     ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::best_first::BEST_FIRST;
 use super::most_probable_forest::ROOT_FACTOR;
 use crate::error::{Error, Result};
 use crate::sampling::likelihood::Likelihood;
@@ -10,7 +11,7 @@ use crate::support::statistics::{median, otsu, quantile};
 use crate::support::suggestions::did_you_mean;
 
 /// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
-/// `probability=0.5`, `probable` or `probable=0.5`.
+/// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Keep {
@@ -30,12 +31,16 @@ pub enum Keep {
     /// In the most probable forest of fragments ([`super::most_probable_forest::probable()`]), the probabilities of staying alone times this root
     /// factor, from 0 to 1000: the smaller, the fewer fragments stay alone.
     Probable(f64),
+    /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
+    /// ([`super::best_first::best_first()`]).
+    BestFirst(f64),
 }
 
 /// The largest root factor.
 const MOST_ROOT_FACTOR: f64 = 1000.0;
 
-const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+const ACCEPTED: &str =
+    "expected probable[=ROOT_FACTOR], best-first[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.
 const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
 
@@ -49,6 +54,7 @@ impl fmt::Display for Keep {
             Self::Frequency(x) => write!(f, "frequency={x}"),
             Self::Probability(p) => write!(f, "probability={p}"),
             Self::Probable(factor) => write!(f, "probable={factor}"),
+            Self::BestFirst(p) => write!(f, "best-first={p}"),
         }
     }
 }
@@ -74,7 +80,7 @@ impl FromStr for Keep {
         let refused = |accepted: String| Error::parameter("keep", format!("\"{text}\""), accepted);
         let unknown = || {
             let word = text.split('=').next().unwrap_or_default();
-            let rules = ["probable", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
+            let rules = ["probable", "best-first", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
             let meant = if rules.clone().any(|rule| rule == word) { String::new() } else { did_you_mean(word, rules) };
             refused(format!("{meant}{ACCEPTED}"))
         };
@@ -96,6 +102,8 @@ impl FromStr for Keep {
             None if text == "median" => Self::Median,
             None if text == "otsu" => Self::Otsu,
             None if text == "probable" => Self::Probable(ROOT_FACTOR),
+            None if text == "best-first" => Self::BestFirst(BEST_FIRST),
+            Some(("best-first", p)) => Self::BestFirst(share(p)?),
             Some(("probable", factor)) => Self::Probable(number(factor)?),
             Some(("quantile", q)) => Self::Quantile(share(q)?),
             Some(("value", x)) => Self::Value(number(x)?),
@@ -116,7 +124,7 @@ impl Keep {
     /// Names the rule, its value and the range.
     pub fn validate(self) -> Result<()> {
         match self {
-            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) if !(0.0..=1.0).contains(&q) => {
+            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) if !(0.0..=1.0).contains(&q) => {
                 Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
             }
             Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),
@@ -129,7 +137,7 @@ impl Keep {
 
     /// Whether the evidence decides, not the samples.
     pub fn asks_evidence(self) -> bool {
-        matches!(self, Self::Probability(_) | Self::Probable(_))
+        matches!(self, Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_))
     }
 }
 
@@ -141,7 +149,7 @@ pub fn threshold(rule: Keep, result: &Likelihood) -> Option<f64> {
     match rule {
         Keep::Median => median(&positive),
         Keep::Quantile(q) => quantile(&positive, q),
-        Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) => Some(x),
+        Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) | Keep::BestFirst(x) => Some(x),
         Keep::Probable(_) => None,
         Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>()).map(f64::exp),
     }

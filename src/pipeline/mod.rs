@@ -31,14 +31,15 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::candidates::CandidateOptions;
-use crate::decision::{Keep, ROOT_FACTOR, all_decided, knows_fragments};
+use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{checksum, checksum_of};
+use crate::io::{Format, checksum, checksum_of};
 use crate::network::Network;
 use crate::report::Provenance;
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
+use prior::is_skeleton;
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -114,7 +115,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
 
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
-    let prior = options.prior.as_ref().unwrap_or(&usual).load()?;
+    let from_mask = input.format.is_some_and(Format::is_mask);
+    let prior = options.prior.as_ref().unwrap_or(&usual).load(is_skeleton(&network, from_mask))?;
     if prior.is_evidence() && !is_fragments {
         let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
         return Err(Error::parameter("prior", options.prior.as_ref().unwrap_or(&usual).to_string(), accepted));
@@ -148,7 +150,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         provenance.notes.push(note.clone());
     }
     Ok(Arc::new(Prepared {
-        keep: options.keep.unwrap_or(if knows_fragments(&graph) { Keep::Probable(ROOT_FACTOR) } else { Keep::Median }),
+        keep: options.keep.unwrap_or(prior.usual_rule(&graph)),
         graph,
         boundary,
         provenance,

@@ -4,26 +4,35 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
+use crate::candidates::joins::model::JoinModel;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
-use crate::candidates::{CandidateOptions, NEAREST, build, build_with_evidence};
+use crate::candidates::{CandidateOptions, NEAREST, build, build_joins, build_with_evidence};
+use crate::decision::{BEST_FIRST, Keep, ROOT_FACTOR, knows_fragments};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
-use crate::network::{Network, Role};
+use crate::network::{Network, Role, cycles};
 use crate::support::suggestions::did_you_mean;
 
-/// Where the prior of candidates comes from; as text `evidence`, `none`, `uniform`, or the path of a file.
+/// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:skeleton`, `none`, `uniform`, or the path of a
+/// file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Prior {
-    /// The model of real arteries that ships with willis.
+    /// The model that ships with willis for such an input: that of skeletons for a mask, and for centerlines with more loops than arteries
+    /// have; else that of tracings. Also `weights:auto`.
     Evidence,
+    /// The model of tracings that ships with willis: fragments form a forest.
+    Tracing,
+    /// The model of automatic skeletons that ships with willis: candidates are judged one by one.
+    Skeleton,
     /// What the file of the graph states.
     None,
     /// One everywhere, as in the paper.
@@ -33,7 +42,15 @@ pub enum Prior {
     File(PathBuf),
 }
 
-const WORDS: [(&str, Prior); 3] = [("evidence", Prior::Evidence), ("none", Prior::None), ("uniform", Prior::Uniform)];
+const WORDS: [(&str, Prior); 5] = [
+    ("evidence", Prior::Evidence),
+    ("weights:tracing", Prior::Tracing),
+    ("weights:skeleton", Prior::Skeleton),
+    ("none", Prior::None),
+    ("uniform", Prior::Uniform),
+];
+/// Another word for the choice by the input.
+const AUTOMATIC: &str = "weights:auto";
 
 impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -66,11 +83,15 @@ impl FromStr for Prior {
         if let Some((_, prior)) = WORDS.into_iter().find(|(word, _)| *word == text) {
             return Ok(prior);
         }
+        if text == AUTOMATIC {
+            return Ok(Self::Evidence);
+        }
         if matches!(ending(Path::new(text)).as_str(), "toml" | "npy" | "csv") {
             return Ok(Self::File(text.into()));
         }
         let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
-        let accepted = format!("{meant}expected evidence, none, uniform, or a file .toml, .npy or .csv");
+        let accepted =
+            format!("{meant}expected evidence, weights:tracing, weights:skeleton, none, uniform, or a file .toml, .npy or .csv");
         Err(Error::parameter("prior", format!("\"{text}\""), accepted))
     }
 }
@@ -80,14 +101,18 @@ fn ending(path: &Path) -> String {
 }
 
 impl Prior {
-    /// Reads the files of the prior.
+    /// Reads the files of the prior, for an input that is an automatic skeleton or not.
     ///
     /// # Errors
     ///
     /// A file that cannot be read, or weights with a fault.
-    pub(crate) fn load(&self) -> Result<LoadedPrior> {
+    pub(crate) fn load(&self, is_skeleton: bool) -> Result<LoadedPrior> {
         let path = match self {
-            Self::Evidence => return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), source: None }),
+            Self::Evidence if is_skeleton => return Self::Skeleton.load(true),
+            Self::Evidence | Self::Tracing => {
+                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), source: None });
+            }
+            Self::Skeleton => return Ok(LoadedPrior::Joins { model: JoinModel::shipped()?, source: None }),
             Self::None => return Ok(LoadedPrior::None),
             Self::Uniform => return Ok(LoadedPrior::Uniform),
             Self::File(path) => path,
@@ -99,6 +124,10 @@ impl Prior {
         }
         let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
         let text = std::str::from_utf8(&bytes).map_err(fault)?;
+        if JoinModel::is_one(text) {
+            let model = Arc::new(JoinModel::read(text).map_err(|fault| fault.in_file(path))?);
+            return Ok(LoadedPrior::Joins { model, source: Some(source) });
+        }
         let weights = Box::new(Weights::read(text).map_err(|fault| fault.in_file(path))?);
         Ok(LoadedPrior::Evidence { weights, source: Some(source) })
     }
@@ -108,6 +137,8 @@ impl Prior {
 pub(crate) enum LoadedPrior {
     /// A model of the evidence, with its file where it is not the one that ships.
     Evidence { weights: Box<Weights>, source: Option<SourceFile> },
+    /// A model of joins on skeletons, likewise.
+    Joins { model: Arc<JoinModel>, source: Option<SourceFile> },
     /// What the file of the graph states.
     None,
     /// One everywhere.
@@ -118,16 +149,28 @@ pub(crate) enum LoadedPrior {
 
 impl LoadedPrior {
     pub(crate) fn is_evidence(&self) -> bool {
-        matches!(self, Self::Evidence { .. })
+        matches!(self, Self::Evidence { .. } | Self::Joins { .. })
+    }
+
+    /// The rule that decides where none is given.
+    pub(crate) fn usual_rule(&self, graph: &Network) -> Keep {
+        match self {
+            Self::Joins { .. } => Keep::BestFirst(BEST_FIRST),
+            _ if knows_fragments(graph) => Keep::Probable(ROOT_FACTOR),
+            _ => Keep::Median,
+        }
     }
 
     /// The record in run.json: the word, or the file with its checksum.
     pub(crate) fn record(&self) -> Value {
         match self {
-            Self::Evidence { source: None, .. } => json!("evidence"),
+            Self::Evidence { source: None, .. } => json!("weights:tracing"),
+            Self::Joins { source: None, .. } => json!("weights:skeleton"),
             Self::None => json!("none"),
             Self::Uniform => json!("uniform"),
-            Self::Evidence { source: Some(source), .. } | Self::Table { source, .. } => json!(source),
+            Self::Evidence { source: Some(source), .. }
+            | Self::Joins { source: Some(source), .. }
+            | Self::Table { source, .. } => json!(source),
         }
     }
 
@@ -152,6 +195,7 @@ impl LoadedPrior {
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
                 build_with_evidence(&network, &inlets, options, weights)?
             }
+            Self::Joins { model, .. } => build_joins(&network, options, model)?,
             _ => build(&network, options)?,
         };
         if let Self::Table { bytes, source } = self {
@@ -160,4 +204,12 @@ impl LoadedPrior {
         }
         Ok(graph)
     }
+}
+
+/// Arteries have no more independent loops than this, those of the circle and some to spare.
+const MOST_LOOPS: usize = 4;
+
+/// Whether vessels are an automatic skeleton: thinned from a mask, or with more loops than arteries have, which come where vessels touch.
+pub(crate) fn is_skeleton(network: &Network, from_mask: bool) -> bool {
+    from_mask || cycles(network) > MOST_LOOPS
 }

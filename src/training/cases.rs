@@ -8,6 +8,7 @@ use super::example::Case;
 use super::known_connections::KnownConnections;
 use super::truth_file;
 use crate::candidates::features::Extraction;
+use crate::candidates::resample::Resampled;
 use crate::error::{Error, Fault, Result};
 use crate::io::tables::conditions::read_inlets;
 use crate::io::{Content, ReadOptions, bytes_of, read as read_file, read_links};
@@ -24,6 +25,16 @@ const LINKS: &str = "links.csv";
 const LOOPS: [&str; 2] = ["loops.csv", "fragments.loops.csv"];
 /// An end of a listed connection is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
+
+/// What a model is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Model {
+    /// Tracings: fragments form a forest.
+    #[default]
+    Tracing,
+    /// Automatic skeletons: candidates are judged one by one.
+    Skeleton,
+}
 
 /// Cases that were read.
 #[derive(Debug, Clone, Default)]
@@ -42,7 +53,7 @@ pub struct Cases {
 /// # Errors
 ///
 /// A folder without a case; a file that cannot be read or is wrong; a truth that does not fit its fragments.
-pub fn read_cases(data_sets: &[PathBuf]) -> Result<Cases> {
+pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
     let mut found = Cases::default();
     let mut folders = Vec::new();
     for (at, data_set) in data_sets.iter().enumerate() {
@@ -60,7 +71,7 @@ pub fn read_cases(data_sets: &[PathBuf]) -> Result<Cases> {
         }
         folders.extend(here.into_iter().map(|folder| (name.clone(), folder)));
     }
-    for read in in_order(&folders, |_, (data_set, folder)| read_case(data_set, folder)) {
+    for read in in_order(&folders, |_, (data_set, folder)| read_case(data_set, folder, model)) {
         let (case, notes) = read?;
         found.cases.push(case);
         for note in notes {
@@ -147,14 +158,17 @@ fn fragments(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf> {
 }
 
 /// The case in a folder, and what a person should know about how it was read.
-fn read_case(data_set: &str, folder: &CaseFolder) -> Result<(Case, Vec<String>)> {
+fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
     let (network, mut notes) = network(folder)?;
     let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
-    let extraction = Extraction::new(&network, &inlets)?;
+    // The truth is about the points that the model sees.
+    let resampled = (model == Model::Skeleton).then(|| Resampled::new(&network));
+    let seen = resampled.as_ref().map_or(&network, |resampled| &resampled.network);
+    let extraction = Extraction::with_spacing(seen, &inlets, resampled.as_ref().map(|resampled| resampled.step))?;
     let bytes = bytes_of(&folder.truth)?;
     let here = |fault: Fault| fault.in_file(&folder.truth);
     let (truth, subject) = if folder.truth.extension().is_some_and(|ending| ending == "json") {
-        truth_file::read(&bytes, &network, &extraction).map_err(here)?
+        truth_file::read(&bytes, seen, &extraction).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
     };

@@ -40,12 +40,14 @@ pub struct Match {
 }
 
 /// The connections that belong in an extraction. A connection of n pieces needs n - 1 candidates.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct KnownConnections {
     /// Per connection the sides of its pieces.
     sides: Vec<Vec<Side>>,
     /// Per point of the extraction the connections and pieces that a candidate to it reaches.
     sites: Vec<Vec<(usize, usize)>>,
+    /// Places (m) and how far they reach (m): what is joined there is neither right nor wrong.
+    pub unclear: Vec<(Point, f64)>,
 }
 
 impl KnownConnections {
@@ -67,13 +69,17 @@ impl KnownConnections {
             let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, reach) };
             near.into_iter().flat_map(|(_, row)| named[row].iter().copied()).collect()
         });
-        Self { sites: sites.collect(), sides: connections.iter().map(|l| l.iter().map(|(side, _)| *side).collect()).collect() }
+        Self {
+            sites: sites.collect(),
+            sides: connections.iter().map(|l| l.iter().map(|(side, _)| *side).collect()).collect(),
+            unclear: Vec::new(),
+        }
     }
 
     /// Connections between points of the extraction. Those near to either end are right too: 2 spacings along a loose end; on a
     /// standing vessel 3 spacings, a diameter or 3/4 of the gap. What is nearer to one of the `inlets` (nodes) is the parent.
     pub fn between(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Self {
-        let mut this = Self { sides: Vec::new(), sites: vec![Vec::new(); extraction.position.len()] };
+        let mut this = Self { sides: Vec::new(), sites: vec![Vec::new(); extraction.position.len()], unclear: Vec::new() };
         let index = PointIndex::new(extraction.position.clone());
         let order = outwards(extraction, pairs, inlets);
         for (connection, (ends, order)) in pairs.iter().zip(order).enumerate() {
@@ -91,6 +97,11 @@ impl KnownConnections {
             this.sides.push(order.to_vec());
         }
         this
+    }
+
+    /// Whether a candidate between two points (m) is neither right nor wrong, unless it makes a connection.
+    pub fn is_unclear(&self, ends: [Point; 2]) -> bool {
+        self.unclear.iter().any(|(place, reach)| ends.iter().any(|end| distance(*end, *place) < *reach))
     }
 
     /// How many connections there are.

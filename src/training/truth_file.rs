@@ -19,6 +19,9 @@ struct File {
     nodes: Vec<Vec<f64>>,
     links: Option<Vec<Vec<Member>>>,
     breaks: Option<Vec<Gap>>,
+    /// Places where two vessels are fused; a candidate there is neither right nor wrong.
+    #[serde(default)]
+    fusions: Vec<Fusion>,
     #[serde(default)]
     /// Ids from `willis phantom`; others write more than that, which is in a file of its own too.
     inlets: Vec<serde_json::Value>,
@@ -28,6 +31,14 @@ struct File {
 struct Member {
     role: Side,
     allowed: Vec<u64>,
+}
+
+#[derive(Deserialize)]
+struct Fusion {
+    place: [f64; 3],
+    reach_mm: f64,
+    #[serde(default)]
+    judged: bool,
 }
 
 #[derive(Deserialize)]
@@ -43,12 +54,14 @@ struct Gap {
 pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
     let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
-    let truth = match (file.links, file.breaks) {
+    let mut truth = match (file.links, file.breaks) {
         (Some(links), None) => of_links(&links, &file.nodes, file.voxel_mm, extraction)?,
         (None, Some(breaks)) => of_breaks(&breaks, &file.inlets, network, extraction)?,
         (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
         (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
     };
+    let fusions = file.fusions.iter().filter(|fusion| fusion.judged);
+    truth.unclear = fusions.map(|fusion| (fusion.place.map(metres), metres(fusion.reach_mm))).collect();
     Ok((truth, file.subject))
 }
 

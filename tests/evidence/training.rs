@@ -7,11 +7,11 @@ use std::process::Command;
 
 use crate::command::{folder, stderr, willis};
 use willis::internals::candidates::model::HeldOutScores;
-use willis::internals::training::read_cases;
 use willis::internals::training::{
     Case, Example, Match, Objective, Step, TrainParams, average_precision, calibrate, calibration_error, case_scores,
     case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
 };
+use willis::internals::training::{Model, read_cases};
 
 /// Broken trees as case folders `data/a0`, `data/a1`, ...
 fn trees(here: &Path, count: usize) -> PathBuf {
@@ -40,7 +40,7 @@ fn two_tubes(case: &Path, truth: &str) {
 }
 
 fn cases(folder: &Path) -> Vec<Case> {
-    read_cases(&[folder.to_owned()]).expect("cases").cases
+    read_cases(&[folder.to_owned()], Model::Tracing).expect("cases").cases
 }
 
 /// With all weights zero every explanation of n bridges between two fragments is as probable as another: one where both stand alone
@@ -236,7 +236,7 @@ fn right_links_are_those_of_the_benchmark() {
     let here = folder();
     let (shared, out) = (shared.display().to_string(), here.path().display().to_string());
     run(&python, "marks.py", &[&shared, &out, "BG0002", "BG06", "INSIST_0027", "INSIST_0038"]);
-    let cases = read_cases(&[here.path().join("brava"), here.path().join("ring")]).expect("cases").cases;
+    let cases = read_cases(&[here.path().join("brava"), here.path().join("ring")], Model::Tracing).expect("cases").cases;
     assert_eq!(cases.len(), 4);
     let (mut pairs, mut ours) = (String::new(), Vec::new());
     for case in &cases {

@@ -70,6 +70,19 @@ impl Extraction {
     ///
     /// When an inlet is no node.
     pub fn new(network: &Network, inlets: &[usize]) -> Result<Self> {
+        Self::with_spacing(network, inlets, None)
+    }
+
+    /// The same, with a spacing (m, positive) that is known where it is given.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    ///
+    /// # Panics
+    ///
+    /// When an inlet is no node.
+    pub fn with_spacing(network: &Network, inlets: &[usize], spacing: Option<f64>) -> Result<Self> {
         let mut position = Vec::with_capacity(network.node_count());
         for node in network.nodes() {
             position.push(node.position.ok_or_else(|| {
@@ -105,7 +118,8 @@ impl Extraction {
             lines.push(line);
         }
         let steps = lines.iter().flat_map(|l| l.windows(2)).map(|w| distance(position[w[0]], position[w[1]]));
-        let spacing = median(&steps.collect::<Vec<f64>>()).filter(|h| *h > 0.0).unwrap_or(1.0);
+        let usual = || median(&steps.collect::<Vec<f64>>()).filter(|h| *h > 0.0).unwrap_or(1.0);
+        let spacing = spacing.unwrap_or_else(usual);
         let graph = BranchGraph::new(network.node_count(), &lines, &position);
         // A node that no vessel reaches is a branch of its own, as thin as its surroundings can show.
         for node in (0..network.node_count()).filter(|node| degree[*node] == 0) {

@@ -10,7 +10,7 @@ pub mod feature_table;
 pub mod loop_closures;
 pub mod posterior;
 pub mod weights;
-mod weights_file;
+pub(crate) mod weights_file;
 
 pub use loop_closures::CLOSURE_FEATURES;
 pub use posterior::{Calibration, posterior};

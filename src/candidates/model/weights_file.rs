@@ -157,11 +157,11 @@ fn write_figures(table: &str, figures: &HeldOutScores, out: &mut impl Write) -> 
 }
 
 /// A TOML string: quoted as in JSON, which leaves one control character as it is.
-fn text(text: &str) -> String {
+pub(crate) fn text(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 
-fn list(texts: &[String]) -> String {
+pub(crate) fn list(texts: &[String]) -> String {
     let texts: Vec<String> = texts.iter().map(|t| text(t)).collect();
     format!("[{}]", texts.join(", "))
 }

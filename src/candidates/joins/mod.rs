@@ -1,0 +1,77 @@
+//! Joins on automatic skeletons: candidates judged one by one, each knowing its rivals.
+//!
+//! Where a segmentation was thinned, vessels that touch are fused, and the fragments of the skeleton are no longer pieces of one forest: true
+//! gaps lie within a fragment and close loops of fragments. So each candidate has a probability of its own, from boosted trees over what a
+//! tracing shows and more ([`features`]), in two passes: the second sees how probable the first made the other candidates for the same places.
+
+pub mod course;
+pub mod features;
+pub mod model;
+pub mod rivals;
+pub mod search;
+pub mod trees;
+
+use ndarray::{Array2, Axis, concatenate};
+
+use super::features::Extraction;
+use super::resample::Resampled;
+use super::search::Candidate;
+use crate::error::Result;
+use crate::network::Network;
+use course::Course;
+use features::join_features;
+use model::JoinModel;
+use rivals::{Pairs, second_features};
+use search::search_joins;
+
+/// Features beyond this say no more.
+const MOST: f64 = 1e6;
+
+/// The candidates of a skeleton with their features.
+pub struct JoinTable {
+    /// The resampled skeleton, on which everything is measured.
+    pub resampled: Resampled,
+    /// Its points.
+    pub extraction: Extraction,
+    /// The candidates, by free end.
+    pub candidates: Vec<Candidate>,
+    /// The candidates as pairs of points.
+    pub pairs: Pairs,
+    /// Features: a row a candidate, a column one of [`features::join_feature_names`].
+    pub features: Array2<f32>,
+}
+
+impl JoinTable {
+    /// Searches and measures the candidates of the observed vessels of a network, to so many of the nearest branches of each free end.
+    ///
+    /// # Errors
+    ///
+    /// A node without position or with more than 1000 vessels, or points that are crowded.
+    pub fn new(network: &Network, branches: usize) -> Result<Self> {
+        let resampled = Resampled::new(network);
+        let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step))?;
+        let courses: Vec<Course> = (0..extraction.ends.len()).map(|end| Course::new(&extraction, end)).collect();
+        let candidates = search_joins(&extraction, &courses, branches)?;
+        let features = join_features(&extraction, &courses, &candidates).mapv(stored);
+        let pairs = Pairs::new(&extraction, &candidates);
+        Ok(Self { resampled, extraction, candidates, pairs, features })
+    }
+
+    /// The features of the second pass, given the scores of the first.
+    pub fn second(&self, scores: &[f64]) -> Array2<f32> {
+        let first = second_features(&self.extraction, &self.candidates, &self.pairs, scores).mapv(stored);
+        // Both have a row a candidate.
+        concatenate(Axis(1), &[first.view(), self.features.view()]).unwrap_or(first)
+    }
+
+    /// Per pair the mean score of its candidates in the second pass.
+    pub fn scores(&self, model: &JoinModel) -> Vec<f64> {
+        let second = self.second(&model.first.scores(&self.features));
+        self.pairs.mean(&model.second.scores(&second))
+    }
+}
+
+/// A feature as a tree compares it: with 24 bits, so that rounding does not decide, and never without a value.
+fn stored(x: f64) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(-MOST, MOST) as f32 }
+}

@@ -1,0 +1,242 @@
+//! The join model: two passes of boosted trees, and their file.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use ndarray::{Array2, Axis};
+use serde::{Deserialize, Serialize};
+
+use super::features::join_feature_names;
+use super::rivals::SECOND_FEATURES;
+use super::trees::Tree;
+use crate::candidates::model::posterior::Calibration;
+use crate::candidates::model::weights_file::{list, text};
+use crate::error::Fault;
+use crate::support::statistics::sigmoid;
+use crate::support::suggestions::did_you_mean;
+
+/// The model that comes with the program.
+const SHIPPED: &str = include_str!("skeleton.toml");
+
+const HEADING: &str = "\
+# The model of connections on automatic skeletons, fitted by `willis train --model skeleton`; read by `willis infer --prior FILE`.
+# A score is the sum of the trees of a pass, each read from left to right: `3<0.25 A B` is A where feature 3 (from 0) is less
+# than 0.25, else B. Features have no unit. The second pass sees the scores of the first, before the features.
+kind = \"skeleton\"
+";
+
+/// Boosted trees in two passes, and the calibration of the second.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JoinModel {
+    /// The trees of the first pass, over the features of a candidate.
+    pub first: Boosted,
+    /// The trees of the second pass, over those of the scores and the same features.
+    pub second: Boosted,
+    /// [`Calibration`] of the mean score of both directions.
+    pub calibration: [f64; 3],
+    /// Where it comes from.
+    pub provenance: JoinProvenance,
+}
+
+/// A sum of trees.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Boosted {
+    /// The score of no tree.
+    pub start: f64,
+    /// The trees.
+    pub trees: Vec<Tree>,
+}
+
+impl Boosted {
+    /// The score (log-odds) of each row.
+    pub fn scores(&self, features: &Array2<f32>) -> Vec<f64> {
+        let score = |row: &[f32]| self.trees.iter().fold(self.start, |sum, tree| sum + tree.value(row));
+        features.axis_iter(Axis(0)).map(|row| score(row.as_slice().unwrap_or(&row.to_vec()))).collect()
+    }
+}
+
+/// Where a join model comes from and how well it did on subjects that it was not fitted to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct JoinProvenance {
+    /// How many cases it was fitted to.
+    pub cases: usize,
+    /// Of how many subjects.
+    pub subjects: usize,
+    /// Program and command.
+    pub made_by: String,
+    /// Subjects that were held out, where this is the model of a fold.
+    pub held_out: Vec<String>,
+    /// Scores over all folds, each case by the model of the fold that held its subject out.
+    #[serde(skip)]
+    pub figures: Vec<JoinScores>,
+}
+
+/// How well a join model did on cases that it was not fitted to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JoinScores {
+    /// The data set, or a folder in it.
+    pub of: String,
+    /// How many cases.
+    pub cases: usize,
+    /// Of how many subjects.
+    pub subjects: usize,
+    /// Average precision over all true connections, found or not; the mean over cases that have one.
+    pub average_precision: Option<f64>,
+    /// Precision and recall of the joins kept, all cases together.
+    pub precision: Option<f64>,
+    /// See `precision`.
+    pub recall: Option<f64>,
+    /// Calibration error over all pairs, all cases together, ten bins.
+    pub calibration_error: f64,
+    /// The sum of P over all pairs of points.
+    pub expected: f64,
+    /// How many of them are right.
+    pub right: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    kind: String,
+    calibration: [f64; 3],
+    features: Vec<String>,
+    pass: [PassEntry; 2],
+    #[serde(default)]
+    provenance: JoinProvenance,
+    #[serde(default)]
+    figures: Vec<JoinScores>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PassEntry {
+    start: f64,
+    trees: Vec<String>,
+}
+
+impl JoinModel {
+    /// The model that comes with the program.
+    ///
+    /// # Errors
+    ///
+    /// None in a released program: it is tested.
+    pub fn shipped() -> crate::error::Result<Arc<Self>> {
+        Self::read(SHIPPED).map(Arc::new).map_err(|fault| fault.in_file("skeleton.toml".as_ref()))
+    }
+
+    /// Whether a text is a join model, as opposed to weights of a tracing.
+    pub fn is_one(text: &str) -> bool {
+        text.lines().any(|line| line.trim_start().starts_with("kind") && line.contains("skeleton"))
+    }
+
+    /// Probability of each score.
+    pub fn probability(&self, score: f64) -> f64 {
+        Calibration(self.calibration).apply(sigmoid(score))
+    }
+
+    /// Reads a model that `willis train --model skeleton` made, as TOML.
+    ///
+    /// # Errors
+    ///
+    /// Not TOML, a feature that this program does not measure, a tree that is none, a number that is not finite: the line or the name.
+    pub fn read(toml_text: &str) -> Result<Self, Fault> {
+        const ACCEPTED: &str = "expected a model as `willis train --model skeleton` writes it";
+        let file: File = toml::from_str(toml_text).map_err(|e| {
+            let line = e.span().map_or(1, |s| toml_text[..s.start.min(toml_text.len())].matches('\n').count() + 1);
+            Fault::line(line, e.message().replace('\n', " "), ACCEPTED)
+        })?;
+        if file.kind != "skeleton" {
+            return Err(Fault::item("kind", file.kind, "expected skeleton"));
+        }
+        let names = join_feature_names();
+        for (have, expected) in file.features.iter().zip(&names).filter(|(have, expected)| have != *expected) {
+            let meant = did_you_mean(have, names.iter().copied());
+            return Err(Fault::item("features", format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
+        }
+        if file.features.len() != names.len() {
+            return Err(Fault::item("features", file.features.len().to_string(), format!("expected {}", names.len())));
+        }
+        if let Some(x) = file.calibration.iter().find(|x| !x.is_finite()) {
+            return Err(Fault::item("calibration", x.to_string(), "expected a finite number"));
+        }
+        let [first, second] = file.pass;
+        let provenance = JoinProvenance { figures: file.figures, ..file.provenance };
+        let first = boosted("pass 1", first, names.len())?;
+        let second = boosted("pass 2", second, names.len() + SECOND_FEATURES.len())?;
+        Ok(Self { first, second, calibration: file.calibration, provenance })
+    }
+
+    /// Writes TOML; every number is read back as it was.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let [a, b, c] = self.calibration;
+        write!(out, "{HEADING}")?;
+        writeln!(out, "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0)))), l the mean score of both directions.")?;
+        writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]\n")?;
+        let names: Vec<String> = join_feature_names().into_iter().map(str::to_owned).collect();
+        writeln!(out, "features = {}", list(&names))?;
+        for pass in [&self.first, &self.second] {
+            writeln!(out, "\n[[pass]]\nstart = {:?}\ntrees = [", pass.start)?;
+            for tree in &pass.trees {
+                writeln!(out, "    \"{tree}\",")?;
+            }
+            writeln!(out, "]")?;
+        }
+        let provenance = &self.provenance;
+        writeln!(
+            out,
+            "\n# What it was fitted to.\n[provenance]\ncases = {}\nsubjects = {}",
+            provenance.cases, provenance.subjects
+        )?;
+        writeln!(out, "made_by = {}", text(&provenance.made_by))?;
+        if !provenance.held_out.is_empty() {
+            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
+        }
+        if !provenance.figures.is_empty() {
+            writeln!(
+                out,
+                "\n# Cross-validated by subject: average precision over all right connections (mean over cases), precision and"
+            )?;
+            writeln!(out, "# recall of what is kept, calibration error, sum of P against right pairs.")?;
+        }
+        for figures in &provenance.figures {
+            writeln!(out, "\n[[figures]]\nof = {}", text(&figures.of))?;
+            writeln!(out, "cases = {}\nsubjects = {}", figures.cases, figures.subjects)?;
+            for (name, x) in [
+                ("average_precision", figures.average_precision),
+                ("precision", figures.precision),
+                ("recall", figures.recall),
+                ("calibration_error", Some(figures.calibration_error)),
+                ("expected", Some(figures.expected)),
+            ] {
+                if let Some(x) = x {
+                    writeln!(out, "{name} = {x:?}")?;
+                }
+            }
+            writeln!(out, "right = {}", figures.right)?;
+        }
+        out.flush()
+    }
+}
+
+fn boosted(place: &str, entry: PassEntry, columns: usize) -> Result<Boosted, Fault> {
+    if !entry.start.is_finite() {
+        return Err(Fault::item(place, entry.start.to_string(), "expected a finite start"));
+    }
+    let mut trees = Vec::new();
+    for (number, line) in entry.trees.iter().enumerate() {
+        let place = || format!("{place} tree {}", number + 1);
+        let tree: Tree =
+            line.parse().map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
+        if let Some(column) = tree.last_column().filter(|column| *column >= columns) {
+            return Err(Fault::item(place(), format!("feature {column}"), format!("expected features 0 to {}", columns - 1)));
+        }
+        trees.push(tree);
+    }
+    Ok(Boosted { start: entry.start, trees })
+}

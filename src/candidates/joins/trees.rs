@@ -1,0 +1,119 @@
+//! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A binary tree over the columns of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tree {
+    /// The nodes in preorder: of a split the left subtree follows at once.
+    nodes: Vec<TreeNode>,
+}
+
+/// A node of a tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TreeNode {
+    /// Rows whose value in `column` is below `least_right` go left.
+    Split {
+        /// The column.
+        column: usize,
+        /// The least value that goes right.
+        least_right: f32,
+        /// Where the right subtree begins; set by [`Tree::new`].
+        right: usize,
+    },
+    /// The value of the tree.
+    Leaf(f32),
+}
+
+/// No tree is deeper, so that a file cannot exhaust the stack.
+const DEEPEST: usize = 64;
+
+impl Tree {
+    /// The tree whose nodes in preorder these are; `None` where they are none.
+    pub fn new(mut nodes: Vec<TreeNode>) -> Option<Self> {
+        let end = subtree(&mut nodes, 0, 0)?;
+        (end == nodes.len()).then_some(Self { nodes })
+    }
+
+    /// The largest column it looks at.
+    pub fn last_column(&self) -> Option<usize> {
+        let column = |node: &TreeNode| if let TreeNode::Split { column, .. } = node { Some(*column) } else { None };
+        self.nodes.iter().filter_map(column).max()
+    }
+
+    /// Its value for a row.
+    pub fn value(&self, row: &[f32]) -> f64 {
+        let mut at = 0;
+        loop {
+            match self.nodes[at] {
+                TreeNode::Split { column, least_right, right } => at = if row[column] < least_right { at + 1 } else { right },
+                TreeNode::Leaf(value) => return f64::from(value),
+            }
+        }
+    }
+}
+
+/// Finds the ends of the subtrees from a node on; the place behind it.
+fn subtree(nodes: &mut [TreeNode], at: usize, depth: usize) -> Option<usize> {
+    match *nodes.get(at)? {
+        TreeNode::Leaf(_) => Some(at + 1),
+        TreeNode::Split { column, least_right, .. } => {
+            let right = if depth < DEEPEST { subtree(nodes, at + 1, depth + 1)? } else { return None };
+            nodes[at] = TreeNode::Split { column, least_right, right };
+            subtree(nodes, right, depth + 1)
+        }
+    }
+}
+
+/// `3<0.25 -0.1 0.2`: below 0.25 in column 3 the value is -0.1, else 0.2.
+impl fmt::Display for Tree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (at, node) in self.nodes.iter().enumerate() {
+            let space = if at > 0 { " " } else { "" };
+            match node {
+                TreeNode::Split { column, least_right, .. } => write!(f, "{space}{column}<{least_right}")?,
+                TreeNode::Leaf(value) => write!(f, "{space}{value}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Tree {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite());
+        let node = |word: &str| {
+            let read = match word.split_once('<') {
+                Some((column, least)) => column.parse().ok().zip(number(least)).map(|(column, least_right)| TreeNode::Split {
+                    column,
+                    least_right,
+                    right: 0,
+                }),
+                None => number(word).map(TreeNode::Leaf),
+            };
+            read.ok_or_else(|| format!("\"{word}\" in a tree"))
+        };
+        let nodes = text.split_whitespace().map(node).collect::<Result<_, _>>()?;
+        Self::new(nodes).ok_or_else(|| "a tree whose splits and leaves do not match".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tree;
+
+    #[test]
+    fn a_row_goes_left_below_the_value_of_a_split() {
+        let tree: Tree = "1<0.5 0<-2 1 2 3".parse().unwrap();
+        let value = |row: [f32; 2]| tree.value(&row);
+        assert_eq!([value([-3.0, 0.0]), value([-2.0, 0.0]), value([-3.0, 0.5])], [1.0, 2.0, 3.0]);
+        assert_eq!(tree.to_string(), "1<0.5 0<-2 1 2 3");
+        for wrong in ["", "1<0.5 1", "1 2", "1<x 1 2", "nan", "-1<0 1 2"] {
+            assert!(wrong.parse::<Tree>().is_err(), "{wrong}");
+        }
+        assert!("0<0 ".repeat(100).parse::<Tree>().is_err());
+    }
+}

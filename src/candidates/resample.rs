@@ -1,0 +1,117 @@
+//! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
+
+use crate::network::{Network, Origin, PathPoint, Vessel};
+use crate::support::geometry::{distance, lerp};
+
+use super::features::smoothing::steady;
+
+/// The step is so many times the radius that a quarter of the length falls short of: about one and a half voxels of a skeleton.
+const STEP_RADII: f64 = std::f64::consts::SQRT_2;
+const NARROW: f64 = 0.25;
+/// More points than this are not made: a step is no shorter than this share of the whole length.
+const MOST_POINTS: f64 = 4e6;
+
+/// The observed vessels of a network with points at one step.
+pub struct Resampled {
+    /// The network; rows of nodes and vessels are those of the original.
+    pub network: Network,
+    /// The step, m, positive.
+    pub step: f64,
+    /// Per vessel and point of its path the place of that point on the original path.
+    places: Vec<Vec<PathPlace>>,
+}
+
+/// A place on a path: a share of the way from one of its points to the next.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct PathPlace {
+    /// The point before it.
+    pub point: usize,
+    /// The share of the way to the next point, in [0, 1).
+    pub share: f64,
+}
+
+impl PathPlace {
+    /// Position (m) and radius (m) there; the number is that of the point, if it is one.
+    pub fn on(self, path: &[PathPoint]) -> PathPoint {
+        let from = path[self.point];
+        match path.get(self.point + 1) {
+            Some(to) if self.share > 0.0 => PathPoint {
+                position: lerp(from.position, to.position, self.share),
+                radius: from.radius + self.share * (to.radius - from.radius),
+                id: None,
+            },
+            _ => from,
+        }
+    }
+}
+
+impl Resampled {
+    /// Resamples the observed vessels: points at equal distances along each, about one [`step_of`] apart. Nodes stay
+    /// where they are.
+    pub fn new(network: &Network) -> Self {
+        let step = step_of(network);
+        let mut places = Vec::with_capacity(network.vessel_count());
+        let mut resampled = network.clone();
+        for row in 0..network.vessel_count() {
+            let vessel = resampled.vessel_mut(row);
+            let (path, place) = if vessel.origin == Origin::Observed { at_step(&vessel.path, step) } else { as_it_is(vessel) };
+            vessel.path = path;
+            places.push(place);
+        }
+        Self { network: resampled, step, places }
+    }
+
+    /// The place on the original path of a point of a vessel's path.
+    pub fn place(&self, vessel: usize, point: usize) -> PathPlace {
+        self.places[vessel][point]
+    }
+}
+
+fn as_it_is(vessel: &Vessel) -> (Vec<PathPoint>, Vec<PathPlace>) {
+    (vessel.path.clone(), (0..vessel.path.len()).map(|point| PathPlace { point, share: 0.0 }).collect())
+}
+
+/// The step of a network's observed vessels, m: √2 times the radius that the narrowest quarter of their length has at most. It follows
+/// the width of thin vessels, which is the resolution of an image where they are one voxel wide, and not the points.
+pub fn step_of(network: &Network) -> f64 {
+    let mut stretches: Vec<(f64, f64)> = Vec::new();
+    for (_, vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
+        let steps = vessel.path.windows(2).map(|w| (0.5 * (w[0].radius + w[1].radius), distance(w[0].position, w[1].position)));
+        stretches.extend(steps.filter(|(radius, length)| *radius > 0.0 && *length > 0.0));
+    }
+    stretches.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let whole: f64 = stretches.iter().map(|(_, length)| length).sum();
+    let mut passed = 0.0;
+    let narrow = stretches.iter().find(|(_, length)| {
+        passed += length;
+        passed >= NARROW * whole
+    });
+    narrow.map_or(1.0, |(radius, _)| (STEP_RADII * radius).max(whole / MOST_POINTS))
+}
+
+/// Points at equal distances along a path, about one step apart, with their places on it.
+fn at_step(path: &[PathPoint], step: f64) -> (Vec<PathPoint>, Vec<PathPlace>) {
+    let mut arc = vec![0.0];
+    for w in path.windows(2) {
+        arc.push(arc[arc.len() - 1] + distance(w[0].position, w[1].position));
+    }
+    let length = arc[arc.len() - 1];
+    if path.len() < 2 || length <= 0.0 {
+        return (path.to_vec(), (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect());
+    }
+    let steps = (steady(length / step).round() as usize).max(1);
+    let mut at = 0;
+    let place = |number: usize| {
+        if number == steps {
+            return PathPlace { point: path.len() - 1, share: 0.0 };
+        }
+        let s = length * number as f64 / steps as f64;
+        while at + 2 < arc.len() && arc[at + 1] <= s {
+            at += 1;
+        }
+        let share = if arc[at + 1] > arc[at] { ((s - arc[at]) / (arc[at + 1] - arc[at])).clamp(0.0, 1.0) } else { 0.0 };
+        PathPlace { point: at, share }
+    };
+    let places: Vec<PathPlace> = (0..=steps).map(place).collect();
+    (places.iter().map(|place| place.on(path)).collect(), places)
+}

@@ -1,0 +1,54 @@
+//! The decision on candidates that are judged one by one: the most probable first, a free end once.
+
+use crate::network::{Network, Origin, Vessel};
+
+/// The usual least probability.
+pub const BEST_FIRST: f64 = 0.4;
+
+/// Per candidate whether it is kept: the most probable first, those above `least`, each free end once. `ends` are the free ends it joins.
+/// Of equally probable ones the first comes first.
+pub fn best_first(probability: &[f64], ends: &[[Option<usize>; 2]], least: f64) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..probability.len()).filter(|row| probability[*row] > least).collect();
+    order.sort_by(|a, b| probability[*b].total_cmp(&probability[*a]).then(a.cmp(b)));
+    let mut used = std::collections::BTreeSet::new();
+    let mut kept = vec![false; probability.len()];
+    for row in order {
+        let free = || ends[row].iter().flatten();
+        if free().all(|end| !used.contains(end)) {
+            used.extend(free().copied());
+            kept[row] = true;
+        }
+    }
+    kept
+}
+
+/// Per vessel whether it is observed or certain, or kept by [`best_first`].
+pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
+    let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
+    let degree = network.degrees(given);
+    let candidates: Vec<(usize, f64, [Option<usize>; 2])> = network
+        .vessels()
+        .enumerate()
+        .filter(|(_, (_, v))| !given(v))
+        .filter_map(|(row, (ends, v))| Some((row, v.evidence?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
+        .collect();
+    let probability: Vec<f64> = candidates.iter().map(|(_, p, _)| *p).collect();
+    let ends: Vec<[Option<usize>; 2]> = candidates.iter().map(|(_, _, ends)| *ends).collect();
+    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
+    for ((row, _, _), keeps) in candidates.iter().zip(best_first(&probability, &ends, least)) {
+        kept[*row] = keeps;
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::best_first;
+
+    #[test]
+    fn a_free_end_is_used_once_and_a_branch_as_often_as_it_is_met() {
+        let ends = [[Some(0), Some(1)], [Some(1), Some(2)], [Some(2), None], [Some(3), None], [Some(4), None]];
+        // The second loses end 1 to the first, which leaves end 2 to the third.
+        assert_eq!(best_first(&[0.9, 0.8, 0.7, 0.7, 0.4], &ends, 0.4), [true, false, true, true, false]);
+    }
+}

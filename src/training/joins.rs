@@ -1,0 +1,277 @@
+//! Fits the join model to skeletons whose true connections are known: boosted trees in two passes, then the calibration.
+
+use std::collections::BTreeSet;
+
+use forust_ml::gradientbooster::GrowPolicy;
+use forust_ml::{GradientBooster, Matrix};
+use ndarray::{Array2, Axis};
+
+use super::cross_validation::fold_of;
+use super::example::Case;
+use super::known_connections::{KnownConnections, Match};
+use super::logistic::calibrate;
+use super::scores::{average_precision, found};
+use crate::candidates::joins::JoinTable;
+use crate::candidates::joins::model::{Boosted, JoinModel, JoinProvenance, JoinScores};
+use crate::candidates::joins::trees::{Tree, TreeNode};
+use crate::candidates::search::SearchOptions;
+use crate::decision::{BEST_FIRST, best_first};
+use crate::error::{Error, Result};
+use crate::support::in_order;
+use crate::support::statistics::sigmoid;
+
+/// Boosting: trees, leaves of each, learning rate, penalty, least sum of p(1-p) in a leaf, share of the features a tree sees.
+const TREES: usize = 160;
+const LEAVES: usize = 12;
+const DEPTH: usize = 8;
+const RATE: f32 = 0.06;
+const L2: f32 = 20.0;
+const LEAST_LEAF: f32 = 2.0;
+const FEATURE_SHARE: f64 = 0.5;
+/// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
+const INNER: usize = 3;
+
+/// A skeleton with its known connections and its candidates measured.
+pub struct JoinExample<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Its candidates.
+    pub table: JoinTable,
+    /// Per pair the connection that it makes, if it is right.
+    pub matches: Vec<Option<Match>>,
+    /// Per pair whether it is right or wrong.
+    pub clear: Vec<bool>,
+    /// Of the connections, how many candidates it takes to make all of them.
+    pub needed: usize,
+}
+
+impl<'a> JoinExample<'a> {
+    /// Measures the candidates of a case, whose truth is about the points of the resampled skeleton.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position, points that are crowded.
+    pub fn new(case: &'a Case) -> Result<Self> {
+        let table = JoinTable::new(&case.network, SearchOptions::default().branches)?;
+        let truth: &KnownConnections = &case.truth;
+        let matches: Vec<Option<Match>> = table.pairs.points.iter().map(|[a, b]| truth.matching(*a, *b)).collect();
+        let position = |point: &usize| table.extraction.position[*point];
+        let clear = table.pairs.points.iter().zip(&matches);
+        let clear = clear.map(|([a, b], right)| right.is_some() || !truth.is_unclear([position(a), position(b)])).collect();
+        Ok(Self { case, needed: truth.needed(), table, matches, clear })
+    }
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// As [`JoinExample::new`].
+    pub fn measure(cases: &[&'a Case]) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case)).into_iter().collect()
+    }
+
+    /// How many of the candidates that the truth needs are among those found.
+    pub fn reached(&self) -> usize {
+        found(self.matches.iter().flatten().copied())
+    }
+}
+
+/// Fits the join model to measured cases. The same cases give the same bits at any number of threads.
+///
+/// # Errors
+///
+/// No case with a true connection within reach, fewer subjects than inner folds.
+pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> Result<JoinModel> {
+    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+    if subjects.len() < INNER || examples.iter().all(|e| e.reached() == 0) {
+        let accepted = format!("expected {INNER} subjects at least, with true connections within reach");
+        return Err(Error::parameter("cases", format!("{} of {} subjects", examples.len(), subjects.len()), accepted));
+    }
+    let order: Vec<&str> = subjects.iter().copied().collect();
+    let fold = |e: &JoinExample| order.iter().position(|s| *s == e.case.subject).unwrap_or(0) % INNER;
+    let inner: Vec<usize> = examples.iter().map(|e| fold(e)).collect();
+    let all: Vec<usize> = (0..examples.len()).collect();
+    let without = |held: usize| all.iter().copied().filter(|at| inner[*at] != held).collect::<Vec<usize>>();
+    let within = |held: usize| all.iter().copied().filter(|at| inner[*at] == held).collect::<Vec<usize>>();
+
+    // The first pass; the second sees scores that are out of fold.
+    let firsts: Vec<&Array2<f32>> = examples.iter().map(|e| &e.table.features).collect();
+    let first = boost(examples, &firsts, &all)?;
+    progress("pass 1");
+    let mut scores: Vec<Vec<f64>> = vec![Vec::new(); examples.len()];
+    for held in 0..INNER {
+        let trees = boost(examples, &firsts, &without(held))?;
+        within(held).into_iter().for_each(|at| scores[at] = trees.scores(firsts[at]));
+    }
+    progress("pass 1, out of fold");
+    let seconds = in_order(examples, |at, e| e.table.second(&scores[at]));
+    let seconds: Vec<&Array2<f32>> = seconds.iter().collect();
+    let second = boost(examples, &seconds, &all)?;
+    progress("pass 2");
+    let mut pairs = Vec::new();
+    for held in 0..INNER {
+        let trees = boost(examples, &seconds, &without(held))?;
+        for at in within(held) {
+            let e = examples[at];
+            let score = e.table.pairs.mean(&trees.scores(seconds[at]));
+            let rows = score.iter().zip(&e.matches).zip(&e.clear).filter(|(_, clear)| **clear);
+            pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), right.is_some(), 1.0)));
+        }
+    }
+    progress("calibration");
+    let provenance = JoinProvenance { cases: examples.len(), subjects: subjects.len(), ..JoinProvenance::default() };
+    Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, provenance })
+}
+
+/// Boosted trees over the candidates of some of the cases, those that are neither right nor wrong left out.
+fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) -> Result<Boosted> {
+    let mut rows: Vec<(usize, usize)> = Vec::new();
+    let mut right = Vec::new();
+    for at in cases {
+        let e = examples[*at];
+        for (row, pair) in e.table.pairs.of.iter().enumerate().filter(|(_, pair)| e.clear[**pair]) {
+            rows.push((*at, row));
+            right.push(f64::from(u8::from(e.matches[*pair].is_some())));
+        }
+    }
+    let columns = features.first().map_or(0, |f| f.len_of(Axis(1)));
+    let mut data = Vec::with_capacity(rows.len() * columns);
+    for column in 0..columns {
+        data.extend(rows.iter().map(|(at, row)| f64::from(features[*at][[*row, column]])));
+    }
+    let share = (right.iter().sum::<f64>() / rows.len().max(1) as f64).clamp(1e-6, 1.0 - 1e-6);
+    let mut booster = GradientBooster::default()
+        .set_iterations(TREES)
+        .set_max_leaves(LEAVES)
+        .set_max_depth(DEPTH)
+        .set_learning_rate(RATE)
+        .set_l2(L2)
+        .set_min_leaf_weight(LEAST_LEAF)
+        .set_colsample_bytree(FEATURE_SHARE)
+        .set_base_score((share / (1.0 - share)).ln())
+        .set_initialize_base_score(false);
+    booster.grow_policy = GrowPolicy::LossGuide;
+    let matrix = Matrix::new(&data, rows.len(), columns);
+    let failed = |why: String| Error::parameter("cases", rows.len(), format!("the trees could not be fitted: {why}"));
+    booster.fit_unweighted(&matrix, &right, None).map_err(|e| failed(e.to_string()))?;
+    let trees: Option<Vec<Tree>> = booster.trees.iter().map(of_booster).collect();
+    let trees = trees.ok_or_else(|| failed("a tree that is none".into()))?;
+    Ok(Boosted { start: booster.base_score, trees })
+}
+
+/// A tree of the booster in preorder.
+fn of_booster(tree: &forust_ml::tree::Tree) -> Option<Tree> {
+    let (mut nodes, mut open) = (Vec::new(), vec![0]);
+    while let Some(at) = open.pop() {
+        let node = &tree.nodes[at];
+        if node.is_leaf {
+            nodes.push(TreeNode::Leaf(node.weight_value));
+        } else {
+            // Features have 24 bits, and the trees split between values that occur.
+            nodes.push(TreeNode::Split { column: node.split_feature, least_right: node.split_value as f32, right: 0 });
+            open.push(node.right_child);
+            open.push(node.left_child);
+        }
+    }
+    Tree::new(nodes)
+}
+
+/// Probability of every pair of a case, and what is kept of them.
+struct Judged {
+    probability: Vec<f64>,
+    kept: Vec<bool>,
+}
+
+fn judge(e: &JoinExample, model: &JoinModel) -> Judged {
+    let probability: Vec<f64> = e.table.scores(model).into_iter().map(|score| model.probability(score)).collect();
+    let ends: Vec<[Option<usize>; 2]> =
+        e.table.pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
+    let kept = best_first(&probability, &ends, BEST_FIRST);
+    Judged { probability, kept }
+}
+
+/// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
+/// all cases by data set and folder.
+///
+/// # Errors
+///
+/// Those of [`fit_joins`].
+pub fn cross_validate_joins(
+    examples: &[JoinExample],
+    folds: usize,
+    progress: &mut dyn FnMut(usize, &str),
+) -> Result<(Vec<JoinModel>, Vec<JoinScores>)> {
+    let (mut models, mut judged) = (Vec::new(), Vec::new());
+    for fold in 0..folds {
+        let held = |e: &&JoinExample| fold_of(&e.case.subject, folds) == fold;
+        let inner: Vec<&JoinExample> = examples.iter().filter(|e| !held(e)).collect();
+        let mut model = fit_joins(&inner, &mut |step| progress(fold + 1, step))?;
+        let outer: Vec<&JoinExample> = examples.iter().filter(held).collect();
+        let found: Vec<Judged> = in_order(&outer, |_, e| judge(e, &model));
+        let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
+        model.provenance.held_out = subjects.into_iter().cloned().collect();
+        let pairs: Vec<(&JoinExample, &Judged)> = outer.iter().copied().zip(&found).collect();
+        model.provenance.figures = join_scores(&pairs);
+        models.push(model);
+        judged.extend(outer.into_iter().zip(found));
+    }
+    let figures = join_scores(&judged.iter().map(|(e, j)| (*e, j)).collect::<Vec<_>>());
+    Ok((models, figures))
+}
+
+/// Figures by data set, and by folder of those that have several.
+fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
+    let mut groups: BTreeSet<(&str, &str)> = BTreeSet::new();
+    for (e, _) in judged {
+        groups.insert((&e.case.data_set, ""));
+        groups.insert((&e.case.data_set, &e.case.group));
+    }
+    let of_group = |(data_set, group): (&str, &str)| {
+        let of: Vec<&(&JoinExample, &Judged)> =
+            judged.iter().filter(|(e, _)| e.case.data_set == data_set && (group.is_empty() || e.case.group == group)).collect();
+        scores_of(if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") }, &of)
+    };
+    groups.into_iter().map(of_group).collect()
+}
+
+const BINS: usize = 10;
+
+fn scores_of(name: String, of: &[&(&JoinExample, &Judged)]) -> JoinScores {
+    let (mut precisions, mut bins) = (Vec::new(), [[0.0; 2]; BINS]);
+    let (mut kept, mut right, mut needed, mut expected, mut all, mut true_pairs) = (0, 0, 0, 0.0, 0, 0);
+    for (e, judged) in of {
+        let clear: Vec<usize> = (0..e.clear.len()).filter(|pair| e.clear[*pair]).collect();
+        let ranked = clear.iter().map(|pair| (judged.probability[*pair], e.matches[*pair])).collect();
+        if e.needed > 0 {
+            precisions.push(average_precision(ranked, e.needed));
+        }
+        for pair in &clear {
+            let (p, is_right) = (judged.probability[*pair], e.matches[*pair].is_some());
+            let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
+            bin[0] += p;
+            bin[1] += f64::from(u8::from(is_right));
+            expected += p;
+            true_pairs += usize::from(is_right);
+        }
+        all += clear.len();
+        let chosen: Vec<usize> = clear.into_iter().filter(|pair| judged.kept[*pair]).collect();
+        let made = found(chosen.iter().filter_map(|pair| e.matches[*pair]));
+        // A second candidate for the same connection is neither gain nor loss.
+        kept += made + chosen.iter().filter(|pair| e.matches[**pair].is_none()).count();
+        right += made;
+        needed += e.needed;
+    }
+    let share = |of: usize, whole: usize| (whole > 0).then(|| of as f64 / whole as f64);
+    JoinScores {
+        of: name,
+        cases: of.len(),
+        subjects: of.iter().map(|(e, _)| &e.case.subject).collect::<BTreeSet<_>>().len(),
+        average_precision: (!precisions.is_empty()).then(|| precisions.iter().sum::<f64>() / precisions.len() as f64),
+        precision: share(right, kept),
+        recall: share(right, needed),
+        calibration_error: bins.iter().map(|[p, right]| (p - right).abs()).sum::<f64>()
+            / f64::from(u32::try_from(all.max(1)).unwrap_or(u32::MAX)),
+        expected,
+        right: true_pairs,
+    }
+}
