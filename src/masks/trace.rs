@@ -10,6 +10,7 @@ use super::lumen::nearest_seeds;
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
+use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::metres;
 use crate::support::geometry::{Point, distance, dot, sub, unit};
@@ -149,7 +150,7 @@ impl Tracer<'_> {
         }
         let degrees = graph.degrees();
         let at_border = self.fill(graph, &degrees, &mut lines);
-        let mut out = Centerlines::default();
+        let mut out = Centerlines { frame: Frame::Ras, ..Centerlines::default() };
         let several = self.vessels.classes.iter().any(|class| *class != self.vessels.classes[0]);
         let mut row_of = vec![u32::MAX; graph.nodes.len()];
         for (strand, (branch, line)) in graph.branches.iter().zip(&lines).enumerate() {
