@@ -97,7 +97,9 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
     let is_border =
         |place: &usize| strides.iter().any(|stride| !vessels.contains(place + stride) || !vessels.contains(place - stride));
     let mut open: Vec<u32> = vessels.places().filter(is_border).map(|place| place as u32).collect();
-    open.iter().for_each(|place| state[*place as usize] |= ALL);
+    for place in &open {
+        state[*place as usize] |= ALL;
+    }
     let (mut candidates, mut fresh) = (Vec::new(), Vec::new());
     while !open.is_empty() {
         for (direction, (axis, forward)) in DIRECTIONS.into_iter().enumerate() {

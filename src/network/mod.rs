@@ -208,16 +208,11 @@ pub fn cycles(network: &Network) -> usize {
     network.vessel_count() + fragments(network, |_, _| true).count - network.node_count()
 }
 
-/// Whether a frame is left out: files without one are as those of versions that knew none.
-fn is_unknown(frame: &Frame) -> bool {
-    !frame.is_known()
-}
-
 /// A network as serde writes it: rows of nodes, and of vessels with their two nodes, in SI units.
 #[derive(Serialize, Deserialize)]
 struct NetworkRows<N, V> {
-    #[serde(default, skip_serializing_if = "is_unknown")]
-    frame: Frame,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<Frame>,
     nodes: Vec<N>,
     vessels: Vec<([usize; 2], V)>,
 }
@@ -225,7 +220,8 @@ struct NetworkRows<N, V> {
 impl Serialize for Network {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (nodes, vessels) = (self.nodes().collect(), self.vessels().collect());
-        let rows: NetworkRows<&Node, &Vessel> = NetworkRows { frame: self.frame, nodes, vessels };
+        let rows: NetworkRows<&Node, &Vessel> =
+            NetworkRows { frame: Some(self.frame).filter(|frame| frame.is_known()), nodes, vessels };
         rows.serialize(serializer)
     }
 }
@@ -233,7 +229,7 @@ impl Serialize for Network {
 impl<'de> Deserialize<'de> for Network {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
-        let mut network = Self { frame: rows.frame, ..Self::default() };
+        let mut network = Self { frame: rows.frame.unwrap_or_default(), ..Self::default() };
         for node in rows.nodes {
             network.add_node(node);
         }
