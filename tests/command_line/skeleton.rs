@@ -169,8 +169,8 @@ impl Storage {
         let turn = [-1.0, -1.0, 1.0];
         let mut directions = Vec::new();
         for axis in 0..3 {
-            directions
-                .extend((0..3).map(|row| turn[row] * affine[row][axis].signum() * f64::from(u8::from(affine[row][axis] != 0.0))));
+            let cosine = |(row, turn): (&[f64; 4], f64)| if row[axis] == 0.0 { 0.0 } else { turn * row[axis].signum() };
+            directions.extend(affine.iter().zip(turn).map(cosine));
         }
         let origin = [0, 1, 2].map(|row| turn[row] * affine[row][3]);
         let head = format!(
