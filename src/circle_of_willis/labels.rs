@@ -25,6 +25,7 @@ pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: R
         name_of.get(&(a.min(b), a.max(b))).copied()
     };
     let mut split = Network::new();
+    split.frame = network.frame;
     for node in network.nodes() {
         split.add_node(node.clone());
     }

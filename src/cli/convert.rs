@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 use willis::error::{Error, Fault, Result};
-use willis::internals::io::convert::{Target, Written, in_itk_frame, losses, refusal, write_into};
+use willis::internals::io::convert::{Target, Written, losses, refusal, write_into};
 use willis::internals::io::{Format, unread_columns, write_loops};
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
@@ -83,10 +83,7 @@ impl ConvertArgs {
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
         let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());
-        // The lines of a mask are in RAS; these formats are in LPS.
-        let is_turned = input.format.is_some_and(Format::is_mask) && matches!(target.format, Format::Markups | Format::Tre);
-        let network = if is_turned { in_itk_frame(&input.network) } else { input.network };
-        let (names, mut lost) = put(&network, &target, terminal, force)?;
+        let (names, mut lost) = put(&input.network, &target, terminal, force)?;
         let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));

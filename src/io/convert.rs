@@ -10,7 +10,7 @@ use crate::io::format::Format;
 use crate::io::polylines::{between, is_straight, node_points};
 use crate::io::vendors::voreen::has_whole_ids;
 use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use crate::support::geometry::{Point, distance, lerp};
+use crate::support::geometry::{distance, lerp};
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,20 +58,6 @@ impl Target {
     pub fn loops(&self) -> PathBuf {
         self.path.with_extension("loops.csv")
     }
-}
-
-/// A network in the scanner's frame as ITK and 3D Slicer keep positions: x to the patient's left, y backward (LPS).
-pub fn in_itk_frame(network: &Network) -> Network {
-    let turn = |at: Point| [-at[0], -at[1], at[2]];
-    let mut turned = network.clone();
-    for row in 0..turned.node_count() {
-        let node = turned.node_mut(row);
-        node.position = node.position.map(turn);
-    }
-    for row in 0..turned.vessel_count() {
-        turned.vessel_mut(row).path.iter_mut().for_each(|point| point.position = turn(point.position));
-    }
-    turned
 }
 
 /// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].
@@ -253,6 +239,10 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     if consists_of_lines(format, network) && without_course > 0 {
         lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
+    }
+    let is_silent = matches!(format, Format::Csv | Format::Points | Format::Voreen | Format::VesselVio);
+    if let Some(frame) = network.frame.name().filter(|_| is_silent) {
+        lost.push(format!("that positions are in {frame}"));
     }
     lost
 }

@@ -11,7 +11,10 @@ use crate::io::read::ReadOptions;
 use crate::io::tables::graph::points;
 use crate::io::tables::write::{Column, Values, check_rows};
 use crate::io::xml::{Events, Step, Tag, escape};
-use crate::network::Network;
+use crate::network::{Frame, Network};
+
+/// The attribute of a graph that states the frame of its positions.
+const FRAME: &str = "frame";
 
 /// What has been read of a file.
 #[derive(Default)]
@@ -23,6 +26,7 @@ struct Graph {
     ends: Vec<[End; 2]>,
     edges: Records,
     directed: bool,
+    frame: Frame,
     /// The text of an element, kept for the next one.
     text: String,
 }
@@ -100,6 +104,10 @@ impl Graph {
                     self.ends.push([end("source")?, end("target")?]);
                     item(&mut self.edges, &mut self.keys, events, &mut self.text)?;
                 }
+                "data" if self.keys.is_frame(&tag.attribute("key")?.unwrap_or_default()) => {
+                    events.text(simple, &mut self.text)?;
+                    self.frame = Frame::of_word(&self.text);
+                }
                 _ => events.skip(simple)?,
             }
         }
@@ -113,6 +121,7 @@ impl Graph {
         self.keys.name(&mut self.nodes, "node")?;
         self.keys.name(&mut self.edges, "edge")?;
         let mut network = Network::new();
+        network.frame = self.frame;
         for node in nodes(&self.ids, &self.nodes, &options.scale)? {
             network.add_node(node);
         }
@@ -225,6 +234,12 @@ impl Keys {
         self.keys.len() - 1
     }
 
+    /// Whether a key is that of the graph's frame.
+    fn is_frame(&self, id: &str) -> bool {
+        let key = self.number_of.get(id).map(|number| &self.keys[*number]);
+        key.is_some_and(|key| key.name.as_deref() == Some(FRAME) && (key.on == "graph" || key.on == "all"))
+    }
+
     /// Gives the records of all nodes (`on` "node") or edges ("edge") the names and defaults.
     pub(crate) fn name(&self, records: &mut Records, on: &str) -> Result<(), Fault> {
         let undeclared = |(_, number): &(&String, &usize)| !self.keys[**number].declared;
@@ -246,7 +261,7 @@ impl Keys {
 /// Writes the nodes with their ids, the vessels in their order, and the columns as attributes.
 ///
 /// NaN and empty text are left out, and so is a column `id`, which is the node's own. A vessel with a path has it as
-/// the attribute `points`: `x y z r;x y z r` in mm.
+/// the attribute `points`: `x y z r;x y z r` in mm. The graph has its frame as the attribute `frame`, where it is known.
 ///
 /// # Errors
 ///
@@ -267,7 +282,13 @@ pub fn write_graphml(
     if with_points {
         writeln!(out, r#"  <key id="points" for="edge" attr.name="points" attr.type="string"/>"#)?;
     }
+    if network.frame.is_known() {
+        writeln!(out, r#"  <key id="frame" for="graph" attr.name="{FRAME}" attr.type="string"/>"#)?;
+    }
     writeln!(out, r#"  <graph edgedefault="undirected">"#)?;
+    if let Some(name) = network.frame.name() {
+        writeln!(out, r#"    <data key="frame">{name}</data>"#)?;
+    }
     let (mut of_node, mut of_vessel) = (Data::new("node", node_columns), Data::new("edge", vessel_columns));
     for (row, node) in network.nodes().enumerate() {
         writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;

@@ -10,7 +10,7 @@ use crate::io::tables::reader::plural;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{Scale, millimetres};
-use crate::network::{Network, PathPoint, Role, cycles};
+use crate::network::{Frame, Network, PathPoint, Role, cycles};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -23,7 +23,8 @@ type Parent = Option<(usize, u64)>;
 /// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be
 /// repaired along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child
 /// point: the name that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are
-/// no labels where all are the same, or where only the first and last points of trees have one.
+/// no labels where all are the same, or where only the first and last points of trees have one. A comment `SPACE=RAS` or `SPACE=LPS`
+/// states the frame.
 ///
 /// # Errors
 ///
@@ -44,6 +45,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.is_empty() {
             names.read(line);
+            lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
             continue;
         }
         let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
@@ -172,7 +174,7 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         vessels_at[ends[0]].push((row, ends[1]));
         vessels_at[ends[1]].push((row, ends[0]));
     }
-    writeln!(out, "# centerlines; coordinates and radii in mm")?;
+    title(&mut out, network.frame)?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
     types.write(&mut out)?;
     writeln!(out, "# id type x y z radius parent")?;
@@ -242,7 +244,7 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
             loops.push([lines.ids[a], lines.ids[b]]);
         }
     }
-    writeln!(out, "# centerlines; coordinates and radii in mm")?;
+    title(&mut out, lines.frame)?;
     let types = TypeCodes::of((0..lines.links.len()).map(|row| lines.labels.of(row)));
     types.write(&mut out)?;
     writeln!(out, "# id type x y z radius parent")?;
@@ -259,6 +261,12 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     }
     out.flush()?;
     Ok(loops)
+}
+
+/// The first line: the units, and the frame where it is known.
+fn title(mut out: impl Write, frame: Frame) -> io::Result<()> {
+    let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
+    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")
 }
 
 /// The first code for a label that is no whole number; the specification and its users have meanings for those below.

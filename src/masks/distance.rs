@@ -11,14 +11,13 @@ pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
     let mut squared = vec![f64::INFINITY; vessels.len()];
     let (mut run, mut values) = (Vec::new(), Vec::new());
     for axis in 0..3 {
-        for first in 0..vessels.len() {
-            let place = vessels.places[first] as usize;
-            if vessels.row(place - strides[axis]).is_some() {
+        for place in vessels.places() {
+            if vessels.contains(place - strides[axis]) {
                 continue;
             }
             run.clear();
             run.extend((0..).map_while(|n| vessels.row(place + n * strides[axis])));
-            let last = run[run.len() - 1];
+            let (first, last) = (vessels.voxel_at(place), vessels.voxel_at(place + (run.len() - 1) * strides[axis]));
             values.clear();
             values.push(if vessels.is_last(first, axis, false) { f64::INFINITY } else { 0.0 });
             values.extend(run.iter().map(|row| squared[*row]));
@@ -27,7 +26,10 @@ pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
             run.iter().zip(&lowest[1..]).for_each(|(row, value)| squared[*row] = *value);
         }
     }
-    squared.into_iter().map(f64::sqrt).collect()
+    for value in &mut squared {
+        *value = value.sqrt();
+    }
+    squared
 }
 
 /// The least of `values[q] + (step (p - q))²` over q, for every p.

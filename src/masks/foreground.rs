@@ -1,11 +1,13 @@
-//! The voxels inside vessels as a list, and the way from a place to its row in that list.
+//! The voxels inside vessels as one bit each, numbered in their order: a row for each voxel, a place in the box for each row.
 
 use super::mask::Mask;
 
-/// No voxel of a vessel.
-const NONE: u32 = u32::MAX;
+/// Bits of a word.
+const BITS: usize = 64;
 
 /// The voxels of a mask that are not background, in the order x, y, z with x fastest, in the box around them and one voxel more.
+///
+/// It takes a fifth of a byte for each voxel of the box, however many are inside vessels.
 #[derive(Debug, Clone)]
 pub struct Foreground {
     /// The box's lengths; its first voxel is `origin`.
@@ -14,11 +16,12 @@ pub struct Foreground {
     origin: [isize; 3],
     /// The image's own lengths.
     image: [usize; 3],
-    /// The place of each voxel in the box.
-    pub places: Vec<u32>,
-    /// The class of each voxel.
-    pub classes: Vec<u8>,
-    row_at: Vec<u32>,
+    /// One bit for each place of the box.
+    words: Vec<u64>,
+    /// How many voxels come before each word, and all of them last.
+    before: Vec<u32>,
+    /// The word of every 64th voxel.
+    landmarks: Vec<u32>,
 }
 
 impl Foreground {
@@ -39,45 +42,45 @@ impl Foreground {
             return None;
         }
         let shape = [0, 1, 2].map(|axis| high[axis] - low[axis] + 3);
-        let size = shape[0].checked_mul(shape[1])?.checked_mul(shape[2]).filter(|size| *size < NONE as usize)?;
-        let mut found = Self {
-            shape,
-            origin: low.map(|index| index as isize - 1),
-            image: mask.shape,
-            places: Vec::new(),
-            classes: Vec::new(),
-            row_at: vec![NONE; size],
-        };
+        let size = shape[0].checked_mul(shape[1])?.checked_mul(shape[2]).filter(|size| *size < u32::MAX as usize)?;
+        let mut words = vec![0_u64; size.div_ceil(BITS)];
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let line = (z * mask.shape[1] + y) * mask.shape[0];
                 let place = ((z - low[2] + 1) * shape[1] + y - low[1] + 1) * shape[0] + 1;
                 for x in low[0]..=high[0] {
-                    let class = mask.classes[line + x];
-                    if class > 0 {
-                        found.row_at[place + x - low[0]] = found.places.len() as u32;
-                        found.places.push((place + x - low[0]) as u32);
-                        found.classes.push(class);
+                    if mask.classes[line + x] > 0 {
+                        let at = place + x - low[0];
+                        words[at / BITS] |= 1 << (at % BITS);
                     }
                 }
             }
         }
-        Some(found)
+        let (mut before, mut landmarks, mut count) = (Vec::with_capacity(words.len() + 1), Vec::new(), 0);
+        for (row, word) in words.iter().enumerate() {
+            before.push(count as u32);
+            count += word.count_ones() as usize;
+            while landmarks.len() * BITS < count {
+                landmarks.push(row as u32);
+            }
+        }
+        before.push(count as u32);
+        Some(Self { shape, origin: low.map(|index| index as isize - 1), image: mask.shape, words, before, landmarks })
     }
 
     /// How many voxels there are.
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.before.last().map_or(0, |count| *count as usize)
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.len() == 0
     }
 
     /// How many voxels the box has.
     pub fn box_size(&self) -> usize {
-        self.row_at.len()
+        self.shape.iter().product()
     }
 
     /// Steps from a place of the box to the next along each axis.
@@ -85,22 +88,61 @@ impl Foreground {
         [1, self.shape[0], self.shape[0] * self.shape[1]]
     }
 
-    /// The row of the voxel at a place; `None` for background.
-    pub fn row(&self, place: usize) -> Option<usize> {
-        self.row_at.get(place).filter(|row| **row != NONE).map(|row| *row as usize)
+    /// Whether a place is inside a vessel.
+    pub fn contains(&self, place: usize) -> bool {
+        self.words.get(place / BITS).is_some_and(|word| word >> (place % BITS) & 1 == 1)
     }
 
-    /// The indices of a voxel in the image.
-    pub fn voxel(&self, row: usize) -> [usize; 3] {
-        let place = self.places[row] as usize;
+    /// The row of the voxel at a place; `None` for background.
+    pub fn row(&self, place: usize) -> Option<usize> {
+        self.contains(place).then(|| {
+            let lower = self.words[place / BITS] & ((1 << (place % BITS)) - 1);
+            self.before[place / BITS] as usize + lower.count_ones() as usize
+        })
+    }
+
+    /// The place of a row.
+    pub fn place(&self, row: usize) -> usize {
+        let first = self.landmarks[row / BITS] as usize;
+        let last = self.landmarks.get(row / BITS + 1).map_or(self.words.len(), |word| *word as usize + 1);
+        // The last word that not more than `row` voxels come before.
+        let at = first + self.before[first..last].partition_point(|before| *before as usize <= row) - 1;
+        let mut word = self.words[at];
+        for _ in self.before[at] as usize..row {
+            word &= word - 1;
+        }
+        at * BITS + word.trailing_zeros() as usize
+    }
+
+    /// The places of all rows, in their order.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        self.words.iter().enumerate().flat_map(|(at, word)| {
+            let mut left = *word;
+            std::iter::from_fn(move || {
+                let place = at * BITS + left.trailing_zeros() as usize;
+                (left != 0).then(|| {
+                    left &= left - 1;
+                    place
+                })
+            })
+        })
+    }
+
+    /// The indices in the image of a place.
+    pub fn voxel_at(&self, place: usize) -> [usize; 3] {
         let at = [place % self.shape[0], place / self.shape[0] % self.shape[1], place / (self.shape[0] * self.shape[1])];
         [0, 1, 2].map(|axis| (at[axis] as isize + self.origin[axis]) as usize)
     }
 
-    /// Whether the image ends right after a voxel in a direction of an axis, so that nothing is known of what lies there.
-    pub fn is_last(&self, row: usize, axis: usize, forward: bool) -> bool {
-        let index = self.voxel(row)[axis];
-        if forward { index + 1 == self.image[axis] } else { index == 0 }
+    /// The indices of a voxel in the image.
+    pub fn voxel(&self, row: usize) -> [usize; 3] {
+        self.voxel_at(self.place(row))
+    }
+
+    /// Whether the image ends right after a voxel, given by its indices, in a direction of an axis, so that nothing is known of what lies
+    /// there.
+    pub fn is_last(&self, voxel: [usize; 3], axis: usize, forward: bool) -> bool {
+        if forward { voxel[axis] + 1 == self.image[axis] } else { voxel[axis] == 0 }
     }
 }
 

@@ -162,12 +162,12 @@ impl Skeleton {
 /// "Edge collapse and persistence of flag complexes" (2020). The longest edges go first, so that no triangle is left to look like a loop.
 fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<BTreeSet<usize>> {
     let at: BTreeMap<u32, usize> =
-        thinned.iter().enumerate().map(|(row, voxel)| (vessels.places[*voxel as usize], row)).collect();
+        thinned.iter().enumerate().map(|(row, voxel)| (vessels.place(*voxel as usize) as u32, row)).collect();
     let steps = neighbours(vessels.strides());
     let mut links: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); thinned.len()];
     let mut edges = Vec::new();
     for (row, voxel) in thinned.iter().enumerate() {
-        let place = vessels.places[*voxel as usize] as isize;
+        let place = vessels.place(*voxel as usize) as isize;
         for (step, by) in steps {
             let Some(other) = u32::try_from(place + step).ok().and_then(|place| at.get(&place)).copied() else { continue };
             links[row].insert(other);

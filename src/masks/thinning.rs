@@ -6,7 +6,7 @@
 //! before it goes. Source: Lee, Kashyap and Chu, "Building skeleton models via 3-D medial surface/axis thinning algorithms", CVGIP
 //! 56 (1994); simple voxels: Malandain and Bertrand, "Fast characterization of 3D simple points" (1992).
 
-use super::foreground::Foreground;
+use super::foreground::{Foreground, neighbours};
 
 /// The bit of the voxel itself in a neighbourhood of 27.
 const SELF: u32 = 1 << 13;
@@ -67,49 +67,76 @@ fn reached(start: u32, allowed: u32, next_to: &[u32; 27]) -> u32 {
     found
 }
 
+/// The bit of a voxel's state that says it is there; the six below say for which directions it has to be tested.
+const THERE: u8 = 1 << 7;
+const ALL: u8 = (1 << DIRECTIONS.len()) - 1;
+
 /// The rows of the voxels that make the skeleton, in their order.
+///
+/// A voxel is tested for a direction once, and again only after one of its neighbours went: the cost goes with the voxels that go.
 pub fn thin(vessels: &Foreground) -> Vec<u32> {
     let tables = Neighbourhoods::new();
     let strides = vessels.strides();
-    let mut there = vec![false; vessels.box_size()];
-    vessels.places.iter().for_each(|place| there[*place as usize] = true);
-    let neighbours = |there: &[bool], place: usize| {
+    let around = neighbours(strides);
+    let mut state = vec![0_u8; vessels.box_size()];
+    vessels.places().for_each(|place| state[place] = THERE);
+    let bits_at = |state: &[u8], place: usize| {
         let mut bits = 0;
         for z in 0..3 {
             for y in 0..3 {
                 let line = place + z * strides[2] + y * strides[1] - strides[2] - strides[1] - 1;
-                for (x, is) in there[line..line + 3].iter().enumerate() {
-                    bits |= u32::from(*is) << (x + 3 * y + 9 * z);
+                for (x, state) in state[line..line + 3].iter().enumerate() {
+                    bits |= u32::from(state >> 7) << (x + 3 * y + 9 * z);
                 }
             }
         }
         bits & !SELF
     };
     let may_go = |bits: u32| bits.count_ones() != 1 && tables.is_simple(bits);
-    let mut left: Vec<u32> = (0..vessels.len() as u32).collect();
-    let mut candidates = Vec::new();
-    loop {
-        let before = left.len();
-        for (axis, forward) in DIRECTIONS {
+    // The places of the voxels that have to be tested for some direction, rising. At first those with background beside them.
+    let is_border =
+        |place: &usize| strides.iter().any(|stride| !vessels.contains(place + stride) || !vessels.contains(place - stride));
+    let mut open: Vec<u32> = vessels.places().filter(is_border).map(|place| place as u32).collect();
+    for place in &open {
+        state[*place as usize] |= ALL;
+    }
+    let (mut candidates, mut fresh) = (Vec::new(), Vec::new());
+    while !open.is_empty() {
+        for (direction, (axis, forward)) in DIRECTIONS.into_iter().enumerate() {
             candidates.clear();
-            for row in &left {
-                let place = vessels.places[*row as usize] as usize;
+            for place in open.iter().map(|place| *place as usize) {
+                if state[place] >> direction & 1 == 0 {
+                    continue;
+                }
+                state[place] &= !(1 << direction);
                 let beside = if forward { place + strides[axis] } else { place - strides[axis] };
-                if !there[beside] && may_go(neighbours(&there, place)) {
+                if state[beside] & THERE == 0 && may_go(bits_at(&state, place)) {
                     candidates.push(place);
                 }
             }
             for place in &candidates {
-                if may_go(neighbours(&there, *place)) {
-                    there[*place] = false;
+                if may_go(bits_at(&state, *place)) {
+                    state[*place] = 0;
+                    for (step, _) in around {
+                        let next = (*place as isize + step) as usize;
+                        if state[next] & THERE != 0 {
+                            if state[next] & ALL == 0 {
+                                fresh.push(next as u32);
+                            }
+                            state[next] |= ALL;
+                        }
+                    }
                 }
             }
-            if !candidates.is_empty() {
-                left.retain(|row| there[vessels.places[*row as usize] as usize]);
+            // Those done with leave, those that a neighbour left behind enter. One may be in both lists: tested for the last direction,
+            // then opened again.
+            open.retain(|place| state[*place as usize] & ALL != 0);
+            if !fresh.is_empty() {
+                open.append(&mut fresh);
+                open.sort_unstable();
+                open.dedup();
             }
         }
-        if left.len() == before {
-            return left;
-        }
     }
+    (0_u32..).zip(vessels.places()).filter(|(_, place)| state[*place] != 0).map(|(row, _)| row).collect()
 }

@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::distance::distances;
 use super::foreground::Foreground;
-use super::lumen::nearest_seeds;
+use super::lumen::{NONE, nearest_seeds};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
+use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::metres;
 use crate::support::geometry::{Point, distance, dot, sub, unit};
@@ -61,18 +62,25 @@ pub struct Traced {
 pub fn trace(mask: &Mask, radius_from: RadiusFrom) -> Option<Traced> {
     let vessels = Foreground::of(mask)?;
     let thinned = thin(&vessels);
-    let depth = distances(&vessels, mask.spacing());
+    let depths = depths_of(&thinned, &distances(&vessels, mask.spacing()));
     let mut graph = skeleton(&vessels, &thinned);
-    let tracer = Tracer { mask, vessels: &vessels, depth: &depth };
+    let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
     let lines = tracer.lines(&graph, radius_from);
     Some(Traced { lines, spurs, specks: graph.specks })
 }
 
+/// The distances of the skeleton's voxels alone; the others are as many as the mask is large.
+fn depths_of(thinned: &[u32], distances: &[f64]) -> Vec<f64> {
+    thinned.iter().map(|row| distances[*row as usize]).collect()
+}
+
 struct Tracer<'a> {
     mask: &'a Mask,
     vessels: &'a Foreground,
-    depth: &'a [f64],
+    /// The skeleton's voxels, rising, and the distance of each to the background.
+    thinned: &'a [u32],
+    depths: Vec<f64>,
 }
 
 /// A branch in space: one point for each voxel, the nodes first and last. Lengths in mm.
@@ -104,8 +112,13 @@ impl Tracer<'_> {
         self.mask.position(self.vessels.voxel(voxel as usize).map(|index| index as f64))
     }
 
+    fn class(&self, voxel: u32) -> u8 {
+        let ([x, y, z], shape) = (self.vessels.voxel(voxel as usize), self.mask.shape);
+        self.mask.classes[(z * shape[1] + y) * shape[0] + x]
+    }
+
     fn depth(&self, voxel: u32) -> f64 {
-        let depth = self.depth[voxel as usize];
+        let depth = self.thinned.binary_search(&voxel).map_or(0.0, |at| self.depths[at]);
         // A mask without any background says nothing about widths.
         if depth.is_finite() { depth } else { 0.0 }
     }
@@ -149,8 +162,10 @@ impl Tracer<'_> {
         }
         let degrees = graph.degrees();
         let at_border = self.fill(graph, &degrees, &mut lines);
-        let mut out = Centerlines::default();
-        let several = self.vessels.classes.iter().any(|class| *class != self.vessels.classes[0]);
+        let mut out = Centerlines { frame: Frame::Ras, ..Centerlines::default() };
+        let mut classes = self.mask.classes.iter().filter(|class| **class > 0);
+        let first = classes.next();
+        let several = classes.any(|class| Some(class) != first);
         let mut row_of = vec![u32::MAX; graph.nodes.len()];
         for (strand, (branch, line)) in graph.branches.iter().zip(&lines).enumerate() {
             let radii = match radius_from {
@@ -175,7 +190,7 @@ impl Tracer<'_> {
                 if let Some(before) = before {
                     let voxel = branch.voxels.get((n - 1).min(branch.voxels.len().saturating_sub(1)));
                     let voxel = voxel.copied().unwrap_or(graph.nodes[branch.ends[1]][0]);
-                    let class = self.vessels.classes[voxel as usize].to_string();
+                    let class = self.class(voxel).to_string();
                     out.add_link([before, row], if several { &class } else { "" });
                 }
                 before = Some(row);
@@ -225,15 +240,16 @@ impl Tracer<'_> {
                 }
             }
         }
-        for (voxel, seed) in nearest.iter().enumerate() {
-            let Some(seed) = seed else { continue };
+        for (place, seed) in self.vessels.places().zip(&nearest).filter(|(_, seed)| **seed != NONE) {
             match seeds[*seed as usize].1 {
                 Place::Point(row, point) => lines[row].volumes[point] += cell,
                 Place::Node(node) => {
                     // A voxel that the end divides lies in part beyond it.
+                    let voxel = self.vessels.voxel_at(place);
+                    let at = self.mask.position(voxel.map(|index| index as f64));
                     let share = direction[node].map_or(0.0, |(tip, to)| {
                         let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
-                        (dot(sub(self.at(voxel as u32), tip), to) / width + 0.5).clamp(0.0, 1.0)
+                        (dot(sub(at, tip), to) / width + 0.5).clamp(0.0, 1.0)
                     });
                     let is_border =
                         (0..3).any(|axis| [false, true].iter().any(|forward| self.vessels.is_last(voxel, axis, *forward)));

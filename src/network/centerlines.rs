@@ -2,11 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::frame::Frame;
 use crate::support::geometry::Point;
 
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Centerlines {
+    /// Which way the axes of the positions point.
+    pub frame: Frame,
     /// Positions, m.
     pub points: Vec<Point>,
     /// Radii, m, as in the file: NaN, zero and negative values are missing radii.

@@ -3,6 +3,7 @@
 pub mod centerlines;
 mod coincident_points;
 pub(crate) mod find_by_name;
+mod frame;
 mod node;
 pub(crate) mod paths;
 pub mod quantity;
@@ -13,9 +14,12 @@ mod vessels_from_centerlines;
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use find_by_name::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use frame::Frame;
 pub use node::{Condition, INLET_PRESSURE, Node, Role};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
 pub use vessels_from_centerlines::{RadiusRule, contract};
+
+use std::borrow::Cow;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
@@ -25,6 +29,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
+    /// Which way the axes of its positions point.
+    pub frame: Frame,
     graph: UnGraph<Node, Vessel>,
 }
 
@@ -130,7 +136,7 @@ impl Network {
 
     /// The same nodes with the vessels that `keep` admits, and the rows they had.
     pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
-        let mut part = Self::new();
+        let mut part = Self { frame: self.frame, ..Self::default() };
         for node in self.nodes() {
             part.add_node(node.clone());
         }
@@ -139,6 +145,24 @@ impl Network {
             part.add_vessel(self.ends(*row), self.vessel(*row).clone());
         }
         (part, rows)
+    }
+
+    /// The same network in another frame; as it is where one of the two is not known.
+    pub fn in_frame(&self, to: Frame) -> Cow<'_, Self> {
+        if self.frame == to || !self.frame.is_known() || !to.is_known() {
+            return Cow::Borrowed(self);
+        }
+        let mut turned = Self { frame: to, ..self.clone() };
+        for row in 0..turned.node_count() {
+            let node = turned.node_mut(row);
+            node.position = node.position.map(|at| self.frame.turn(to, at));
+        }
+        for row in 0..turned.vessel_count() {
+            for point in &mut turned.vessel_mut(row).path {
+                point.position = self.frame.turn(to, point.position);
+            }
+        }
+        Cow::Owned(turned)
     }
 
     /// Whether every node has a position.
@@ -187,13 +211,17 @@ pub fn cycles(network: &Network) -> usize {
 /// A network as serde writes it: rows of nodes, and of vessels with their two nodes, in SI units.
 #[derive(Serialize, Deserialize)]
 struct NetworkRows<N, V> {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<Frame>,
     nodes: Vec<N>,
     vessels: Vec<([usize; 2], V)>,
 }
 
 impl Serialize for Network {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let rows: NetworkRows<&Node, &Vessel> = NetworkRows { nodes: self.nodes().collect(), vessels: self.vessels().collect() };
+        let (nodes, vessels) = (self.nodes().collect(), self.vessels().collect());
+        let rows: NetworkRows<&Node, &Vessel> =
+            NetworkRows { frame: Some(self.frame).filter(|frame| frame.is_known()), nodes, vessels };
         rows.serialize(serializer)
     }
 }
@@ -201,7 +229,7 @@ impl Serialize for Network {
 impl<'de> Deserialize<'de> for Network {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
-        let mut network = Self::new();
+        let mut network = Self { frame: rows.frame.unwrap_or_default(), ..Self::default() };
         for node in rows.nodes {
             network.add_node(node);
         }

@@ -102,6 +102,7 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
         }
     }
     let mut out = Contraction::default();
+    out.network.frame = lines.frame;
     let mut row_of = vec![usize::MAX; lines.points.len()];
     for point in (0..lines.points.len()).filter(|p| is_node[*p]) {
         row_of[point] = out.network.add_node(Node {

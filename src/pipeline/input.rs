@@ -88,6 +88,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
         format: format.name().to_owned(),
         sha256,
         units: options.scale.unit.symbol().to_owned(),
+        frame: made.network.frame,
         notes,
     };
     let is_fragments = !is_graph || options.observed;

@@ -11,7 +11,7 @@ use crate::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use crate::flow::boundary_conditions::Total;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use crate::network::{Condition, Network, Origin, Role, fragments};
+use crate::network::{Condition, Frame, Network, Origin, Role, fragments};
 use crate::sampling::Weight;
 
 /// Where a run comes from.
@@ -27,6 +27,9 @@ pub struct Provenance {
     pub sha256: String,
     /// The unit its lengths were taken to be in.
     pub units: String,
+    /// Which way the axes of its coordinates point.
+    #[serde(default)]
+    pub frame: Frame,
     /// What a person should know about how it was read.
     pub notes: Vec<String>,
 }
@@ -74,9 +77,13 @@ pub(crate) fn unit_of(weight: Weight) -> &'static str {
 }
 
 impl Provenance {
-    /// The input by path, format, checksum and unit, as every record has it.
+    /// The input by path, format, checksum and unit, and the frame of its coordinates where it is known, as every record has it.
     pub fn of_input(&self) -> Value {
-        json!({ "path": self.input, "format": self.format, "sha256": self.sha256, "units": self.units })
+        let mut input = json!({ "path": self.input, "format": self.format, "sha256": self.sha256, "units": self.units });
+        if let Some(name) = self.frame.name() {
+            input["frame"] = json!(name);
+        }
+        input
     }
 }
 

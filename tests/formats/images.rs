@@ -276,7 +276,7 @@ fn what_is_no_mask_is_refused_in_one_line() {
         ("2d.nii", with(Header { dim: vec![12, 30], ..plain.clone() }), "an image of 2 dimensions: 12 x 30; expected three"),
         ("negative.nii", with(Header { dim: vec![12, -5, 6], ..plain.clone() }), "12 x -5 x 6"),
         ("nan.nii", real(f32::NAN), "voxel 0,0,0: not a number; expected a finite value"),
-        ("image.nii", real(117.5), "voxel 0,0,0: 117.5: looks like an image, not a mask; expected a mask"),
+        ("image.nii", real(117.5), "voxel 0,0,0: 117.5: looks like an image, not a mask; give `level`"),
         ("minus.nii", real(-1.0), "voxel 0,0,0: -1: looks like an image"),
         (
             "zero.nii",
@@ -300,8 +300,8 @@ fn what_is_no_mask_is_refused_in_one_line() {
         ("overflow.nii", with(Header { two: true, dim: vec![i64::MAX; 3], ..plain }), "expected at most"),
         ("grey.npy", npy("|u1", true, "(16, 16, 1)", &(0..=255).collect::<Vec<u8>>()), "no spacing"),
         ("text.npy", npy("<U1", true, "(1, 1, 1)", &[65, 0, 0, 0]), "no spacing"),
-        ("four.npy", npy("|u1", true, "(1, 1, 1, 1)", &[1]), "4 dimensions; expected a mask of three"),
-        ("a.mha", metaimage("", "LOCAL").replace("NDims = 3", "NDims = 4").into_bytes(), "a.mha:2: NDims \"4\""),
+        ("four.npy", npy("|u1", true, "(1, 1, 1, 2)", &[1, 1]), "4 dimensions; expected a mask of three"),
+        ("a.mha", metaimage("", "LOCAL").replace("NDims = 3", "NDims = 2").into_bytes(), "a.mha:2: NDims \"2\""),
         ("b.mha", metaimage("", "LOCAL").replace("0.5 0.5", "0.5 0").into_bytes(), "ElementSpacing 0"),
         ("c.mha", metaimage("", "../a.raw").into_bytes(), "expected LOCAL, or the name of one file in the same folder"),
         ("d.mha", metaimage("", "LOCAL").into_bytes(), "0 of 360 voxels"),
@@ -317,6 +317,72 @@ fn what_is_no_mask_is_refused_in_one_line() {
     assert!(said.contains("looks like an image, not a mask: 255 values"), "{said}");
     let text = npy("<U1", true, "(1, 1, 1)", &[65, 0, 0, 0]);
     assert!(read_first(&[("text.npy", &text)], &options).expect_err("text").contains("text; expected numbers"));
+}
+
+/// MetaImage with other voxels than the bar's.
+fn meta(from: &[(&str, &str)], voxels: &[u8]) -> Vec<u8> {
+    let head = from.iter().fold(metaimage("", "LOCAL"), |head, (from, to)| head.replace(from, to));
+    [head.as_bytes(), voxels].concat()
+}
+
+#[test]
+fn metaimage_and_numpy_refuse_what_nifti_refuses() {
+    let float = |value: f32| meta(&[("MET_UCHAR", "MET_FLOAT")], &value.to_le_bytes().repeat(360));
+    let mut packed = ZlibEncoder::new(Vec::new(), Compression::none());
+    packed.write_all(&bar()).expect("packed");
+    let packed = packed.finish().expect("packed");
+    let four = [
+        ("NDims = 3", "NDims = 4"),
+        ("0 1 0 -1 0 0 0 0 1", "0 1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1"),
+        ("10 -20 30", "10 -20 30 0"),
+        ("0.5 0.5 0.75", "0.5 0.5 0.75 1"),
+    ];
+    let with = |size: &'static str| [&four[..], &[("12 5 6", size)]].concat();
+    let cases: Vec<(&str, Vec<u8>, &str)> = vec![
+        ("empty.mha", meta(&[], &[0; 360]), "an empty mask; expected voxels of vessels, which are not 0"),
+        ("4d.mha", meta(&with("12 5 3 2"), &bar()), "DimSize \"12 5 3 2\"; expected three dimensions; take one volume"),
+        (
+            "text.mha",
+            meta(&[("BinaryData = True", "BinaryData = False")], b"1 0 1"),
+            "voxels as text; expected BinaryData = True",
+        ),
+        ("nan.mha", float(f32::NAN), "voxel 0,0,0: not a number; expected a finite value"),
+        ("image.mha", float(117.5), "117.5: looks like an image, not a mask; give `level`"),
+        ("huge.mha", meta(&[("12 5 6", "16384 8192 8192")], &[]), "16384 x 8192 x 8192 voxels of 1 bytes; expected at most"),
+        ("infinite.mha", meta(&[("10 -20 30", "inf -20 30")], &bar()), "a finite origin"),
+        ("nan-axis.mha", meta(&[("0 1 0 -1", "0 nan 0 -1")], &bar()), "expected a positive spacing along every axis"),
+        ("flat.mha", meta(&[("0 1 0 -1 0 0 0 0 1", "0 1 0 -1 0 0 1 0 0")], &bar()), "axes that lie in a plane"),
+        ("cut.mha", meta(&[("BinaryData", "CompressedData = True\nBinaryData")], &packed[..200]), "expected a whole file"),
+    ];
+    for (name, bytes, wanted) in cases {
+        let said = read(name, &bytes).map(|_| ()).expect_err(name);
+        assert!(said.contains(wanted) && said.starts_with(name) && !said.contains('\n'), "{said}");
+    }
+    assert_eq!(ends(read("one.mha", &meta(&with("12 5 6 1"), &bar())).expect("one volume")), faces(ITK));
+    let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([1.0; 3]) };
+    let options = ReadOptions { scale, ..ReadOptions::default() };
+    let real = |value: f32| npy("<f4", true, "(12, 5, 6)", &value.to_le_bytes().repeat(360));
+    let cases: Vec<(&str, Vec<u8>, &str)> = vec![
+        ("empty.npy", npy("|u1", true, "(12, 5, 6)", &[0; 360]), "an empty mask"),
+        ("4d.npy", npy("|u1", true, "(12, 5, 3, 2)", &bar()), "4 dimensions; expected a mask of three"),
+        ("nan.npy", real(f32::NAN), "voxel 0,0,0: not a number"),
+        ("image.npy", real(0.3), "looks like an image, not a mask; give `level`"),
+        ("cut.npy", npy("|u1", true, "(12, 5, 6)", &bar()[..100]), "expected a whole file"),
+        ("huge.npy", npy("|u1", true, "(16384, 8192, 8192)", &[1]), "expected"),
+    ];
+    for (name, bytes, wanted) in cases {
+        let said = read_first(&[(name, &bytes)], &options).map(|_| ()).expect_err(name);
+        assert!(said.contains(wanted) && said.starts_with(name) && !said.contains('\n'), "{said}");
+    }
+    let one = npy("|u1", true, "(12, 5, 6, 1)", &bar());
+    let plain = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    assert_eq!(ends(read_first(&[("one.npy", &one)], &options).expect("one volume")), faces(plain));
+    let one = Header { dim: vec![12, 5, 6, 1], sform: Some(SHEARLESS), ..Header::default() }.file(&bar());
+    assert_eq!(ends(read("one.nii", &one).expect("one volume")), faces(SHEARLESS));
+    for (rows, wanted) in [(f64::NAN, "voxels of"), (f64::INFINITY, "voxels of")] {
+        let bad = Header { sform: Some([[0.0, rows, 0.0, 0.0], SHEARLESS[1], SHEARLESS[2]]), ..Header::default() };
+        assert!(read("a.nii", &bad.file(&bar())).expect_err("no frame").contains(wanted));
+    }
 }
 
 const NIBABEL: &str = r#"

@@ -14,6 +14,7 @@ mod by_hand;
 mod conditions;
 mod convert;
 mod damaged;
+mod frames;
 mod hostile;
 mod hostile_outputs;
 mod icafe;

@@ -106,19 +106,21 @@ impl Header {
         self.fields.get(key).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
     }
 
-    /// The numbers of the first of some fields that is there.
-    fn numbers<const N: usize>(&self, keys: &[&str]) -> Result<Option<[f64; N]>, Fault> {
+    /// The numbers of the first of some fields that is there; so many of them.
+    fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
         let Some((key, (line, value))) = keys.iter().find_map(|key| Some((key, self.fields.get(*key)?))) else { return Ok(None) };
         let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
-        let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
-        numbers.map(Some).ok_or_else(|| Fault::line(*line, format!("{key} \"{value}\""), format!("expected {N} numbers")))
+        let numbers = numbers.filter(|numbers| numbers.len() == count);
+        numbers.map(Some).ok_or_else(|| Fault::line(*line, format!("{key} \"{value}\""), format!("expected {count} numbers")))
     }
 
     fn voxels(&self) -> Result<Voxels, Fault> {
         let (line, dimensions) = self.text("NDims")?;
-        if dimensions != "3" {
-            return Err(Fault::line(line, format!("NDims \"{dimensions}\""), "expected three dimensions; take one volume"));
-        }
+        let axes = match dimensions {
+            "3" => 3,
+            "4" => 4,
+            _ => return Err(Fault::line(line, format!("NDims \"{dimensions}\""), "expected three dimensions; take one volume")),
+        };
         if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| channels != "1") {
             return Err(Fault::line(*line, format!("{channels} values a voxel"), "expected one"));
         }
@@ -144,12 +146,19 @@ impl Header {
         };
         let (line, size_text) = self.text("DimSize")?;
         let shape = size_text.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<usize>>>();
-        let shape = shape.and_then(|shape| <[usize; 3]>::try_from(shape).ok());
-        let shape = shape.ok_or_else(|| Fault::line(line, format!("DimSize \"{size_text}\""), "expected three whole numbers"))?;
-        let spacing = self.numbers(&["ElementSpacing", "ElementSize"])?.unwrap_or([1.0; 3]);
-        let origin = self.numbers(&["Offset", "Position", "Origin"])?.unwrap_or([0.0; 3]);
-        let directions = self.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
-        let directions = directions.unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let shape = shape.filter(|shape| shape.len() == axes);
+        let shape = shape
+            .ok_or_else(|| Fault::line(line, format!("DimSize \"{size_text}\""), format!("expected {axes} whole numbers")))?;
+        if shape.get(3).is_some_and(|volumes| *volumes != 1) {
+            return Err(Fault::line(line, format!("DimSize \"{size_text}\""), "expected three dimensions; take one volume"));
+        }
+        let shape = [shape[0], shape[1], shape[2]];
+        let three = |all: Vec<f64>| [all[0], all[1], all[2]];
+        let spacing = self.numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
+        let origin = self.numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
+        let identity = |at: usize| if at.is_multiple_of(axes + 1) { 1.0 } else { 0.0 };
+        let directions = self.numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
+        let directions = directions.unwrap_or_else(|| (0..axes * axes).map(identity).collect());
         if let Some(bad) = spacing.iter().find(|s| !(s.is_finite() && **s > 0.0)) {
             return Err(Fault::file(format!("ElementSpacing {bad}"), "expected a positive spacing along every axis"));
         }
@@ -157,7 +166,7 @@ impl Header {
         let affine = std::array::from_fn(|row| {
             let turn = if row < 2 { -1.0 } else { 1.0 };
             std::array::from_fn(|column| {
-                turn * if column < 3 { directions[3 * column + row] * spacing[column] } else { origin[row] }
+                turn * if column < 3 { directions[axes * column + row] * spacing[column] } else { origin[row] }
             })
         });
         let big = self.is_true("BinaryDataByteOrderMSB") || self.is_true("ElementByteOrderMSB");

@@ -16,7 +16,9 @@ use super::voxels::Voxels;
 /// A file that is cut, no mask of three dimensions, or one without a usable frame.
 pub fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
     let array = Array::read("of voxels", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), most))?;
-    let Ok([x, y, z]) = <[usize; 3]>::try_from(array.shape.as_slice()) else {
+    // A fourth axis of one volume says nothing.
+    let axes = array.shape.strip_suffix(&[1]).filter(|axes| axes.len() == 3).unwrap_or(&array.shape);
+    let Ok([x, y, z]) = <[usize; 3]>::try_from(axes) else {
         return Err(array.fault(
             format!("{} dimensions", array.shape.len()),
             "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",

@@ -9,8 +9,7 @@ use crate::support::geometry::{Point, cross, dot, norm_squared};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
-const ACCEPTED: &str =
-    "expected a mask: whole numbers from 0 to 255, 0 being background; `level` takes what is at least so large";
+const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask has whole numbers from 0 to 255, 0 for background";
 /// Voxels that are read at once.
 const BLOCK: usize = 1 << 14;
 

@@ -11,7 +11,7 @@ use crate::io::swc::single_line;
 use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{LengthUnit, Scale, millimetres};
-use crate::network::{Network, PathPoint, Role};
+use crate::network::{Frame, Network, PathPoint, Role};
 use crate::support::geometry::Point;
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
@@ -42,7 +42,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     }
     let parents = parents(&objects, &row_of)?;
     let to_scene = to_scene(&objects, &parents)?;
-    let mut lines = Centerlines::default();
+    let mut lines = Centerlines { frame: frame(&objects), ..Centerlines::default() };
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
@@ -108,6 +108,18 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         notes.push(format!("objects that are no tubes, left out: {others}"));
     }
     Ok((lines, notes))
+}
+
+/// The frame that all tubes state. `AnatomicalOrientation` names the side where each axis begins.
+fn frame(objects: &[Object]) -> Frame {
+    let of = |object: &Object| match object.field("AnatomicalOrientation").map(|(_, letters)| letters.trim()) {
+        Some("RAI") => Frame::Lps,
+        Some("LPI") => Frame::Ras,
+        _ => Frame::Unknown,
+    };
+    let mut all = objects.iter().filter(|object| object.is_tube()).map(of);
+    let first = all.next().unwrap_or_default();
+    if all.all(|frame| frame == first) { first } else { Frame::Unknown }
 }
 
 /// The spacing by which a tube's numbers are multiplied.
@@ -253,12 +265,14 @@ struct Link {
 ///
 /// The tubes of a connected part are linked by `ParentID` and `ParentPoint`, from its inlets, else from its first node, breadth
 /// first, each with its first point at its parent; a tube that closes a loop meets its other node by its coordinates only. The
-/// label is the name of the tube, without line breaks. A vessel without a path is straight, a missing radius 0.
+/// label is the name of the tube, without line breaks. A network in RAS is turned to LPS, the frame of ITK. A vessel without a path is straight, a missing radius 0.
 ///
 /// # Errors
 ///
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
+    let network = &*network.in_frame(Frame::Lps);
+    let orientation = if network.frame.is_known() { "AnatomicalOrientation = RAI\n" } else { "" };
     let mut tubes = polylines(network)?;
     let links = orient_and_link(network, &mut tubes);
     writeln!(out, "ObjectType = Scene\nNDims = 3\nNObjects = {}", tubes.len() + 1)?;
@@ -273,7 +287,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         if let Some(link) = links[row] {
             writeln!(out, "ParentID = {}", link.parent + 1)?;
         }
-        writeln!(out, "BinaryData = False\n{IDENTITY}")?;
+        writeln!(out, "BinaryData = False\n{orientation}{IDENTITY}")?;
         if let Some(link) = links[row] {
             writeln!(out, "ParentPoint = {}", if link.at_last { tubes[link.parent].len() - 1 } else { 0 })?;
         }

@@ -14,15 +14,17 @@ use crate::io::input::UnpackLimit;
 use crate::io::polylines::positions;
 use crate::io::polylines::{centerlines, is_straight, radii_of_points, skeleton};
 use crate::io::read::{Content, ReadOptions};
-use crate::network::centerlines::is_radius;
+use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::millimetres;
-use crate::network::{Network, Node};
+use crate::network::{Frame, Network, Node};
 use crate::support::geometry::Point;
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
 const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
 /// Likewise the radii.
 const RADII: [&str; 2] = ["radii", "radius"];
+/// The array that states the frame of the coordinates.
+const FRAME: &str = "frame";
 const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) and radii (N) or (M)";
 
 /// Reads a skeleton graph: `coords` (N, 3), `edges` (M, 2) of rows of `coords`, `radii`, and where they are there `labels`
@@ -59,6 +61,9 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     }
     let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
     let lengths = archive.first(&["lengths"])?;
+    // An array of another program that happens to have this name says nothing.
+    let words = archive.first(&[FRAME]).ok().flatten().and_then(|array| array.texts().ok()).unwrap_or_default();
+    let frame = words.first().map_or(Frame::Unknown, |word| Frame::of_word(word));
     let mut points: Vec<Point> = Vec::new();
     for (row, position) in coords.rows::<3>()?.into_iter().enumerate() {
         if position.iter().any(|x| !x.is_finite()) {
@@ -95,15 +100,16 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
             return Err(array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")));
         }
         let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.length(x)).collect();
-        let network = vessels(&points, &links, &sizes, &lengths, (label, radius_optional))?;
+        let mut network = vessels(&points, &links, &sizes, &lengths, (label, radius_optional))?;
+        network.frame = frame;
         return Ok((Content::Vessels(network), Vec::new()));
     }
     if sizes.len() == n {
-        return Ok((Content::Centerlines(centerlines(&points, &sizes, &links, label)), Vec::new()));
+        return Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), Vec::new()));
     }
     let note = "radii are those of edges: each point takes the mean of its edges over length".to_owned();
     let sizes = radii_of_points(&points, &links, &sizes);
-    Ok((Content::Centerlines(centerlines(&points, &sizes, &links, label)), vec![note]))
+    Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), vec![note]))
 }
 
 /// The edges as vessels.
@@ -188,7 +194,8 @@ impl<'a> Archive<'a> {
 /// [`read_skeleton_npz`] takes them, mm.
 ///
 /// Where a vessel has points between its nodes, the edges link points and `radii` (N) are theirs. Where none has, every edge
-/// is a vessel, `radii` (M) and `lengths` (M) are the vessels'. `labels` (M) is left out where no vessel has one.
+/// is a vessel, `radii` (M) and `lengths` (M) are the vessels'. `labels` (M) is left out where no vessel has one, `frame` (1) where it
+/// is not known.
 ///
 /// # Errors
 ///
@@ -210,7 +217,8 @@ pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Resu
         write(&mut zip, "radii", &found.points.iter().map(|p| millimetres(p.radius)).collect::<Array1<f64>>())?;
         found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
     };
-    labels(&mut zip, &names)?;
+    texts(&mut zip, "labels", &names)?;
+    texts(&mut zip, FRAME, &network.frame.name().map_or(vec![], |name| vec![name]))?;
     zip.finish().map_err(io::Error::other)?.flush()
 }
 
@@ -240,12 +248,12 @@ fn write<T: WritableElement, D: ndarray::Dimension>(
 }
 
 /// Text as NumPy's `<U`: UTF-32 of equal length, which no element type of a fixed size can be.
-fn labels(zip: &mut ZipWriter<impl Write + Seek>, labels: &[&str]) -> io::Result<()> {
+fn texts(zip: &mut ZipWriter<impl Write + Seek>, name: &str, labels: &[&str]) -> io::Result<()> {
     let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     if longest == 0 {
         return Ok(());
     }
-    start(zip, "labels")?;
+    start(zip, name)?;
     let mut header = format!("{{'descr': '<U{longest}', 'fortran_order': False, 'shape': ({},), }}", labels.len());
     // The values begin at a multiple of 64.
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;

@@ -9,9 +9,9 @@ use crate::error::Fault;
 use crate::io::polylines::polylines;
 use crate::io::read::ReadOptions;
 use crate::io::tables::write::real;
-use crate::network::Network;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{LengthUnit, Scale, millimetres};
+use crate::network::{Frame, Network};
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
@@ -80,6 +80,9 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
         let item = || format!("markup {row} \"{}\"", called.escape_debug());
         let ras = is_ras(markup, item)?;
         flipped += usize::from(ras);
+        if markup.coordinate_system.is_some() {
+            lines.frame = Frame::Lps;
+        }
         let scale = unit(markup, &options.scale, item)?;
         let radii = radii(markup, options, item)?;
         let first = lines.points.len() as u32;
@@ -190,13 +193,14 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
 const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
 
 /// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the
-/// control points; LPS, millimetres. A vessel without a path is straight, a missing radius 0.
+/// control points; LPS, millimetres. A network in RAS is turned to LPS. A vessel without a path is straight, a missing radius 0.
 ///
 /// # Errors
 ///
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
     writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [")?;
+    let network = &*network.in_frame(Frame::Lps);
     for (row, points) in polylines(network)?.into_iter().enumerate() {
         let before = if row > 0 { ",\n" } else { "" };
         let name = serde_json::to_string(&network.vessel(row).label)?;

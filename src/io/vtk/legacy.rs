@@ -4,6 +4,7 @@ use crate::error::Fault;
 use crate::io::read::ReadOptions;
 use crate::io::vtk::cursor::{Cursor, Kind, unescape};
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
+use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 
 pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
@@ -19,23 +20,24 @@ pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or d
 /// no radius array, or a surface instead of lines.
 pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut cursor = Cursor::new(bytes);
-    head(&mut cursor)?;
+    let frame = head(&mut cursor)?;
     let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
         reader.section(keyword)?;
     }
     let (data, notes) = reader.finish()?;
-    let (lines, more) = centerlines(&[data], options)?;
+    let (mut lines, more) = centerlines(&[data], options)?;
+    lines.frame = frame;
     Ok((lines, [notes, more].concat()))
 }
 
-/// The four lines before the data.
-fn head(cursor: &mut Cursor) -> Result<(), Fault> {
+/// The four lines before the data; returns the frame that the title states as 3D Slicer does.
+fn head(cursor: &mut Cursor) -> Result<Frame, Fault> {
     let version = cursor.line().unwrap_or_default();
     if !version.starts_with("# vtk DataFile") {
         return Err(Fault::line(1, format!("\"{}\"", version.trim()), "expected # vtk DataFile Version 2.0 to 5.1"));
     }
-    cursor.line();
+    let title = cursor.line().unwrap_or_default();
     let encoding = cursor.need("ASCII or BINARY")?;
     let is_binary = encoding.eq_ignore_ascii_case("BINARY");
     if !is_binary && !encoding.eq_ignore_ascii_case("ASCII") {
@@ -46,7 +48,7 @@ fn head(cursor: &mut Cursor) -> Result<(), Fault> {
         return Err(cursor.fault(format!("{keyword} {kind}"), "expected DATASET POLYDATA"));
     }
     cursor.binary = is_binary;
-    Ok(())
+    Ok(Frame::of_header(&title))
 }
 
 /// Whether arrays belong to the points or to the cells.

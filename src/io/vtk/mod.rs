@@ -1,5 +1,8 @@
 //! VTK polylines: XML PolyData (VTP) and legacy files, read into one description.
 
+/// Where a file states the frame of its positions, as 3D Slicer has it: a field of VTP, a word in the title of a legacy file.
+const SPACE: &str = "SPACE";
+
 mod array;
 mod cursor;
 pub(crate) mod legacy;

@@ -3,16 +3,18 @@
 use crate::error::Fault;
 use crate::io::input::UnpackLimit;
 use crate::io::read::ReadOptions;
+use crate::io::vtk::SPACE;
 use crate::io::vtk::array::{Arrays, Source};
 use crate::io::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
 use crate::io::xml::{self, Element};
+use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 
 /// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
 /// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
 /// `options.radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as
-/// `label` name their lines.
+/// `label` name their lines. The field `SPACE` states the frame.
 ///
 /// # Errors
 ///
@@ -64,9 +66,19 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         }
         before = [before[0] + number(piece, "NumberOfPoints")?, before[1] + lines];
     }
-    let (lines, more) = centerlines(&read, options)?;
+    let (mut lines, more) = centerlines(&read, options)?;
+    lines.frame = polydata.map_or(Ok(Frame::Unknown), |polydata| frame(polydata, &arrays))?;
     notes.extend(more);
     Ok((lines, notes))
+}
+
+/// The frame that the field data state as 3D Slicer does, in an array of texts called `SPACE`.
+fn frame(polydata: &Element, arrays: &Arrays) -> Result<Frame, Fault> {
+    let mut fields = polydata.named("FieldData").flat_map(|fields| fields.children().filter(|child| is_array(child)));
+    match fields.find(|field| field.attribute("Name").trim() == SPACE && field.attribute("type") == "String") {
+        Some(field) => Ok(arrays.texts(field, 1)?.first().map_or(Frame::Unknown, |word| Frame::of_word(word))),
+        None => Ok(Frame::Unknown),
+    }
 }
 
 fn read_piece(piece: &Element, arrays: &Arrays, options: &ReadOptions, before: [usize; 2]) -> Result<PolyData, Fault> {

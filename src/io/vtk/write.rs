@@ -10,6 +10,7 @@ use flate2::write::ZlibEncoder;
 
 use crate::io::polylines::cells;
 use crate::io::tables::write::{Column, Values, check_rows, real};
+use crate::io::vtk::SPACE;
 use crate::io::xml;
 use crate::network::Network;
 use crate::network::units::millimetres;
@@ -43,6 +44,11 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     )?;
     let (n, lines) = (points.len(), offsets.len());
     writeln!(out, "  <PolyData>")?;
+    if let Some(name) = network.frame.name() {
+        writeln!(out, "      <FieldData>")?;
+        array(&mut out, &format!(r#"type="String" Name="{SPACE}" NumberOfTuples="1""#), format!("{name}\0").as_bytes())?;
+        writeln!(out, "      </FieldData>")?;
+    }
     writeln!(
         out,
         r#"    <Piece NumberOfPoints="{n}" NumberOfVerts="0" NumberOfLines="{lines}" NumberOfStrips="0" NumberOfPolys="0">"#
@@ -109,7 +115,8 @@ fn array(out: &mut impl Write, attributes: &str, bytes: &[u8]) -> io::Result<()>
 pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Column]) -> io::Result<()> {
     check_rows(vessel_columns, network.vessel_count())?;
     let (points, lines) = cells(network)?;
-    writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm\nASCII\nDATASET POLYDATA")?;
+    let frame = network.frame.name().map_or(String::new(), |name| format!("; {SPACE}={name}"));
+    writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm{frame}\nASCII\nDATASET POLYDATA")?;
     writeln!(out, "POINTS {} double", points.len())?;
     for point in &points {
         reals(&mut out, &point.position.map(millimetres))?;

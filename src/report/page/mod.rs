@@ -53,7 +53,8 @@ fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Vec<Fa
         Some(Value::Array(items)) => items.len().into(),
         value => value.cloned().unwrap_or_default(),
     };
-    names.iter().map(|(name, pointer, unit)| (*name, value(pointer), *unit)).collect()
+    let frame = record.pointer("/input/frame").map(|_| ("frame of the coordinates", "/input/frame", ""));
+    names.iter().copied().chain(frame).map(|(name, pointer, unit)| (name, value(pointer), unit)).collect()
 }
 
 /// A table of the page.
