@@ -15,7 +15,7 @@ pub(super) struct Shown<'a> {
     mask: &'a Mask,
     arcs: Vec<Vec<f64>>,
     /// For each station whether its voxel is a vessel in the mask.
-    is_shown: Vec<Vec<bool>>,
+    seen: Vec<Vec<bool>>,
     /// For each node the vessels that end there, with the end.
     at_node: Vec<Vec<(usize, usize)>>,
 }
@@ -29,8 +29,8 @@ impl<'a> Shown<'a> {
             }
         }
         let is_shown = |tube: &Tube| tube.stations.iter().map(|at| mask.classes[grid.row(*at)] > 0).collect();
-        let is_shown = tubes.iter().map(is_shown).collect();
-        Self { tubes, grid, mask, arcs: tubes.iter().map(Tube::arc).collect(), is_shown, at_node }
+        let seen = tubes.iter().map(is_shown).collect();
+        Self { tubes, grid, mask, arcs: tubes.iter().map(Tube::arc).collect(), seen, at_node }
     }
 
     /// How far from an end a vessel runs in the lumen of the others there, mm.
@@ -45,7 +45,7 @@ impl<'a> Shown<'a> {
     }
 
     /// The station's distance along its vessel from an end, mm.
-    fn from_end(&self, row: usize, end: usize, station: usize) -> f64 {
+    fn away_from_end(&self, row: usize, end: usize, station: usize) -> f64 {
         let arc = &self.arcs[row];
         if end == 0 { arc[station] } else { arc[arc.len() - 1] - arc[station] }
     }
@@ -53,19 +53,19 @@ impl<'a> Shown<'a> {
     /// Whether the mask shows nothing of a vessel outside the lumen of others; of one that lies within these all along, nothing at all.
     pub fn is_lost(&self, row: usize) -> bool {
         let within = [0, 1].map(|end| self.within_others(row, end));
-        let is_own = |station: &usize| (0..2).all(|end| self.from_end(row, end, *station) >= within[end]);
+        let is_own = |station: &usize| (0..2).all(|end| self.away_from_end(row, end, *station) >= within[end]);
         let own: Vec<usize> = (0..self.arcs[row].len()).filter(is_own).collect();
         if own.is_empty() {
-            return !self.is_shown[row].contains(&true);
+            return !self.seen[row].contains(&true);
         }
-        !own.iter().any(|station| self.is_shown[row][*station])
+        !own.iter().any(|station| self.seen[row][*station])
     }
 
     /// The missing stretches between two shown places that the mask does not join around them.
     pub fn breaks(&self) -> Vec<MaskBreak> {
         let mut found = Vec::new();
         for row in (0..self.tubes.len()).filter(|row| !self.is_lost(*row)) {
-            let shown: Vec<usize> = (0..self.arcs[row].len()).filter(|station| self.is_shown[row][*station]).collect();
+            let shown: Vec<usize> = (0..self.arcs[row].len()).filter(|station| self.seen[row][*station]).collect();
             for pair in shown.windows(2).filter(|pair| pair[1] > pair[0] + 1) {
                 if !self.are_joined([(row, pair[0]), (row, pair[1])], &[(row, [pair[0], pair[1]])]) {
                     found.push(self.gap(row, [pair[0], pair[1]], None));
@@ -82,11 +82,11 @@ impl<'a> Shown<'a> {
     /// Where the mask does not show a junction at all, every vessel there but the widest is to be joined to the widest.
     fn breaks_at_missing_node(&self, at: &[(usize, usize)], found: &mut Vec<MaskBreak>) {
         let end_of = |(row, end): (usize, usize)| [0, self.arcs[row].len() - 1][end];
-        if at.iter().any(|vessel| self.is_shown[vessel.0][end_of(*vessel)]) {
+        if at.iter().any(|vessel| self.seen[vessel.0][end_of(*vessel)]) {
             return;
         }
         let nearest = |(row, end): (usize, usize)| {
-            let mut stations = (0..self.arcs[row].len()).filter(|station| self.is_shown[row][*station]);
+            let mut stations = (0..self.arcs[row].len()).filter(|station| self.seen[row][*station]);
             let station = if end == 0 { stations.next() } else { stations.next_back() };
             station.filter(|_| !self.is_lost(row)).map(|station| (row, end, station))
         };
@@ -111,7 +111,7 @@ impl<'a> Shown<'a> {
             ends_mm[end] = place;
         }
         let [from_mm, to_mm] = stretch.map(|station| self.arcs[row][station]);
-        let is_near = |end: usize| self.from_end(row, end, stretch[end]) <= self.within_others(row, end);
+        let is_near = |end: usize| self.away_from_end(row, end, stretch[end]) <= self.within_others(row, end);
         let at_junction = other.is_some()
             || tube.nodes.is_some_and(|nodes| (0..2).any(|end| self.at_node[nodes[end]].len() > 1 && is_near(end)));
         let kind = if at_junction { BreakKind::Junction } else { BreakKind::Vessel };
@@ -131,13 +131,13 @@ impl<'a> Shown<'a> {
             places.iter().any(|(place, radius)| distance(at, *place) <= radius + 2.0 * self.grid.spacing)
         };
         let [start, goal] = ends.map(|(row, station)| self.grid.row(self.tubes[row].stations[station]));
-        let (mut seen, mut open) = (BTreeSet::from([start]), vec![start]);
+        let (mut reached, mut open) = (BTreeSet::from([start]), vec![start]);
         while let Some(at) = open.pop() {
             if at == goal {
                 return true;
             }
             let around = self.grid.neighbours(at).filter(|to| self.mask.classes[*to] > 0 && is_near(*to));
-            open.extend(around.filter(|to| seen.insert(*to)));
+            open.extend(around.filter(|to| reached.insert(*to)));
         }
         false
     }

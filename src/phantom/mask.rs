@@ -29,8 +29,6 @@ const LAYERS: usize = 16;
 const REACH: f64 = 3.0;
 /// Waves that add up to the signal along vessels.
 const WAVES: usize = 64;
-/// How far the signal is alike, in median radii.
-const ALIKE: f64 = 4.0;
 /// The brightest signal, as a logarithm.
 const BRIGHTEST: f64 = 0.3;
 
@@ -45,6 +43,8 @@ pub struct Scan {
     pub slow: f64,
     /// Standard deviation of ln signal along the vessels, 0 to 2.
     pub field: f64,
+    /// How far the signal is alike, in median radii: its correlation over a distance d is exp(-d²/2l²); 0.1 to 1000.
+    pub alike: f64,
     /// Standard deviation of the noise, as a share of the signal of a wide vessel, 0 to 1.
     pub noise: f64,
     /// The threshold, in the same unit, 0 to 1.
@@ -57,14 +57,14 @@ pub struct Scan {
 
 impl Default for Scan {
     fn default() -> Self {
-        Self { seed: 0, blur: 0.55, slow: 0.5, field: 0.35, noise: 0.08, threshold: 0.35, least_voxels: 30, veins: 0.2 }
+        Self { seed: 0, blur: 0.7, slow: 0.5, field: 0.4, alike: 4.0, noise: 0.02, threshold: 0.32, least_voxels: 30, veins: 0.2 }
     }
 }
 
 impl Scan {
     /// Neither blur nor noise: a voxel is a vessel where its centre lies inside.
     const CLEAN: Self =
-        Self { seed: 0, blur: 0.0, slow: 0.0, field: 0.0, noise: 0.0, threshold: 0.5, least_voxels: 0, veins: 0.0 };
+        Self { seed: 0, blur: 0.0, slow: 0.0, field: 0.0, alike: 1.0, noise: 0.0, threshold: 0.5, least_voxels: 0, veins: 0.0 };
 
     /// Refuses a field out of its range.
     ///
@@ -82,6 +82,7 @@ impl Scan {
         ] {
             check_range(name, value, 0.0, most)?;
         }
+        check_range("alike", self.alike, 0.1, 1000.0)?;
         check_range("least_voxels", self.least_voxels, 0, 1_000_000)
     }
 }
@@ -98,7 +99,7 @@ pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
     scan.map_or(Ok(()), Scan::validate)?;
     check_positions(network)?;
     let voxel = f64::from(millimetres(spacing) as f32);
-    check_range("spacing", voxel, 1e-4, 100.0)?;
+    check_range("spacing", voxel as f32, 1e-4, 100.0)?;
     check_steps(network, voxel)?;
     let mut tubes = Tube::all(network, voxel);
     let is_clean = scan.is_none();
@@ -118,7 +119,7 @@ pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
     }
     if !classes.contains(&1) {
         let accepted = "leaves no vessel in the mask; expected less, for vessels so thin";
-        return Err(Error::parameter("spacing", format!("{voxel} mm"), accepted));
+        return Err(Error::parameter("spacing", format!("{} mm", voxel as f32), accepted));
     }
     let [x, y, z] = grid.origin;
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
@@ -138,7 +139,7 @@ fn check_steps(network: &Network, voxel: f64) -> Result<()> {
 
 fn too_small(voxel: f64, what: &str) -> Error {
     let accepted = format!("too small for {what}; expected at most {MOST_VOXELS} voxels, 32767 along an axis");
-    Error::parameter("spacing", format!("{voxel} mm"), accepted)
+    Error::parameter("spacing", format!("{} mm", voxel as f32), accepted)
 }
 
 /// The voxels around all tubes, with a margin.
@@ -177,7 +178,7 @@ impl<'a> Image<'a> {
     fn new(scan: &'a Scan, tubes: &[Tube]) -> Self {
         let radii: Vec<f64> = tubes.iter().flat_map(|tube| tube.radii.iter().copied()).collect();
         let typical = median(&radii).unwrap_or_default();
-        let field = Field::new(scan, ALIKE * typical);
+        let field = Field::new(scan, scan.alike * typical);
         let signal = |at: Point, radius: f64| {
             let along = if scan.field > 0.0 { (scan.field * field.at(at)).min(BRIGHTEST).exp() } else { 1.0 };
             along * radius / (radius + scan.slow * typical)
@@ -316,27 +317,35 @@ fn remove_small(classes: &mut [u8], grid: &Grid, least: usize) {
             }
         }
         if component.len() < least {
-            component.iter().for_each(|row| classes[*row] = 0);
+            for row in &component {
+                classes[*row] = 0;
+            }
         }
     }
-    classes.iter_mut().for_each(|class| *class = u8::from(*class != 0));
+    for class in classes {
+        *class = u8::from(*class != 0);
+    }
 }
 
-/// Fills background that no way through faces joins to the first voxel, which lies in the margin.
+/// Fills background that no way through faces joins to the first voxel. The margin is background all around, so that a step over the
+/// end of a line leads into it again.
 fn fill_holes(classes: &mut [u8], grid: &Grid) {
     const OUTSIDE: u8 = 2;
-    let (mut front, mut next) = (vec![0], Vec::new());
+    let strides = [1, grid.shape[0], grid.shape[0] * grid.shape[1]];
+    let (mut front, mut next) = (vec![0_usize], Vec::new());
     classes[0] = OUTSIDE;
     while !front.is_empty() {
         for row in front.drain(..) {
-            for to in grid.neighbours_by_face(row) {
-                if classes[to] == 0 {
-                    classes[to] = OUTSIDE;
+            for to in strides.into_iter().flat_map(|stride| [row.wrapping_sub(stride), row + stride]) {
+                if let Some(class @ 0) = classes.get_mut(to) {
+                    *class = OUTSIDE;
                     next.push(to);
                 }
             }
         }
         std::mem::swap(&mut front, &mut next);
     }
-    classes.iter_mut().for_each(|class| *class = u8::from(*class != OUTSIDE));
+    for class in classes {
+        *class = u8::from(*class != OUTSIDE);
+    }
 }

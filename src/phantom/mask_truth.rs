@@ -95,6 +95,7 @@ fn micrometres(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
 fn rounded<S: Serializer>(x: &f64, out: S) -> Result<S::Ok, S::Error> {
     micrometres(*x).serialize(out)
 }

@@ -117,17 +117,6 @@ impl Grid {
         })
     }
 
-    /// The rows of the voxels that touch one by a face.
-    pub fn neighbours_by_face(&self, row: usize) -> impl Iterator<Item = usize> {
-        let (shape, at) = (self.shape, self.voxel(row));
-        let strides = [1, shape[0], shape[0] * shape[1]];
-        (0..3).flat_map(move |axis| {
-            let before = (at[axis] > 0).then(|| row - strides[axis]);
-            let after = (at[axis] + 1 < shape[axis]).then(|| row + strides[axis]);
-            before.into_iter().chain(after)
-        })
-    }
-
     /// Visits the voxels of some layers (along z) whose centre lies within the radius and `reach` (mm) of a tube's centerline, once for
     /// each link between stations that is so near.
     pub fn near(&self, tube: &Tube, reach: f64, layers: [usize; 2], mut visit: impl FnMut(Near)) {
