@@ -6,6 +6,7 @@ cargo build --release --quiet
 phantom() { target/release/willis phantom cerebral --force "$@"; }
 
 phantom --break --seed 1 --spacing 1mm -o data/broken-circle-of-willis.swc
+phantom --break --seed 2 --spacing 0.6mm -o data/scan.nii.gz
 
 # The published circle and its ten published variants.
 mkdir -p data/circle-of-willis

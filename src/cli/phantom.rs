@@ -9,13 +9,15 @@ use willis::error::{Error, Result};
 use willis::internals::candidates::NEAREST;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
-use willis::internals::io::convert::Target;
-use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops};
+use willis::internals::io::convert::{ENDINGS, Target};
+use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Origin, fragments};
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
-use willis::internals::phantom::{Breaks, Gaps, Kind, Recipe, Truth, break_up, landmarks, over_connected, with_gaps, without};
+use willis::internals::phantom::{
+    Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, landmarks, over_connected, with_gaps, without,
+};
 
 use super::args::figures::{length, whole};
 use super::convert::{check, put};
@@ -29,6 +31,9 @@ use super::shell::print_json;
 /// gaps at junctions and midway, jitter, noisy radii, spurious bits; the truth is written beside it as FILE.truth.json, and of
 /// `cerebral` the in- and outlets that it shows as FILE.landmarks.csv, for willis classify.
 ///
+/// An output .nii.gz or .nii is a segmentation mask, with its truth beside it. It is clean, or with --break what a threshold makes of a
+/// blurred and noisy scan: thin vessels break, near ones touch, and veins lie beside the arteries.
+///
 /// `arterial` and `capillary` have any size, --edges: twelve trees that fill a brain, and a block of capillaries. --break cuts gaps
 /// into 2.5 and 2 % of their vessels, nothing else; as .graphml or .csv it writes the broken graph with its candidates, the 6
 /// nearest nodes of every loose end.
@@ -36,7 +41,7 @@ use super::shell::print_json;
 pub struct PhantomArgs {
     /// circle-of-willis, cerebral, tree, arterial or capillary
     kind: String,
-    /// The file to write; its ending says the format, as for willis convert
+    /// The file to write; its ending says the format, as for willis convert, or .nii.gz or .nii for a mask
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     output: PathBuf,
     /// Leave out vessels, by label: --without AComm, --without L-PComm,R-P1; of the circle these are L-A1, R-A1, AComm, L-P1, R-P1,
@@ -46,13 +51,14 @@ pub struct PhantomArgs {
     /// How many vessels, 100 to 10000000; for arterial and capillary
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     edges: Option<usize>,
-    /// Break it up as an extraction would (.swc; arterial and capillary also .graphml and .csv)
+    /// Break it up as an extraction would (.swc; arterial and capillary also .graphml and .csv), or a scan (.nii.gz, .nii)
     #[arg(long = "break")]
     broken: bool,
     /// The seed of the damage, of arterial and capillary also of the anatomy: a broken one is the whole one of its seed [default: 0]
     #[arg(long, value_name = "SEED", value_parser = whole::<u64>, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Distance of centerline points, in mm unless it says otherwise [default: 0.5mm; arterial and capillary: straight from node to node]
+    /// Distance of centerline points, or length of a voxel, in mm unless it says otherwise [default: 0.5mm; centerlines of arterial and
+    /// capillary: straight from node to node]
     #[arg(long, value_name = "LENGTH")]
     spacing: Option<String>,
     /// Print a summary on standard output, as JSON
@@ -64,6 +70,13 @@ impl PhantomArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
         let recipe = self.recipe(kind)?;
+        if is_mask(&self.output) {
+            return self.write_mask(kind, &recipe, terminal, force);
+        }
+        if Format::of_ending(&self.output).is_none() {
+            let accepted = format!("expected an ending .nii.gz or .nii for a mask, or one of {ENDINGS}");
+            return Err(Error::parameter("output", self.output.display(), accepted));
+        }
         let target = Target::new(&self.output, None)?;
         check(&target, force)?;
         let graph = matches!(target.format, Format::GraphMl | Format::Csv) && kind.has_any_size();
@@ -87,7 +100,7 @@ impl PhantomArgs {
                 let (lines, truth) = break_up(&network, &params)?;
                 if kind == Kind::Cerebral {
                     let file = StagedFile::new(&sibling(&self.output, "landmarks.csv"), force)?;
-                    write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth)))?;
+                    write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth.lost)))?;
                     file.commit()?;
                 }
                 self.write_broken(&lines, &truth, terminal, force)
@@ -131,6 +144,43 @@ impl PhantomArgs {
         terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
         let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
         self.print(json!({ "counts": counts }))
+    }
+
+    /// The mask and its truth; of a broken `cerebral` the landmarks too.
+    fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: Terminal, force: bool) -> Result<()> {
+        let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
+        let has_marks = self.broken && kind == Kind::Cerebral;
+        let files = [&self.output, &answer].into_iter().chain(has_marks.then_some(&marks));
+        files.clone().try_for_each(|path| StagedFile::check(path, force))?;
+        let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
+        let scan = self.broken.then(|| kind.scan(recipe));
+        let (mask, truth) = draw_mask(&network, recipe.spacing.unwrap_or(VOXEL), scan.as_ref())?;
+        let staged: Vec<StagedFile> = files.map(|path| StagedFile::new(path, force)).collect::<Result<_>>()?;
+        let packed = has_ending(&self.output, ".gz");
+        write_file(&staged[0].path(), |out| write_nifti(out, &mask, packed))?;
+        write_file(&staged[1].path(), |out| truth.write_json(out))?;
+        if let Some(file) = staged.get(2) {
+            write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth.lost)))?;
+        }
+        staged.into_iter().try_for_each(StagedFile::commit)?;
+        let ([x, y, z], mm) = (mask.shape, mask.spacing()[0]);
+        let voxels = mask.classes.iter().filter(|class| **class > 0).count();
+        let made = format!("{}, {}", plural(truth.breaks.len(), "break"), plural(truth.contacts.len(), "contact"));
+        let size = format!("{x} x {y} x {z} voxels of {mm:.4} mm, {} of vessels", count(voxels as u64));
+        terminal.say("written", format!("{}: {size}, {made}", self.output.display()));
+        terminal.say("truth", answer.display().to_string());
+        self.print(json!({
+            "truth": answer.display().to_string(),
+            "counts": {
+                "voxels": mask.classes.len(),
+                "foreground": voxels,
+                "vessels": truth.tubes.len(),
+                "spurious": truth.spurious().count(),
+                "lost": truth.lost.len(),
+                "gaps": truth.breaks.len(),
+                "contacts": truth.contacts.len(),
+            },
+        }))
     }
 
     /// The broken graph with its candidates, and the truth.
@@ -192,9 +242,23 @@ impl PhantomArgs {
     }
 }
 
-/// The file that goes with another: `circle.swc` -> `circle.truth.json`.
+/// The length of a voxel unless the user says otherwise, m.
+const VOXEL: f64 = 0.0005;
+
+/// Whether a file name ends in these letters, small or capital, after something else.
+fn has_ending(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_ascii_lowercase();
+    name.len() > ending.len() && name.ends_with(ending)
+}
+
+/// Whether the ending of a file name means a mask.
+fn is_mask(path: &Path) -> bool {
+    has_ending(path, ".nii") || has_ending(path, ".nii.gz")
+}
+
+/// The file that goes with another: `circle.swc` -> `circle.truth.json`, `scan.nii.gz` -> `scan.truth.json`.
 fn sibling(path: &Path, ending: &str) -> PathBuf {
-    path.with_extension(ending)
+    if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
 }
 
 /// Writes the damaged centerlines and the truth; the path of the table of links that SWC cannot hold, where there are any.

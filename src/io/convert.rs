@@ -12,6 +12,9 @@ use crate::io::vendors::voreen::has_whole_ids;
 use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::{distance, lerp};
 
+/// The endings that mean a format.
+pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz";
+
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Target {
@@ -42,7 +45,7 @@ impl Target {
             if let Some(word) = word {
                 return Error::parameter("to", word, format!("expected one of {}", words()));
             }
-            let accepted = "expected an ending .swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz, or `to` FORMAT";
+            let accepted = format!("expected an ending {ENDINGS}, or `to` FORMAT");
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {

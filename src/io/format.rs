@@ -113,7 +113,7 @@ impl Format {
     }
 
     /// The format that can be written and that the ending of a file name means.
-    pub(crate) fn of_ending(path: &Path) -> Option<Self> {
+    pub fn of_ending(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
     }

@@ -8,6 +8,7 @@ use super::capillary::capillary;
 use super::circle::{cerebral, circle_of_willis};
 use super::gaps::Gaps;
 use super::large::{EDGES, Large};
+use super::mask::Scan;
 use super::tree::{Tree, branching_tree};
 use crate::error::{Error, Result};
 use crate::network::Network;
@@ -73,6 +74,12 @@ impl Kind {
             _ => return None,
         };
         Some(Gaps { share, seed: recipe.seed, spacing: recipe.spacing })
+    }
+
+    /// The scan that breaks the mask of this kind. Kinds of any size get no veins.
+    pub fn scan(self, recipe: &Recipe) -> Scan {
+        let defaults = Scan { seed: recipe.seed, ..Scan::default() };
+        if self.has_any_size() { Scan { veins: 0.0, ..defaults } } else { defaults }
     }
 
     /// The complete network.

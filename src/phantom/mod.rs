@@ -1,17 +1,23 @@
-//! Test anatomy with a known answer: complete networks, and uncertain extractions of them.
+//! Test anatomy with a known answer: complete networks, uncertain extractions of them, and masks.
 
 pub mod alastruey;
 mod arterial;
 mod capillary;
 mod circle;
+mod contacts;
 mod curve;
 mod damage;
 mod extraction;
 mod gaps;
+mod interruptions;
 mod kind;
 mod large;
+mod mask;
+mod mask_truth;
 mod tree;
 mod truth;
+mod tube;
+mod veins;
 
 use std::fmt::Display;
 
@@ -27,8 +33,11 @@ pub use extraction::break_up;
 pub use gaps::{Gaps, over_connected, with_gaps};
 pub use kind::{Kind, Recipe};
 pub use large::Large;
+pub use mask::{MOST_VOXELS, Scan, draw_mask};
+pub use mask_truth::{Contact, MaskBreak, MaskTruth};
 pub use tree::{Tree, branching_tree};
 pub use truth::{BreakKind, Truth, landmarks};
+pub use tube::Tube;
 
 /// Adds an inner node whose id is the next number.
 fn add_node(network: &mut Network, position: Point, radius: Option<f64>) -> usize {

@@ -8,13 +8,13 @@ use crate::network::Network;
 use crate::network::units::millimetres;
 use crate::support::geometry::Point;
 
-/// The labelled free ends of a complete network, except those of vessels that the extraction lost: label and true position, m, in
-/// node order.
-pub fn landmarks<'a>(network: &'a Network, truth: &Truth) -> Vec<(&'a str, Point)> {
+/// The labelled free ends of a complete network, except those of the vessels (rows) that are lost: label and true position, m, in node
+/// order.
+pub fn landmarks<'a>(network: &'a Network, lost: &[usize]) -> Vec<(&'a str, Point)> {
     let degree = network.degrees(|_| true);
     let mut found: Vec<(usize, &str, Point)> = Vec::new();
     for (row, (ends, vessel)) in network.vessels().enumerate() {
-        let shown = !vessel.label.is_empty() && !truth.lost.contains(&row);
+        let shown = !vessel.label.is_empty() && !lost.contains(&row);
         for node in ends.into_iter().filter(|node| shown && degree[*node] == 1) {
             found.extend(network.node(node).position.map(|position| (node, vessel.label.as_str(), position)));
         }

@@ -145,6 +145,15 @@ pub const DAMAGE: u64 = 0;
 /// The gaps of a phantom, so that a broken one is the whole one of the same seed, broken.
 pub const GAPS: u64 = 1;
 
+/// The veins beside the arteries in the mask of a phantom.
+pub const VEINS: u64 = 1 << 62;
+
+/// The signal along the vessels of a phantom.
+pub const SIGNAL: u64 = VEINS + 1;
+
+/// The noise of the image of a phantom.
+pub const NOISE: u64 = VEINS + 2;
+
 /// An attempt at the lattice of a phantom.
 pub fn lattice(attempt: u64) -> u64 {
     2 + attempt

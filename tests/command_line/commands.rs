@@ -1,6 +1,8 @@
 //! The command as a person runs it: exit status, one-line errors that name the fault, untouched files, repeatable bytes.
 
 use std::fs;
+use std::io::Read;
+use std::path::Path;
 use std::process::Command;
 
 use crate::command::{builder, data, folder, stderr, willis};
@@ -152,6 +154,16 @@ fn the_shipped_example_is_what_its_script_makes() {
         |made: &str, shipped: &str| fs::read(here.path().join(made)).expect("made") == fs::read(data(shipped)).expect("shipped");
     assert!(same("a.swc", "broken-circle-of-willis.swc"));
     assert!(same("a.truth.json", "broken-circle-of-willis.truth.json"));
+    let made = willis(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "--spacing", "0.6mm", "-o", "scan.nii.gz"]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    assert!(same("scan.truth.json", "scan.truth.json") && same("scan.landmarks.csv", "scan.landmarks.csv"));
+    // Another processor may pack the same voxels in other bytes.
+    let voxels = |path: &Path| {
+        let mut unpacked = Vec::new();
+        flate2::read::MultiGzDecoder::new(fs::File::open(path).expect("a mask")).read_to_end(&mut unpacked).expect("whole");
+        unpacked
+    };
+    assert!(voxels(&here.path().join("scan.nii.gz")) == voxels(Path::new(&data("scan.nii.gz"))));
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod images;
 mod masks;
 mod peer_files;
 mod peers;
+mod phantom_masks;
 mod polylines;
 mod polylines_round_trip;
 mod round_trip;

@@ -1,11 +1,13 @@
-//! Reads masks in NIfTI-1 and NIfTI-2, plain or compressed by gzip.
+//! Reads masks in NIfTI-1 and NIfTI-2, plain or compressed by gzip, and writes them in NIfTI-1.
 //!
 //! The frame is that of nibabel: sform where it has a code, else qform, else the middle of the image with x to the left. Source: the
 //! headers `nifti1.h` and `nifti2.h` of nifti.nimh.nih.gov.
 
-use std::io::{Read, copy, sink};
+use std::io::{self, Read, Write, copy, sink};
 
+use flate2::Compression;
 use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
 
 use super::is_gzip;
 use super::voxels::Voxels;
@@ -118,6 +120,67 @@ pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, F
     let skipped = offset.saturating_sub(head.len() as u64);
     copy(&mut stream.by_ref().take(skipped), &mut sink()).map_err(cut)?;
     voxels.read(stream, level, most)
+}
+
+/// Writes a mask as NIfTI-1, one byte a voxel, with its frame as sform; as qform too where the axes are those of the frame. `packed`
+/// compresses it by gzip.
+///
+/// # Errors
+///
+/// Those of `out`; `InvalidInput` for more than 32767 voxels along an axis.
+pub fn write_nifti(mut out: impl Write, mask: &Mask, packed: bool) -> io::Result<()> {
+    let head = header_of(mask)?;
+    if packed {
+        let mut packer = GzEncoder::new(&mut out, Compression::best());
+        packer.write_all(&head)?;
+        packer.write_all(&mask.classes)?;
+        packer.finish()?;
+    } else {
+        out.write_all(&head)?;
+        out.write_all(&mask.classes)?;
+    }
+    out.flush()
+}
+
+/// A header of NIfTI-1 and four bytes that say that nothing follows it but the voxels.
+fn header_of(mask: &Mask) -> io::Result<[u8; 352]> {
+    let mut head = [0; 352];
+    let mut put = |at: usize, bytes: &[u8]| head[at..at + bytes.len()].copy_from_slice(bytes);
+    let real = |x: f64| (x as f32).to_le_bytes();
+    put(0, &348_i32.to_le_bytes());
+    put(ONE.dim.0, &3_i16.to_le_bytes());
+    for n in 0..7 {
+        let length = mask.shape.get(n).copied().unwrap_or(1);
+        let length = i16::try_from(length).map_err(|_| {
+            io::Error::new(io::ErrorKind::InvalidInput, format!("{length} voxels along an axis, more than 32767"))
+        })?;
+        put(ONE.dim.0 + 2 * (n + 1), &length.to_le_bytes());
+    }
+    put(ONE.datatype, &2_i16.to_le_bytes());
+    put(ONE.datatype + 2, &8_i16.to_le_bytes());
+    put(ONE.pixdim, &real(1.0));
+    for (n, spacing) in mask.spacing().into_iter().enumerate() {
+        put(ONE.pixdim + 4 * (n + 1), &real(spacing));
+    }
+    put(ONE.offset, &real(352.0));
+    put(ONE.slope, &real(1.0));
+    // Millimetres.
+    put(ONE.units.0, &[2]);
+    put(ONE.sform_code, &1_i16.to_le_bytes());
+    for (n, x) in mask.affine.iter().flatten().enumerate() {
+        put(ONE.sform + 4 * n, &real(*x));
+    }
+    let is_straight = (0..3).all(|row| {
+        (0..3).all(|column| if row == column { mask.affine[row][column] > 0.0 } else { mask.affine[row][column] == 0.0 })
+    });
+    if is_straight {
+        put(ONE.qform_code, &1_i16.to_le_bytes());
+        for (n, row) in mask.affine.iter().enumerate() {
+            put(ONE.quaternion + 4 * (3 + n), &real(row[3]));
+        }
+    }
+    put(344, b"n+1\0");
+    Ok(head)
 }
 
 impl Header<'_> {
