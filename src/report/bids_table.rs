@@ -12,7 +12,7 @@ use crate::io::Column;
 /// What BIDS writes for a missing value.
 const MISSING: &str = "n/a";
 
-/// The columns of a participants' table: `names` are the participant and the session of each row, and stand for its subject.
+/// The columns of a table of runs: `names` are the participant and the session of each row, and stand for its subject.
 pub fn bids_columns(rows: &[Row], names: &[(String, Option<String>)]) -> Vec<Column> {
     let mut columns = vec![Column::text("participant_id", names.iter().map(|(participant, _)| participant.clone()))];
     if names.iter().any(|(_, session)| session.is_some()) {

@@ -188,7 +188,7 @@ impl Dataset {
                 without.push(participant.clone());
             }
         }
-        let is_missed = !asked.is_empty() && !without.is_empty();
+        let is_missed = !asked.is_empty() && sessions.is_empty() && !without.is_empty();
         if is_missed || masks.is_empty() { Err(self.none(&without, &all)) } else { Ok((masks, without)) }
     }
 

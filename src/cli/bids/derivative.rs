@@ -18,8 +18,8 @@ use crate::cli::cohort::relative;
 
 /// The version of BIDS that the names follow.
 const BIDS: &str = "1.10.0";
-/// The files that are no part of BIDS, for its validator.
-const IGNORED: &str = "*.html\nruns\ngroup\n*_desc-willis_topology.*\n";
+/// The files that are no part of BIDS, for its validator. A table in `phenotype` could have only one session of a participant.
+const IGNORED: &str = "*.html\nruns\ngroup\ngroup_willis.*\n*_desc-willis_topology.*\n";
 /// The end of the names of the topology of a run.
 const TOPOLOGY_NAME: &str = "_desc-willis_topology";
 /// The formats of a topology.
@@ -32,7 +32,7 @@ Made by `willis bids` of masks of vessels. Every participant (and session) has o
 - `sub-*.html`: the report of each run; open it in a browser.
 - `sub-*/[ses-*/]anat/*_desc-willis_topology.*`: the plausible topology as GraphML, SWC and VTP, in mm, in the frame of the scanner (RAS).
 - `runs/`: all files of each run, with `edges.csv`, the likelihood matrix and `run.json`, which says how it was made.
-- `phenotype/willis.tsv`: a row for each run, made by the level `group`; `phenotype/willis.json` says what the columns are.
+- `group_willis.tsv`: a row for each run, made by the level `group`; `group_willis.json` says what the columns are.
 - `group/cohort.html`: the same as a page, the most uncertain first.
 
 Candidate connections between vessels are kept or cut by their probability. `runs/*/candidates.graphml` has all of them.
@@ -173,10 +173,10 @@ impl<'a> Derivative<'a> {
     /// A file that cannot be written.
     pub fn write_table(&self, columns: &[Column]) -> Result<PathBuf> {
         let mut table = Vec::new();
-        let path = self.folder.join("phenotype/willis.tsv");
+        let path = self.folder.join("group_willis.tsv");
         write_tsv(&mut table, columns).map_err(write_error(&path))?;
-        self.put("phenotype/willis.tsv", &table)?;
-        self.put("phenotype/willis.json", &text_of(&sidecar(columns)))?;
+        self.put("group_willis.tsv", &table)?;
+        self.put("group_willis.json", &text_of(&sidecar(columns)))?;
         Ok(path)
     }
 
