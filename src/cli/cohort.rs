@@ -386,7 +386,7 @@ struct SeparateRun<'a> {
 /// A folder that holds none; runs of other options, seed or version than the first; two of one input; a folder that cannot be written.
 pub fn gather(
     folders: &[PathBuf],
-    cohort: Cohort<'_>,
+    cohort: &Cohort<'_>,
     name: impl FnOnce(Vec<PathBuf>) -> Vec<Subject>,
     terminal: Terminal,
 ) -> Result<Vec<Row>> {
@@ -410,7 +410,7 @@ pub fn gather(
         input: run.input.path.clone(),
         files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
     });
-    let cohort = Cohort { parameters: first.parameters.clone(), ..cohort };
+    let cohort = Cohort { parameters: first.parameters.clone(), ..*cohort };
     let folder = StagedFolder::new(output, cohort.force)?;
     Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
     cohort.write_table(&folder.path(), &rows)?;

@@ -50,7 +50,7 @@ impl MergeArgs {
                 return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[shard]));
             }
             let cohort = Cohort { command: "merge", parameters: Value::Null, output: &self.output, force, json: self.json };
-            return gather(&folders, cohort, named, terminal).map(drop);
+            return gather(&folders, &cohort, named, terminal).map(drop);
         }
         if kinds.iter().any(|kind| matches!(kind, Kind::FailedShard(_))) {
             return self.fail(&folders, kinds, force, terminal);

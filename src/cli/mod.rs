@@ -79,8 +79,8 @@ struct Common {
 static COMMAND: OnceLock<String> = OnceLock::new();
 
 /// Prints an error in one line.
-pub fn say_error(error: Error) {
-    print::line(format_args!("willis: {}", with_flags(&error)));
+pub fn say_error(error: &Error) {
+    print::line(format_args!("willis: {}", with_flags(error)));
 }
 
 /// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.

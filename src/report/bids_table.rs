@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::cohort::{Row, cohort_columns};
 use crate::circle_of_willis::{FEEDERS, RING, TERRITORIES};
-use crate::io::Column;
+use crate::io::{Column, Values, escape_formula};
 
 /// What BIDS writes for a missing value.
 const MISSING: &str = "n/a";
@@ -32,7 +32,10 @@ pub fn write_tsv(out: &mut impl Write, columns: &[Column]) -> io::Result<()> {
     line(columns.iter().map(|column| column.name.clone()).collect())?;
     for row in 0..columns.first().map_or(0, |column| column.values.len()) {
         let cell = |column: &Column| {
-            let text = column.values.text(row).replace(char::is_control, " ");
+            let text = match &column.values {
+                Values::Text(texts) => escape_formula(&texts[row]).replace(char::is_control, " "),
+                numbers => numbers.text(row),
+            };
             if text.is_empty() { MISSING.into() } else { text.into() }
         };
         line(columns.iter().map(cell).collect())?;

@@ -151,7 +151,7 @@ impl BidsArgs {
             let subject = |(path, input): (&PathBuf, PathBuf)| Subject { name: name_of(path), input };
             folders.iter().zip(inputs).map(subject).collect()
         };
-        let mut rows = gather(&folders, cohort, named, terminal)?;
+        let mut rows = gather(&folders, &cohort, named, terminal)?;
         derivative.describe(dataset, &self.source)?;
         for row in &mut rows {
             row.input = dataset.place_of(Path::new(&row.input));
