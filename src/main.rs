@@ -13,7 +13,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let status = if error.is_usage() { 2 } else { 1 };
-            cli::say_error(error);
+            cli::say_error(&error);
             ExitCode::from(status)
         }
     }

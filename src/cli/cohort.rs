@@ -23,7 +23,7 @@ use super::command_line::command_line;
 use super::print::notes::{counted, say_notes};
 use super::print::{Terminal, is_stopped, listen, plural};
 use super::shell::print_json;
-use super::subjects::{Subject, named};
+use super::subjects::Subject;
 use super::with_flags;
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
@@ -57,7 +57,7 @@ pub struct Cohort<'a> {
 
 /// cohort.json: with what a cohort was made, so that the same command can resume it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Ledger {
+pub struct Ledger {
     /// The version.
     willis: String,
     /// The subcommand.
@@ -70,7 +70,7 @@ struct Ledger {
 
 /// With what a subject was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Entry {
+pub struct Entry {
     /// The name of its folder.
     subject: String,
     /// Its input.
@@ -81,13 +81,19 @@ struct Entry {
 
 impl Entry {
     /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
-    fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
+    pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() };
         let mut files = BTreeMap::new();
         for path in std::iter::once(input.clone()).chain(companion_files(&input)).chain(others) {
             files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
         }
         Self { subject: subject.name.clone(), input: input.display().to_string(), files }
+    }
+
+    /// The same with its files called otherwise.
+    pub fn renamed(self, name: impl Fn(&Path) -> String) -> Self {
+        let files = self.files.into_iter().map(|(path, sha256)| (name(Path::new(&path)), sha256)).collect();
+        Self { input: name(Path::new(&self.input)), files, ..self }
     }
 
     /// The SHA-256 of the input, if it can be read.
@@ -97,7 +103,7 @@ impl Entry {
 }
 
 impl Ledger {
-    fn new(command: &str, parameters: &Value, subjects: Vec<Entry>) -> Self {
+    pub fn new(command: &str, parameters: &Value, subjects: Vec<Entry>) -> Self {
         Self { willis: env!("CARGO_PKG_VERSION").into(), command: command.into(), parameters: parameters.clone(), subjects }
     }
 
@@ -115,10 +121,8 @@ impl Ledger {
         if self.command != earlier.command {
             return refused(format!("holds a cohort of willis {}", earlier.command));
         }
-        if self.willis == earlier.willis
-            && let Some((option, [now, before])) = differing(&self.parameters, &earlier.parameters)
-        {
-            return refused(format!("holds a cohort made with other parameters ({option} was {before}, now {now})"));
+        if let Some(which) = self.other_parameters(earlier) {
+            return refused(format!("holds a cohort made with other parameters ({which})"));
         }
         let stays = |old: &&Entry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
         match earlier.subjects.iter().find(|old| !stays(old)) {
@@ -127,10 +131,24 @@ impl Ledger {
         }
     }
 
-    /// Whether a subject stands as the files are now; `earlier` is the ledger that was found.
-    fn stands(&self, at: usize, earlier: &Self) -> bool {
+    /// The first option that was another in an earlier ledger of this version, in words.
+    pub fn other_parameters(&self, earlier: &Self) -> Option<String> {
+        let (option, [now, before]) =
+            (self.willis == earlier.willis).then(|| differing(&self.parameters, &earlier.parameters)).flatten()?;
+        Some(format!("{option} was {before}, now {now}"))
+    }
+
+    /// The first input of an earlier ledger that is none of these.
+    pub fn other_input<'a>(&self, earlier: &'a Self) -> Option<&'a str> {
+        let inputs = earlier.subjects.iter().map(|old| old.input.as_str());
+        inputs.into_iter().find(|old| !self.subjects.iter().any(|new| new.input == *old))
+    }
+
+    /// Whether a subject stands as the files are now, with this record of its run; `earlier` is the ledger that was found.
+    pub fn stands(&self, at: usize, earlier: &Self, record: &Value) -> bool {
         let entry = &self.subjects[at];
-        self.willis == earlier.willis && entry.sha256().is_some() && earlier.subjects.contains(entry)
+        let is_known = self.willis == earlier.willis && earlier.subjects.contains(entry);
+        is_known && entry.sha256().is_some_and(|sha256| record["input"]["sha256"].as_str() == Some(sha256))
     }
 }
 
@@ -155,10 +173,7 @@ impl Cohort<'_> {
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
         clear_leftovers(self.output)?;
-        let is_done = |at: usize| {
-            let record = self.record(&subjects[at].name);
-            ledger.stands(at, &earlier) && record.is_some_and(|r| r["input"]["sha256"].as_str() == ledger.subjects[at].sha256())
-        };
+        let is_done = |at: usize| self.record(&subjects[at].name).is_some_and(|record| ledger.stands(at, &earlier, &record));
         let mut done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
@@ -167,7 +182,7 @@ impl Cohort<'_> {
             terminal.say("cohort", format!("{skipped} of {} done already", plural(subjects.len(), "subject")));
         }
 
-        let ended = self.work(subjects, &done, work, terminal);
+        let ended = work_on(subjects, &done, |subject| self.subject(subject, work, terminal.of_many()), terminal);
         for (at, failure) in &ended {
             done[*at] = failure.is_none();
         }
@@ -189,9 +204,7 @@ impl Cohort<'_> {
         };
         let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
-        let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
-        // Where the landmarks of each lie is said nowhere but there.
-        say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
+        say_notes_of(&records, terminal);
         self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
         match rows.iter().filter(|row| row.figures.is_err()).count() {
@@ -202,7 +215,9 @@ impl Cohort<'_> {
 
     /// Writes the table and the page into a folder, and prints the rows where that is asked for.
     fn write_table(&self, folder: &Path, rows: &[Row]) -> Result<()> {
-        let about = About { command: self.command, line: command_line("again"), parameters: &self.parameters };
+        // A BIDS app has its output among its words.
+        let line = command_line(if self.command == "bids" { "" } else { "again" });
+        let about = About { command: self.command, line, parameters: &self.parameters };
         write_cohort(folder, rows, &about)?;
         if self.json { rows.iter().try_for_each(|row| print_json(&row.record())) } else { Ok(()) }
     }
@@ -236,41 +251,6 @@ impl Cohort<'_> {
         Ok(())
     }
 
-    /// Works on the subjects that are not done, several at a time, and says how each went; those that a stop left out are not
-    /// among the answers.
-    fn work(&self, subjects: &[Subject], done: &[bool], work: &impl Work, terminal: Terminal) -> Vec<(usize, Option<String>)> {
-        let open: Vec<usize> = (0..subjects.len()).filter(|at| !done[*at]).collect();
-        let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-        let worker = || {
-            while !is_stopped()
-                && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
-            {
-                let made = self.subject(&subjects[at], work, terminal.of_many());
-                if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
-                    return;
-                }
-                let failure = made.err().map(with_flags);
-                let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
-                match &failure {
-                    None => terminal.say("done", place),
-                    Some(error) => terminal.say("failed", format!("{place}: {error}")),
-                }
-                ended.push((at, failure));
-            }
-        };
-        // What is said of a subject stays together when one is done after the other.
-        let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
-        thread::scope(|scope| {
-            for _ in 1..threads {
-                // Without another thread this one does it all.
-                let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
-            }
-            worker();
-        });
-        ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
-    }
-
     fn subject(&self, subject: &Subject, work: &impl Work, terminal: Terminal) -> Result<()> {
         terminal.say("subject", &subject.name);
         let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
@@ -282,6 +262,53 @@ impl Cohort<'_> {
     fn record(&self, name: &str) -> Option<Value> {
         read_json(&self.output.join(name).join(RECORD), "").ok()
     }
+}
+
+/// Works on the subjects that are not done, several at a time, and says how each went; those that a stop left out are not
+/// among the answers.
+pub fn work_on(
+    subjects: &[Subject],
+    done: &[bool],
+    make: impl Fn(&Subject) -> Result<()> + Sync,
+    terminal: Terminal,
+) -> Vec<(usize, Option<String>)> {
+    let open: Vec<usize> = (0..subjects.len()).filter(|at| !done[*at]).collect();
+    let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let worker = || {
+        while !is_stopped()
+            && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
+        {
+            let made = make(&subjects[at]);
+            if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
+                return;
+            }
+            let failure = made.err().map(|error| with_flags(&error));
+            let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
+            match &failure {
+                None => terminal.say("done", place),
+                Some(error) => terminal.say("failed", format!("{place}: {error}")),
+            }
+            ended.push((at, failure));
+        }
+    };
+    // What is said of a subject stays together when one is done after the other.
+    let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            // Without another thread this one does it all.
+            let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
+        }
+        worker();
+    });
+    ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Says the notes of many runs, those that are alike once.
+pub fn say_notes_of(records: &[Value], terminal: Terminal) {
+    let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
+    // Where the landmarks of each lie is said nowhere but there.
+    say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
 }
 
 /// failed.json: why an input gave no run, in the place of its run, for `willis merge` to make a row of it.
@@ -351,18 +378,25 @@ struct SeparateRun<'a> {
     record: Result<Value, String>,
 }
 
-/// Writes the cohort of the runs, or failures, in these folders.
+/// Writes the cohort of the runs, or failures, in these folders, and gives its rows. `cohort` has no parameters yet; `name` gives the
+/// inputs their names.
 ///
 /// # Errors
 ///
 /// A folder that holds none; runs of other options, seed or version than the first; two of one input; a folder that cannot be written.
-pub fn gather(folders: &[PathBuf], output: &Path, force: bool, json: bool, terminal: Terminal) -> Result<()> {
+pub fn gather(
+    folders: &[PathBuf],
+    cohort: &Cohort<'_>,
+    name: impl FnOnce(Vec<PathBuf>) -> Vec<Subject>,
+    terminal: Terminal,
+) -> Result<Vec<Row>> {
+    let output = cohort.output;
     let runs = folders.iter().map(|folder| SeparateRun::read(folder)).collect::<Result<Vec<_>>>()?;
-    let Some(first) = runs.iter().find(|run| run.record.is_ok()).or(runs.first()) else { return Ok(()) };
+    let Some(first) = runs.iter().find(|run| run.record.is_ok()).or(runs.first()) else { return Ok(Vec::new()) };
     for (at, run) in runs.iter().enumerate() {
         run.check(first, &runs[..at])?;
     }
-    let subjects = named(runs.iter().map(|run| PathBuf::from(&run.input.path)).collect());
+    let subjects = name(runs.iter().map(|run| PathBuf::from(&run.input.path)).collect());
     let rows = runs.iter().zip(&subjects).map(|(run, subject)| Row {
         subject: subject.name.clone(),
         input: run.input.path.clone(),
@@ -376,8 +410,8 @@ pub fn gather(folders: &[PathBuf], output: &Path, force: bool, json: bool, termi
         input: run.input.path.clone(),
         files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
     });
-    let cohort = Cohort { command: "merge", parameters: first.parameters.clone(), output, force, json };
-    let folder = StagedFolder::new(output, force)?;
+    let cohort = Cohort { parameters: first.parameters.clone(), ..*cohort };
+    let folder = StagedFolder::new(output, cohort.force)?;
     Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
     cohort.write_table(&folder.path(), &rows)?;
     folder.commit()?;
@@ -388,7 +422,7 @@ pub fn gather(folders: &[PathBuf], output: &Path, force: bool, json: bool, termi
     }
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     terminal.say("written", format!("{}: {}, {failed} failed", output.display(), plural(rows.len(), "subject")));
-    Ok(())
+    Ok(rows)
 }
 
 impl<'a> SeparateRun<'a> {
@@ -447,8 +481,8 @@ impl<'a> SeparateRun<'a> {
     }
 }
 
-/// The path from a folder to a file, with `/` between its steps.
-fn relative(file: &Path, folder: &Path) -> Option<String> {
+/// The path from a folder to a file or a folder, with `/` between its steps.
+pub fn relative(file: &Path, folder: &Path) -> Option<String> {
     let (file, folder) = (plain(file)?, plain(folder)?);
     let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
     // On another drive there is no path.

@@ -19,22 +19,60 @@ const IMMATERIAL: [(&str, bool); 12] = [
     ("--record-failure", false),
 ];
 
+/// Options of `willis bids` that choose the masks.
+const CHOICES: [&str; 5] = ["--participant-label", "--participant_label", "--session-label", "--session_label", "--filter"];
+
 /// This process's command line without the options that change no result, quoted for a shell, with `-o` and an output that is called
 /// `again`, where that is not empty: it repeats the run as it stands.
 pub fn command_line(again: &str) -> String {
-    written(|word| Some(word.to_owned()), again)
+    written(given_words(), |word| Some(word.to_owned()), again)
 }
 
 /// The same for one `input` alone of those that were given.
 pub fn command_line_of(input: &Path, given: &[PathBuf]) -> String {
     let mut own = Some(input.to_string_lossy().into_owned());
-    written(|word| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) }, "again")
+    let wording =
+        |word: &str| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) };
+    written(given_words(), wording, "again")
 }
 
-/// The command line with every word that counts as `wording` has it.
-fn written(mut wording: impl FnMut(&str) -> Option<String>, again: &str) -> String {
+/// The line of `willis infer` that makes the run of one mask that `willis bids` makes; `places` are the words that say which dataset,
+/// where to and which level.
+pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
+    let words = infer_words(given_words(), &input.to_string_lossy(), places);
+    written(words.into_iter(), |word| Some(word.to_owned()), "again")
+}
+
+/// The words of `willis infer` for one mask of those that `willis bids` was given.
+fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[String]) -> Vec<String> {
+    let (mut words, mut places) = (Vec::new(), places.to_vec());
+    let (mut is_infer, mut is_chosen) = (false, false);
+    for word in given {
+        if word == "bids" && !is_infer {
+            is_infer = true;
+            words.extend(["infer".to_owned(), input.to_owned()]);
+        } else if CHOICES.iter().any(|name| word == *name || is_joined(&word, name)) {
+            is_chosen = !word.contains('=');
+        } else if is_chosen && !word.starts_with('-') {
+            // A value of the choice, which may have several.
+        } else if let Some(at) = places.iter().position(|place| *place == word) {
+            places.remove(at);
+        } else {
+            is_chosen = false;
+            words.push(word);
+        }
+    }
+    words
+}
+
+/// The words of this process's command line.
+fn given_words() -> impl Iterator<Item = String> {
+    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
+}
+
+/// The command line of `rest`, with every word that counts as `wording` has it.
+fn written(mut rest: impl Iterator<Item = String>, mut wording: impl FnMut(&str) -> Option<String>, again: &str) -> String {
     let mut words = vec!["willis".to_owned()];
-    let mut rest = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = rest.next() {
         match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
             Some((name, true)) if word == *name => drop(rest.next()),
@@ -61,6 +99,17 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_of_a_dataset_is_one_of_its_mask() {
+        let words = |line: &str| {
+            infer_words(line.split(' ').map(str::to_owned), "m.nii.gz", &["in", "out", "participant"].map(str::to_owned))
+        };
+        let line = words("-v bids in out participant --participant-label 01 out -n 64 --filter=desc=a --filter run=1 --seed 2")
+            .join(" ");
+        assert_eq!(line, "-v infer m.nii.gz -n 64 --seed 2");
+        assert_eq!(words("bids -n 64 in out participant --session_label a b").join(" "), "infer m.nii.gz -n 64");
+    }
 
     /// A POSIX shell splits the line into the same words again.
     #[test]

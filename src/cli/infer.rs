@@ -45,12 +45,19 @@ pub struct InferArgs {
     /// A mask (NIfTI, MetaImage, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
     /// (GraphML, CSV of edges); several, or a pattern in quotes ('scans/*.swc'), are a cohort: a folder each, and a table of all
     #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
-    pub inputs: Vec<PathBuf>,
+    inputs: Vec<PathBuf>,
+    /// The folder to write; it must not exist, unless it is that of a cohort to go on with
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath, help_heading = "Input")]
+    output: PathBuf,
+    #[command(flatten)]
+    inference: InferenceArgs,
+}
+
+/// How an input is read, sampled and decided on.
+#[derive(Debug, Args)]
+pub struct InferenceArgs {
     #[command(flatten)]
     pub reading: ReadingArgs,
-    /// The folder to write; it must not exist, unless it is that of a cohort to go on with
-    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
-    pub output: PathBuf,
     #[command(flatten)]
     pub sampling: SamplingArgs,
     /// Which uncertain vessels stay: probable[=ROOT_FACTOR] (the most probable forest; a smaller factor leaves fewer fragments
@@ -74,8 +81,10 @@ pub struct InferArgs {
 }
 
 /// The same work on every input, be it one or a cohort of them.
-struct Inferences<'a> {
-    args: &'a InferArgs,
+pub struct Inferences<'a> {
+    args: &'a InferenceArgs,
+    /// The command line that repeats the run of one input.
+    line: &'a (dyn Fn(&Path) -> String + Sync),
     options: InferOptions,
     /// A run for each occlusion probability.
     runs: Vec<SamplingOptions>,
@@ -85,39 +94,43 @@ struct Inferences<'a> {
 impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let (options, runs) = self.options()?;
-        let range = self.sampling.range.as_deref().map(|text| blocks_of(text, self.sampling.samples)).transpose()?;
-        if let (Some(range), true) = (&self.sampling.range, runs.len() > 1) {
+        let (args, sampling) = (&self.inference, &self.inference.sampling);
+        let line = |input: &Path| command_line_of(input, &self.inputs);
+        let work = Inferences::new(args, &line)?;
+        let range = sampling.range.as_deref().map(|text| blocks_of(text, sampling.samples)).transpose()?;
+        if let (Some(range), true) = (&sampling.range, work.runs.len() > 1) {
             return Err(Error::parameter("range", range, "goes with one --epsilon; shard the run of each by itself"));
         }
-        let save = SaveOptions { dpi: self.dpi };
-        save.validate()?;
-        let work = Inferences { args: &self, options, runs, save };
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
-            Inputs::Many(subjects) => return work.cohort(&subjects, terminal, force),
+            Inputs::Many(subjects) => {
+                let parameters = work.of_many()?;
+                let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json: args.json };
+                return cohort.run(&subjects, &work, terminal);
+            }
         };
         StagedFolder::check(&self.output, force)?;
-        if self.sampling.record_failure {
-            self.reading.shared()?;
+        if sampling.record_failure {
+            args.reading.shared()?;
         }
-        let records = match work.one(&input, range.as_ref(), terminal, force) {
-            Err(error) if self.sampling.record_failure && Failure::is_of_input(&error) => {
-                let range = range.as_ref().map(|blocks| samples_of(blocks, self.sampling.samples));
-                let error = with_flags(error);
+        let records = match work.one(&input, range.as_ref(), &self.output, terminal, force) {
+            Err(error) if sampling.record_failure && Failure::is_of_input(&error) => {
+                let range = range.as_ref().map(|blocks| samples_of(blocks, sampling.samples));
+                let error = with_flags(&error);
                 terminal.say("failed", &error);
-                let options = RunOptions { read: self.reading.options(&input)?, infer: work.for_input(&input) };
-                return Failure::of(&input, options, command_line("again"), range, error).write(&self.output, force);
+                return work.failure(&input, command_line("again"), range, error)?.write(&self.output, force);
             }
             made => made?,
         };
-        if self.json {
+        if args.json {
             records.iter().try_for_each(print_json)?;
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
+}
 
+impl InferenceArgs {
     /// The options of the library, and those of sampling for each occlusion probability.
     fn options(&self) -> Result<(InferOptions, Vec<SamplingOptions>)> {
         let mut options = match self.sampling.preset {
@@ -140,7 +153,26 @@ impl InferArgs {
     }
 }
 
-impl Inferences<'_> {
+impl<'a> Inferences<'a> {
+    /// The work that the arguments ask for; `line` is the command line that repeats the run of one input.
+    pub fn new(args: &'a InferenceArgs, line: &'a (dyn Fn(&Path) -> String + Sync)) -> Result<Self> {
+        let (options, runs) = args.options()?;
+        let save = SaveOptions { dpi: args.dpi };
+        save.validate()?;
+        Ok(Self { args, line, options, runs, save })
+    }
+
+    /// The command line that repeats the run of one input.
+    pub fn line_of(&self, input: &Path) -> String {
+        (self.line)(input)
+    }
+
+    /// Why an input gave no run, or no shard of the samples in `range`.
+    pub fn failure(&self, input: &Path, command: String, range: Option<[u64; 2]>, error: String) -> Result<Failure> {
+        let options = RunOptions { read: self.args.reading.options(input)?, infer: self.for_input(input) };
+        Ok(Failure::of(input, options, command, range, error))
+    }
+
     /// The options for an input, each file that is named for all inputs being that of this one.
     fn for_input(&self, input: &Path) -> InferOptions {
         let mut options = self.options.clone();
@@ -161,10 +193,17 @@ impl Inferences<'_> {
     }
 
     /// The output folder of one input, or the shard of a range of its samples.
-    fn one(&self, input: &Path, range: Option<&Range<u64>>, terminal: Terminal, force: bool) -> Result<Vec<Summary>> {
+    fn one(
+        &self,
+        input: &Path,
+        range: Option<&Range<u64>>,
+        output: &Path,
+        terminal: Terminal,
+        force: bool,
+    ) -> Result<Vec<Summary>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen();
-        let folder = StagedFolder::new(&self.args.output, force)?;
+        let folder = StagedFolder::new(output, force)?;
         let records = match range {
             None => self.write(&prepared, &folder, terminal)?,
             Some(blocks) => {
@@ -236,7 +275,7 @@ impl Inferences<'_> {
         Ok(())
     }
 
-    fn follower<'a>(&self, folder: &'a StagedFolder, command: &str, terminal: Terminal) -> Follower<'a> {
+    fn follower<'f>(&self, folder: &'f StagedFolder, command: &str, terminal: Terminal) -> Follower<'f> {
         Follower::keeping(terminal, self.interval(), folder, command)
     }
 
@@ -244,7 +283,8 @@ impl Inferences<'_> {
         self.args.sampling.checkpoint
     }
 
-    fn cohort(&self, subjects: &[Subject], terminal: Terminal, force: bool) -> Result<()> {
+    /// Every option that changes a result of many inputs; refuses those that go with one.
+    pub fn of_many(&self) -> Result<Value> {
         let args = self.args;
         if self.runs.len() > 1 {
             let given: Vec<String> = args.sampling.epsilon.iter().map(f64::to_string).collect();
@@ -258,9 +298,7 @@ impl Inferences<'_> {
             return Err(Error::parameter("record_failure", "with several", accepted));
         }
         let options = RunOptions { read: args.reading.shared()?, infer: self.options.clone() };
-        let parameters = options.comparable(&Value::Null);
-        let cohort = Cohort { command: "infer", parameters, output: &args.output, force, json: args.json };
-        cohort.run(subjects, self, terminal)
+        Ok(options.comparable(&Value::Null))
     }
 }
 
@@ -279,8 +317,7 @@ impl Work for Inferences<'_> {
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
-        let command = command_line_of(&subject.input, &self.args.inputs);
-        let prepared = self.prepared(&subject.input, command, terminal)?;
+        let prepared = self.prepared(&subject.input, self.line_of(&subject.input), terminal)?;
         self.write(&prepared, folder, terminal).map(drop)
     }
 

@@ -4,18 +4,19 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use serde_json::Value;
 use willis::error::{Error, Fault, Result};
 use willis::internals::output::atomic::StagedFolder;
 use willis::internals::output::names::{RECORD, SHARD};
 use willis::internals::pipeline::ShardRecord;
 use willis::merge;
 
-use super::cohort::{Failure, gather};
+use super::cohort::{Cohort, Failure, gather};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
 use super::print::{Terminal, count, listen, plural};
 use super::shell::print_json;
-use super::subjects::paths;
+use super::subjects::{named, paths};
 
 /// Put together what was made separately: the shards of one run to the run, runs of many subjects to a cohort
 ///
@@ -48,7 +49,8 @@ impl MergeArgs {
                 let found = format!("a shard, where {} is a run", folders[run].display());
                 return Err(Fault::file(found, "expected shards or runs, not both").in_file(&folders[shard]));
             }
-            return gather(&folders, &self.output, force, self.json, terminal);
+            let cohort = Cohort { command: "merge", parameters: Value::Null, output: &self.output, force, json: self.json };
+            return gather(&folders, &cohort, named, terminal).map(drop);
         }
         if kinds.iter().any(|kind| matches!(kind, Kind::FailedShard(_))) {
             return self.fail(&folders, kinds, force, terminal);

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
 
 mod args;
+mod bids;
 mod candidates;
 mod checkpoint;
 mod classify;
@@ -43,6 +44,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Infer(Box<infer::InferArgs>),
+    Bids(Box<bids::BidsArgs>),
     Merge(merge::MergeArgs),
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
@@ -77,16 +79,16 @@ struct Common {
 static COMMAND: OnceLock<String> = OnceLock::new();
 
 /// Prints an error in one line.
-pub fn say_error(error: Error) {
+pub fn say_error(error: &Error) {
     print::line(format_args!("willis: {}", with_flags(error)));
 }
 
 /// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.
-fn with_flags(error: Error) -> String {
+fn with_flags(error: &Error) -> String {
     let Error::Parameter { name, value, accepted } = error else { return flags_in(&error.to_string()) };
     let (field, rest) = name.split_once(' ').map_or((name.as_str(), ""), |(field, rest)| (field, rest));
     let name = flag(field).map_or_else(|| name.clone(), |flag| format!("{flag} {rest}").trim_end().to_owned());
-    flags_in(&Error::Parameter { name, value, accepted }.to_string())
+    flags_in(&Error::Parameter { name, value: value.clone(), accepted: accepted.clone() }.to_string())
 }
 
 /// A text of the library with the fields in backticks as options: "give `default_radius`" becomes "give --default-radius".
@@ -156,6 +158,7 @@ impl Cli {
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
+            Command::Bids(args) => args.run(terminal, force),
             Command::Merge(args) => args.run(terminal, force),
             Command::Candidates(args) => args.run(terminal, force),
             Command::Simulate(args) => args.run(terminal, force),

@@ -38,6 +38,7 @@ pub use tables::lists::{ListedLandmark, add_loops, read_landmarks, read_links, w
 pub use tables::points::{read_points, write_points};
 pub use tables::prior::{read_prior_csv, read_prior_npy};
 pub use tables::unread::unread_columns;
+pub(crate) use tables::write::escape_formula;
 pub use tables::write::{Column, Values, write_csv};
 pub use vendors::icafe::{TracedVessel, name_stretches, read_traced_vessels};
 pub use vendors::slicer_markups::{read_markups, write_markups};

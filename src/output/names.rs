@@ -48,6 +48,8 @@ pub const SHARD: &str = "shard.json";
 pub const SHARD_SUMS: &str = "shard.npz";
 /// The record by which the folder of an input that gave no run is known.
 pub const FAILURE: &str = "failed.json";
+/// With what a run of a dataset was made, so that the same command can resume it.
+pub const LEDGER: &str = "ledger.json";
 /// The record by which the folder of a cohort is known.
 pub const COHORT: &str = "cohort.json";
 /// The subjects of a cohort, a row each.

@@ -9,14 +9,15 @@ use serde_json::Value;
 use super::in_progress::is_in_progress;
 use super::names::{
     AGREEMENT, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, FAILURE,
-    FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
+    FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
     MODULATION_PICTURE, NODES, PAGE, PHENOTYPE, PHENOTYPE_TABLE, RECORD, SHARD, SHARD_SUMS, TOPOLOGY,
 };
 use crate::output::files::read_json;
 
 /// The files that the folder of a run may hold besides pictures and topologies; --force replaces no folder with others.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     RECORD,
+    LEDGER,
     EDGES,
     NODES,
     DENSE_LIKELIHOOD,

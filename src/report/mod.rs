@@ -1,5 +1,6 @@
 //! The files of a run: tables, matrices, topologies, pictures, pages and the record of how it was made.
 
+pub mod bids_table;
 pub mod cohort;
 pub mod figures;
 mod inference;

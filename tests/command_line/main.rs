@@ -5,6 +5,7 @@ mod command;
 #[path = "../support/refused.rs"]
 mod refused;
 
+mod bids;
 mod checkpoint;
 mod cohort;
 mod commands;

@@ -1,0 +1,387 @@
+//! What a BIDS dataset holds: its participants, and the mask of the vessels of each of their sessions.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use willis::error::{Error, Fault, Result};
+use willis::internals::output::read_json;
+
+/// The file that describes a dataset.
+pub const DESCRIPTION: &str = "dataset_description.json";
+/// The suffixes of masks.
+const SUFFIXES: [&str; 2] = ["mask", "dseg"];
+/// The suffix of an angiogram.
+const ANGIOGRAM: &str = "angio";
+/// The entities that say what a mask is of.
+const WHAT: [&str; 4] = ["desc", "label", "seg", "atlas"];
+/// Parts of the words that mean vessels there, in small letters.
+const VESSELS: [&str; 7] = ["vessel", "arter", "vasc", "lumen", "angio", "cow", "circleofwillis"];
+/// The most names that an error lists.
+const MOST: usize = 6;
+
+/// `--filter KEY=VALUE`: what the name of a mask must have; without a value, what it must not have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filter {
+    key: String,
+    value: String,
+}
+
+/// The filter that a word means.
+pub fn parse_filter(text: &str) -> Result<Filter, String> {
+    let is_word = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || "+-_.".contains(c));
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() && is_word(key) && is_word(value) => {
+            Ok(Filter { key: key.to_owned(), value: value.to_owned() })
+        }
+        _ => Err("expected an entity and its value, such as desc=vessels".into()),
+    }
+}
+
+/// Which masks a person asks for.
+#[derive(Debug, Clone, Default)]
+pub struct Choice {
+    /// Participants, with or without `sub-`; all where there is none.
+    pub participants: Vec<String>,
+    /// Sessions, with or without `ses-`; all where there is none.
+    pub sessions: Vec<String>,
+    pub filters: Vec<Filter>,
+}
+
+/// An image by its name.
+#[derive(Debug, Clone, PartialEq)]
+struct Named {
+    /// The entities in order, each with its value.
+    entities: Vec<(String, String)>,
+    suffix: String,
+}
+
+impl Named {
+    /// The name of an image of NIfTI; `None` for another file.
+    fn parse(name: &str) -> Option<Self> {
+        let stem = name.strip_suffix(".nii.gz").or_else(|| name.strip_suffix(".nii"))?;
+        let (entities, suffix) = stem.rsplit_once('_')?;
+        let entity = |part: &str| part.split_once('-').map(|(key, value)| (key.to_owned(), value.to_owned()));
+        let entities = entities.split('_').map(entity).collect::<Option<Vec<_>>>()?;
+        Some(Self { entities, suffix: suffix.to_owned() })
+    }
+
+    fn value(&self, key: &str) -> Option<&str> {
+        self.entities.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
+    }
+
+    /// Whether it says what it is of.
+    fn says_what(&self) -> bool {
+        WHAT.iter().any(|key| self.value(key).is_some())
+    }
+
+    /// Whether it says that it is of vessels.
+    fn says_vessels(&self) -> bool {
+        let is_word = |value: &str| VESSELS.iter().any(|word| value.to_lowercase().contains(word));
+        WHAT.iter().filter_map(|key| self.value(key)).any(is_word)
+    }
+}
+
+/// A mask of the vessels of one participant, in one session where there are sessions.
+#[derive(Debug, Clone)]
+pub struct Mask {
+    /// With `sub-`.
+    pub participant: String,
+    /// With `ses-`.
+    pub session: Option<String>,
+    pub path: PathBuf,
+    named: Named,
+    /// The name of the folder in `derivatives`, empty for the dataset itself.
+    pipeline: String,
+}
+
+impl Mask {
+    /// The name of its run: `sub-01_ses-a`.
+    pub fn run(&self) -> String {
+        run_name(&self.participant, self.session.as_deref())
+    }
+
+    /// The beginning of the names of files that are made of it: its entities without those that say what it is of.
+    pub fn entities(&self) -> String {
+        let kept = self.named.entities.iter().filter(|(key, _)| key != "desc");
+        kept.map(|(key, value)| format!("{key}-{value}")).collect::<Vec<_>>().join("_")
+    }
+
+    fn value(&self, key: &str) -> &str {
+        match key {
+            "suffix" => &self.named.suffix,
+            "pipeline" => &self.pipeline,
+            key => self.named.value(key).unwrap_or_default(),
+        }
+    }
+}
+
+/// `sub-01` or `sub-01_ses-a`.
+pub fn run_name(participant: &str, session: Option<&str>) -> String {
+    session.map_or_else(|| participant.to_owned(), |session| format!("{participant}_{session}"))
+}
+
+/// A dataset and those of its derivatives.
+pub struct Dataset {
+    root: PathBuf,
+    /// The folder of each dataset to look into, with the name of its pipeline; the dataset itself first.
+    folders: Vec<(PathBuf, String)>,
+    /// With `sub-`.
+    participants: BTreeSet<String>,
+}
+
+impl Dataset {
+    /// The dataset in a folder, with what is in its `derivatives`; `output` and other datasets of willis are left out.
+    ///
+    /// # Errors
+    ///
+    /// A folder that holds no participant.
+    pub fn open(root: &Path, output: &Path) -> Result<Self> {
+        if !root.is_dir() {
+            return Err(Fault::file("no such folder", "expected a BIDS dataset").in_file(root));
+        }
+        let below = root.join("derivatives");
+        let mut folders = vec![(root.to_owned(), String::new())];
+        folders.extend(children(&below, "").into_iter().map(|name| (below.join(&name), name)));
+        let output = fs::canonicalize(output).ok();
+        let is_other = |folder: &Path| output.is_none() || fs::canonicalize(folder).ok() != output;
+        folders.retain(|(folder, _)| is_other(folder) && !is_of_willis(folder));
+        let participants: BTreeSet<String> = folders.iter().flat_map(|(folder, _)| children(folder, "sub-")).collect();
+        if participants.is_empty() {
+            let accepted = "expected folders sub-LABEL in it or in its derivatives/*, as in a BIDS dataset";
+            return Err(Fault::file("no participant", accepted).in_file(root));
+        }
+        Ok(Self { root: root.to_owned(), folders, participants })
+    }
+
+    /// The participants, with `sub-`.
+    pub fn participants(&self) -> &BTreeSet<String> {
+        &self.participants
+    }
+
+    /// One mask for each session of the participants that are chosen, and the participants without a mask.
+    ///
+    /// # Errors
+    ///
+    /// A label that none has, no mask at all, a chosen participant without a mask, several masks of one session.
+    pub fn masks(&self, choice: &Choice) -> Result<(Vec<Mask>, Vec<String>)> {
+        let asked = labels(&choice.participants, "sub-");
+        check_labels("participant_label", &asked, &self.participants)?;
+        let chosen: Vec<&String> = self.participants.iter().filter(|name| asked.is_empty() || asked.contains(name)).collect();
+        let all: Vec<Mask> = chosen.iter().flat_map(|participant| self.masks_of(participant, choice)).collect();
+        let sessions = labels(&choice.sessions, "ses-");
+        let known: BTreeSet<String> = chosen.iter().flat_map(|participant| self.sessions(participant)).flatten().collect();
+        check_labels("session_label", &sessions, &known)?;
+        let is_asked = |mask: &&Mask| sessions.is_empty() || mask.session.as_ref().is_some_and(|name| sessions.contains(name));
+        let all: Vec<Mask> = all.iter().filter(is_asked).cloned().collect();
+        let (mut masks, mut without) = (Vec::new(), Vec::new());
+        for participant in chosen {
+            let of: Vec<&Mask> = all.iter().filter(|mask| mask.participant == *participant).collect();
+            let own: BTreeSet<Option<&String>> = of.iter().map(|mask| mask.session.as_ref()).collect();
+            let before = masks.len();
+            for session in own {
+                let could_be = of.iter().copied().filter(|mask| mask.session.as_ref() == session).collect();
+                masks.extend(self.one(could_be, choice)?);
+            }
+            if masks.len() == before {
+                without.push(participant.clone());
+            }
+        }
+        let is_missed = !asked.is_empty() && sessions.is_empty() && !without.is_empty();
+        if is_missed || masks.is_empty() { Err(self.none(&without, &all)) } else { Ok((masks, without)) }
+    }
+
+    /// The one mask of vessels among those of a session; `None` where none is one.
+    fn one(&self, of_session: Vec<&Mask>, choice: &Choice) -> Result<Option<Mask>> {
+        let is_named = choice.filters.iter().any(|filter| WHAT.contains(&filter.key.as_str()));
+        let mut meant = of_session.clone();
+        if !is_named {
+            meant.retain(|mask| mask.named.says_vessels());
+            if meant.is_empty() {
+                meant = of_session;
+                meant.retain(|mask| !mask.named.says_what() && self.is_of_angiogram(mask));
+            }
+        }
+        match meant[..] {
+            [] => Ok(None),
+            [one] => Ok(Some(one.clone())),
+            [first, second, ..] => {
+                let keys = first.named.entities.iter().chain(&second.named.entities).map(|(key, _)| key.as_str());
+                let keys = keys.chain(["suffix", "pipeline"]);
+                let way = keys.into_iter().find(|key| first.value(key) != second.value(key)).map_or_else(
+                    || "keep one of them".to_owned(),
+                    |key| format!("choose with --filter, such as --filter {key}={}", first.value(key)),
+                );
+                let names = listed(meant.iter().map(|mask| self.shown(&mask.path)));
+                let found = format!("{} masks could be meant for {}: {names}", meant.len(), first.run());
+                Err(Fault::file(found, way).in_file(&self.root))
+            }
+        }
+    }
+
+    /// The masks of a participant that fit the filters.
+    fn masks_of(&self, participant: &str, choice: &Choice) -> Vec<Mask> {
+        let mut masks = Vec::new();
+        let suffix = choice.filters.iter().find(|filter| filter.key == "suffix").map(|filter| filter.value.as_str());
+        for (folder, pipeline) in &self.folders {
+            for session in sessions_in(&folder.join(participant)) {
+                for (path, named) in images(&anatomy(folder, participant, session.as_deref())) {
+                    let is_mask =
+                        suffix.map_or_else(|| SUFFIXES.contains(&named.suffix.as_str()), |suffix| named.suffix == suffix);
+                    let (participant, pipeline) = (participant.to_owned(), pipeline.clone());
+                    let mask = Mask { participant, session: session.clone(), path, named, pipeline };
+                    if is_mask && choice.filters.iter().all(|filter| mask.value(&filter.key) == filter.value) {
+                        masks.push(mask);
+                    }
+                }
+            }
+        }
+        masks
+    }
+
+    /// Whether the dataset itself has an angiogram with the entities of a mask, and no other image with them.
+    fn is_of_angiogram(&self, mask: &Mask) -> bool {
+        let folder = anatomy(&self.root, &mask.participant, mask.session.as_deref());
+        let mut alike = images(&folder)
+            .into_iter()
+            .map(|(_, named)| named)
+            .filter(|named| named.entities == mask.named.entities && !SUFFIXES.contains(&named.suffix.as_str()));
+        alike.next().is_some_and(|named| named.suffix == ANGIOGRAM) && alike.next().is_none()
+    }
+
+    /// The sessions of a participant; one without a name where a folder has none.
+    fn sessions(&self, participant: &str) -> BTreeSet<Option<String>> {
+        self.folders.iter().flat_map(|(folder, _)| sessions_in(&folder.join(participant))).collect()
+    }
+
+    /// That participants have no mask of vessels; `others` are masks that do not say so.
+    fn none(&self, of: &[String], others: &[Mask]) -> Error {
+        let whose =
+            if of.len() == self.participants.len() { String::new() } else { format!(" of {}", listed(of.iter().cloned())) };
+        let others: Vec<&Mask> = others.iter().filter(|mask| of.contains(&mask.participant)).collect();
+        let found = format!("no mask of vessels{whose}");
+        let accepted = match others.first() {
+            None => "expected sub-*/[ses-*/]anat/*_mask.nii.gz or *_dseg.nii.gz in it or in its derivatives/*".to_owned(),
+            Some(first) => {
+                let names = listed(others.iter().map(|mask| self.shown(&mask.path)));
+                let what = WHAT.iter().find(|key| first.named.value(key).is_some()).unwrap_or(&"desc");
+                let key = format!("--filter {what}={}", first.value(what));
+                format!("{names} does not say so in desc or label; if it is one, give {key}")
+            }
+        };
+        Fault::file(found, accepted).in_file(&self.root)
+    }
+
+    /// A path seen from the dataset.
+    pub fn shown(&self, path: &Path) -> String {
+        path.strip_prefix(&self.root).unwrap_or(path).display().to_string().replace('\\', "/")
+    }
+
+    /// In which places masks are, for people: `derivatives/nnunet: desc-vessels_mask`.
+    pub fn places(masks: &[Mask]) -> String {
+        let place = |mask: &Mask| {
+            let folder = if mask.pipeline.is_empty() { "BIDS_DIR".to_owned() } else { format!("derivatives/{}", mask.pipeline) };
+            let what = WHAT.iter().filter_map(|key| mask.named.value(key).map(|value| format!("{key}-{value}_")));
+            format!("{folder}: {}{}", what.collect::<String>(), mask.named.suffix)
+        };
+        listed(masks.iter().map(place).collect::<BTreeSet<_>>().into_iter())
+    }
+
+    /// What the dataset calls itself.
+    pub fn name(&self) -> Option<String> {
+        let record: Value = read_json(&self.root.join(DESCRIPTION), "").ok()?;
+        record["Name"].as_str().map(str::to_owned)
+    }
+
+    /// Where one of its files lies: a path in it, or with its name alone where it lies elsewhere.
+    pub fn place_of(&self, file: &Path) -> String {
+        let inside = fs::canonicalize(file).ok().zip(fs::canonicalize(&self.root).ok());
+        let inside = inside.and_then(|(file, root)| file.strip_prefix(root).ok().map(|path| path.display().to_string()));
+        inside.unwrap_or_else(|| self.shown(file)).replace('\\', "/")
+    }
+}
+
+/// Whether willis made the dataset in a folder.
+pub fn is_of_willis(folder: &Path) -> bool {
+    let record: Result<Value> = read_json(&folder.join(DESCRIPTION), "");
+    let makers = record.ok().and_then(|record| record["GeneratedBy"].as_array().cloned()).unwrap_or_default();
+    makers.iter().any(|maker| maker["Name"] == "willis")
+}
+
+/// The labels as folders have them, with `sub-` or `ses-`.
+pub fn labels(given: &[String], prefix: &str) -> Vec<String> {
+    given.iter().map(|label| format!("{prefix}{}", label.strip_prefix(prefix).unwrap_or(label))).collect()
+}
+
+/// Refuses a label that none has.
+pub fn check_labels(field: &str, asked: &[String], known: &BTreeSet<String>) -> Result<()> {
+    let Some(unknown) = asked.iter().find(|label| !known.contains(*label)) else { return Ok(()) };
+    let there =
+        if known.is_empty() { "there is none".to_owned() } else { format!("there are {}", listed(known.iter().cloned())) };
+    Err(Error::parameter(field, unknown, format!("no such folder; {there}")))
+}
+
+/// Words with commas, the first few of many.
+pub fn listed(words: impl Iterator<Item = String>) -> String {
+    let words: Vec<String> = words.collect();
+    let more = words.len().saturating_sub(MOST);
+    let first = words[..words.len() - more].join(", ");
+    if more == 0 { first } else { format!("{first} and {more} more") }
+}
+
+/// The folders in a folder that begin with some letters, by name; hidden ones are left out.
+fn children(folder: &Path, prefix: &str) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().filter(|entry| entry.path().is_dir());
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut names: Vec<String> =
+        names.filter(|name| !name.starts_with('.') && name.strip_prefix(prefix).is_some_and(|rest| !rest.is_empty())).collect();
+    names.sort();
+    names
+}
+
+/// The sessions in the folder of a participant, and none for images outside any.
+fn sessions_in(participant: &Path) -> Vec<Option<String>> {
+    let sessions = children(participant, "ses-").into_iter().map(Some);
+    let outside = participant.join("anat").is_dir().then_some(None);
+    outside.into_iter().chain(sessions).collect()
+}
+
+/// The folder of a session's anatomical images.
+fn anatomy(dataset: &Path, participant: &str, session: Option<&str>) -> PathBuf {
+    let folder = dataset.join(participant);
+    session.map_or_else(|| folder.clone(), |session| folder.join(session)).join("anat")
+}
+
+/// The images in a folder, by name.
+fn images(folder: &Path) -> Vec<(PathBuf, Named)> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let named = |path: PathBuf| Named::parse(path.file_name()?.to_str()?).map(|named| (path, named));
+    let mut images: Vec<_> = entries.filter_map(|entry| named(entry.path())).collect();
+    images.sort_by(|a, b| a.0.cmp(&b.0));
+    images
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_entities_and_a_suffix() {
+        let named = Named::parse("sub-01_ses-a_acq-tof_desc-CoWVessels_mask.nii.gz").expect("a name");
+        assert_eq!((named.value("acq"), named.value("run"), &*named.suffix), (Some("tof"), None, "mask"));
+        assert!(named.says_vessels());
+        assert!(!Named::parse("sub-01_acq-angio_desc-brain_mask.nii").expect("a name").says_vessels());
+        for name in ["sub-01_mask.json", "mask.nii.gz", "sub01_mask.nii.gz"] {
+            assert_eq!(Named::parse(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_filter_is_a_pair() {
+        assert_eq!(parse_filter("space="), Ok(Filter { key: "space".into(), value: String::new() }));
+        for text in ["desc", "=a", "desc=a/b", "desc=a=b"] {
+            assert!(parse_filter(text).is_err(), "{text}");
+        }
+    }
+}

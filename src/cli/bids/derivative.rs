@@ -1,0 +1,202 @@
+//! The dataset that `willis bids` writes: what describes it, where its runs are, and the files of a run under names of BIDS.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use willis::error::{Error, Fault, Result};
+use willis::internals::io::Column;
+use willis::internals::output::StagedFile;
+use willis::internals::output::atomic::{replace_file, write_file};
+use willis::internals::output::names::{PAGE, TOPOLOGY};
+use willis::internals::output::write_error;
+use willis::internals::report::bids_table::{sidecar, write_tsv};
+
+use super::dataset::{DESCRIPTION, Dataset, Mask, is_of_willis};
+use crate::cli::cohort::relative;
+
+/// The version of BIDS that the names follow.
+const BIDS: &str = "1.10.0";
+/// The files that are no part of BIDS, for its validator. A table in `phenotype` could have only one session of a participant.
+const IGNORED: &str = "*.html\nruns\ngroup\ngroup_willis.*\n*_desc-willis_topology.*\n";
+/// The end of the names of the topology of a run.
+const TOPOLOGY_NAME: &str = "_desc-willis_topology";
+/// The formats of a topology.
+const ENDINGS: [&str; 3] = ["graphml", "swc", "vtp"];
+const README: &str = "\
+# Vessel topology by willis
+
+Made by `willis bids` of masks of vessels. Every participant (and session) has one run of `willis infer`.
+
+- `sub-*.html`: the report of each run; open it in a browser.
+- `sub-*/[ses-*/]anat/*_desc-willis_topology.*`: the plausible topology as GraphML, SWC and VTP, in mm, in the frame of the scanner (RAS).
+- `runs/`: all files of each run, with `edges.csv`, the likelihood matrix and `run.json`, which says how it was made.
+- `group_willis.tsv`: a row for each run, made by the level `group`; `group_willis.json` says what the columns are.
+- `group/cohort.html`: the same as a page, the most uncertain first.
+
+Candidate connections between vessels are kept or cut by their probability. `runs/*/candidates.graphml` has all of them.
+";
+
+/// The dataset to write.
+pub struct Derivative<'a> {
+    folder: &'a Path,
+}
+
+impl<'a> Derivative<'a> {
+    /// The dataset in a folder that is absent, empty, or of willis.
+    ///
+    /// # Errors
+    ///
+    /// A folder with something else in it, or one that is the dataset of the masks.
+    pub fn new(folder: &'a Path, source: &Path) -> Result<Self> {
+        let same = fs::canonicalize(folder).ok().zip(fs::canonicalize(source).ok()).is_some_and(|(a, b)| a == b);
+        if same {
+            return Err(
+                Fault::file("is BIDS_DIR", "expected another folder, such as BIDS_DIR/derivatives/willis").in_file(folder)
+            );
+        }
+        let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        if is_vacant || is_of_willis(folder) {
+            return Ok(Self { folder });
+        }
+        let accepted = "expected a new folder, or a dataset of willis bids to go on with";
+        Err(Fault::file("holds something else", accepted).in_file(folder))
+    }
+
+    /// The folder of all runs.
+    pub fn runs(&self) -> PathBuf {
+        self.folder.join("runs")
+    }
+
+    /// The folder of the table of all runs.
+    pub fn group(&self) -> PathBuf {
+        self.folder.join("group")
+    }
+
+    /// Writes what describes the dataset, and makes the folder of runs.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn describe(&self, dataset: &Dataset, source: &Path) -> Result<()> {
+        let runs = self.runs();
+        fs::create_dir_all(&runs).map_err(write_error(&runs))?;
+        let of = dataset.name().map_or_else(String::new, |name| format!(" of {name}"));
+        let maker = json!({
+            "Name": "willis",
+            "Version": env!("CARGO_PKG_VERSION"),
+            "Description": "Candidate connections between the vessels of a mask, kept or cut by neurovascular resilience and evidence.",
+        });
+        let mut record = json!({
+            "Name": format!("Vessel topology{of} by willis"),
+            "BIDSVersion": BIDS,
+            "DatasetType": "derivative",
+            "GeneratedBy": [maker],
+        });
+        // An absolute path would say on whose machine it was made.
+        if let Some(way) = relative(source, self.folder) {
+            record["SourceDatasets"] = json!([{ "URL": way }]);
+            record["DatasetLinks"] = json!({ "source": way });
+        }
+        self.put("README.md", README.as_bytes())?;
+        self.put(".bidsignore", IGNORED.as_bytes())?;
+        self.put(DESCRIPTION, &text_of(&record))
+    }
+
+    /// The page of a run at the top.
+    fn page(&self, mask: &Mask) -> PathBuf {
+        self.folder.join(format!("{}.html", mask.run()))
+    }
+
+    /// The beginning of the path of the topology of a run.
+    fn topology(&self, mask: &Mask) -> PathBuf {
+        let folder = self.folder.join(&mask.participant);
+        let folder = mask.session.as_ref().map_or_else(|| folder.clone(), |session| folder.join(session)).join("anat");
+        folder.join(format!("{}{TOPOLOGY_NAME}", mask.entities()))
+    }
+
+    /// The files of a run under names of BIDS: in the run, and in the dataset.
+    fn files(&self, mask: &Mask) -> Vec<(String, PathBuf)> {
+        let topology = self.topology(mask).display().to_string();
+        let mut files: Vec<_> =
+            ENDINGS.map(|ending| (format!("{TOPOLOGY}.{ending}"), format!("{topology}.{ending}").into())).into();
+        files.push((PAGE.to_owned(), self.page(mask)));
+        files
+    }
+
+    /// Whether the files of a run stand under names of BIDS.
+    pub fn has(&self, mask: &Mask) -> bool {
+        let run = self.runs().join(mask.run());
+        self.files(mask).iter().all(|(name, path)| path.exists() == run.join(name).exists())
+    }
+
+    /// Puts the files of a run under names of BIDS.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read or written.
+    pub fn export(&self, mask: &Mask, dataset: &Dataset) -> Result<()> {
+        let run = self.runs().join(mask.run());
+        let sidecar = PathBuf::from(format!("{}.json", self.topology(mask).display()));
+        let folder = sidecar.parent().unwrap_or(self.folder);
+        fs::create_dir_all(folder).map_err(write_error(folder))?;
+        for (name, path) in self.files(mask).into_iter().filter(|(name, _)| run.join(name).exists()) {
+            let from = run.join(name);
+            let mut file = fs::File::open(&from).map_err(|source| Error::Read { path: from.clone(), source })?;
+            replace_file(&path, |out| std::io::copy(&mut file, out).map(drop))?;
+        }
+        let record = json!({
+            "Description": "The plausible topology of the vessels: those of the mask, and the candidate connections that are kept; in mm, in the frame of the scanner (RAS).",
+            "Sources": [format!("bids:source:{}", dataset.place_of(&mask.path))],
+        });
+        replace_file(&sidecar, |out| out.write_all(&text_of(&record)))
+    }
+
+    /// Takes away the files of an earlier run under names of BIDS, of whatever mask of the session it was.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses.
+    pub fn clear(&self, mask: &Mask) -> Result<()> {
+        let topology = self.topology(mask);
+        let there = fs::read_dir(topology.parent().unwrap_or(self.folder)).into_iter().flatten().flatten();
+        let is_ours = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().contains(TOPOLOGY_NAME));
+        let paths = there.map(|entry| entry.path()).filter(is_ours).chain([self.page(mask)]);
+        paths.filter(|path| path.exists()).try_for_each(|path| fs::remove_file(&path).map_err(write_error(&path)))
+    }
+
+    /// Writes the table of all runs and its sidecar.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn write_table(&self, columns: &[Column]) -> Result<PathBuf> {
+        let mut table = Vec::new();
+        let path = self.folder.join("group_willis.tsv");
+        write_tsv(&mut table, columns).map_err(write_error(&path))?;
+        self.put("group_willis.tsv", &table)?;
+        self.put("group_willis.json", &text_of(&sidecar(columns)))?;
+        Ok(path)
+    }
+
+    /// Writes a file, which another process that works on other participants may write at the same time.
+    fn put(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        let path = self.folder.join(name);
+        let stands = || fs::read(&path).is_ok_and(|there| there == bytes);
+        if stands() {
+            return Ok(());
+        }
+        let write = || {
+            let file = StagedFile::new(&path, true)?;
+            write_file(&file.path(), |out| out.write_all(bytes))?;
+            file.commit()
+        };
+        write().or_else(|error| if stands() { Ok(()) } else { Err(error) })
+    }
+}
+
+/// JSON for people to read.
+fn text_of(record: &Value) -> Vec<u8> {
+    format!("{record:#}\n").into_bytes()
+}

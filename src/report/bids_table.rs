@@ -1,0 +1,154 @@
+//! The subjects of a cohort as BIDS has tables: TSV with n/a for what is missing, and a JSON sidecar that describes every column.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+use serde_json::{Map, Value, json};
+
+use super::cohort::{Row, cohort_columns};
+use crate::circle_of_willis::{FEEDERS, RING, TERRITORIES};
+use crate::io::{Column, Values, escape_formula};
+
+/// What BIDS writes for a missing value.
+const MISSING: &str = "n/a";
+
+/// The columns of a table of runs: `names` are the participant and the session of each row, and stand for its subject.
+pub fn bids_columns(rows: &[Row], names: &[(String, Option<String>)]) -> Vec<Column> {
+    let mut columns = vec![Column::text("participant_id", names.iter().map(|(participant, _)| participant.clone()))];
+    if names.iter().any(|(_, session)| session.is_some()) {
+        columns.push(Column::text("session_id", names.iter().map(|(_, session)| session.clone().unwrap_or_default())));
+    }
+    columns.extend(cohort_columns(rows).into_iter().filter(|column| column.name != "subject"));
+    columns
+}
+
+/// Writes columns as BIDS has them: tabs between cells, which hold none, and no quotes.
+///
+/// # Errors
+///
+/// The writer's own.
+pub fn write_tsv(out: &mut impl Write, columns: &[Column]) -> io::Result<()> {
+    let mut line = |cells: Vec<Cow<'_, str>>| writeln!(out, "{}", cells.join("\t"));
+    line(columns.iter().map(|column| column.name.clone()).collect())?;
+    for row in 0..columns.first().map_or(0, |column| column.values.len()) {
+        let cell = |column: &Column| {
+            let text = match &column.values {
+                Values::Text(texts) => escape_formula(&texts[row]).replace(char::is_control, " "),
+                numbers => numbers.text(row),
+            };
+            if text.is_empty() { MISSING.into() } else { text.into() }
+        };
+        line(columns.iter().map(cell).collect())?;
+    }
+    Ok(())
+}
+
+/// The sidecar of a table: what the table is, and what each of its columns is.
+pub fn sidecar(columns: &[Column]) -> Value {
+    let mut fields = Map::new();
+    let about =
+        "The connections between the vessels of each scan, and the variant of the Circle of Willis, as willis inferred them.";
+    fields.insert("Description".into(), json!(about));
+    fields.insert("MeasurementToolMetadata".into(), json!({ "Description": format!("willis {}", env!("CARGO_PKG_VERSION")) }));
+    for column in columns {
+        fields.insert(column.name.clone().into_owned(), describe(&column.name).unwrap_or_else(|| json!({})));
+    }
+    fields.into()
+}
+
+/// What a column is; `None` for one that is not known.
+fn describe(column: &str) -> Option<Value> {
+    let text = |about: &str| json!({ "Description": about });
+    let levels = |about: &str, levels: Value| json!({ "Description": about, "Levels": levels });
+    let count = |about: &str| json!({ "Description": about, "Units": "1" });
+    let whole = match column {
+        "participant_id" => text("The participant."),
+        "session_id" => text("The session."),
+        "input" => text("The mask of the vessels; seen from the dataset of the masks where it lies there."),
+        "sha256" => text("The SHA-256 of the mask."),
+        "status" => {
+            let known = json!({ "ok": "The run came to its end.", "failed": "The mask gave no answer." });
+            levels("Whether there is an answer.", known)
+        }
+        "error" => text("Why there is no answer."),
+        "nodes" => count("Nodes of the graph of vessels and candidate connections."),
+        "observed" => count("Vessels that the mask shows."),
+        "candidates" => count("Candidate connections between them."),
+        "kept" => count("Candidate connections that are kept; the rest is cut."),
+        "undecided" => count("Uncertain vessels whose decision is within two standard errors of the threshold."),
+        "components" => count("Connected components of the kept topology."),
+        "cycles" => count("Independent cycles of the kept topology."),
+        "sparsity" => count("Candidate connections that are kept, over all."),
+        "rho_G_W_per_m3" => json!({ "Description": "Mean resilience of the network.", "Units": "W/m^3" }),
+        "expected_wrong" => count("Expected number of wrong connections among those that are kept, by their probabilities."),
+        "expected_missed" => count("Expected number of true connections among those that are cut, by their probabilities."),
+        "wall_s" => json!({ "Description": "Time that the run took; it differs from run to run.", "Units": "s" }),
+        "variant" => text("The variant of the Circle of Willis."),
+        "completeness" => text("Which parts of the Circle of Willis are closed."),
+        "p_variant" => count("The probability of the variant."),
+        "margin" => count("The probability of the variant minus that of the next."),
+        _ => Value::Null,
+    };
+    if !whole.is_null() {
+        return Some(whole);
+    }
+    let is_segment = |name: &str| RING.iter().any(|artery| artery.to_string() == name);
+    let is_feeder = |name: &str| FEEDERS.iter().any(|artery| artery.to_string() == name);
+    let is_there = || json!({ "0": "No.", "1": "Yes." });
+    if is_segment(column) {
+        return Some(levels(&format!("Whether the segment {column} of the Circle of Willis is there."), is_there()));
+    }
+    if let Some(segment) = column.strip_prefix("p_").filter(|name| is_segment(name)) {
+        return Some(count(&format!("The probability that the segment {segment} of the Circle of Willis is there.")));
+    }
+    if let Some(artery) = column.strip_prefix("fetal_") {
+        return Some(levels(&format!("Whether {artery}, a posterior cerebral artery, is of fetal type."), is_there()));
+    }
+    if let Some(feeder) = column.strip_prefix("takes_over_").filter(|name| is_feeder(name)) {
+        return Some(text(&format!("The communicating artery that takes over when {feeder} is lost.")));
+    }
+    let (territory, feeder) = column.split_once("_without_").filter(|(_, feeder)| is_feeder(feeder))?;
+    let is_territory = TERRITORIES.iter().any(|artery| artery.to_string() == territory);
+    is_territory.then(|| count(&format!("The share of its flow that {territory} keeps when {feeder} is lost.")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::cohort::{Cell, infer_figures};
+
+    fn row(figures: Result<Vec<(Cow<'static, str>, Cell)>, String>) -> Row {
+        Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), page: None, figures }
+    }
+
+    /// A record with everything that makes columns: a circle with probabilities, and what is lost with each feeder.
+    #[test]
+    fn every_column_is_described() {
+        let feeders = FEEDERS.map(|feeder| (feeder.to_string(), json!({ "takes_over": "AComm", "residual": {} })));
+        let record = json!({ "phenotype": { "probabilities": {} }, "collateral": Map::from_iter(feeders) });
+        let columns = bids_columns(&[row(Ok(infer_figures(&record)))], &[("sub-01".into(), Some("ses-a".into()))]);
+        assert!(columns.len() > 50, "{}", columns.len());
+        let sidecar = sidecar(&columns);
+        for column in &columns {
+            let about = sidecar[&*column.name]["Description"].as_str().unwrap_or_default();
+            assert!(about.ends_with('.'), "{} is not described", column.name);
+        }
+        assert_eq!(describe("p_L-M1"), None);
+        assert_eq!(describe("L-A1_without_L-M1"), None);
+    }
+
+    #[test]
+    fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
+        let rows = [
+            row(Ok(vec![("kept".into(), Cell::Number(f64::NAN)), ("margin".into(), Cell::Number(-0.5))])),
+            row(Err("no".into())),
+        ];
+        let columns = bids_columns(&rows, &[("sub-01".into(), None), ("sub-02".into(), None)]);
+        let mut table = Vec::new();
+        write_tsv(&mut table, &columns).expect("written");
+        let wanted = "participant_id\tinput\tsha256\tstatus\terror\tkept\tmargin\n\
+            sub-01\ta b\tn/a\tok\tn/a\tn/a\t-0.5\n\
+            sub-02\ta b\tn/a\tfailed\tno\tn/a\tn/a\n";
+        assert_eq!(String::from_utf8(table).expect("text"), wanted);
+    }
+}

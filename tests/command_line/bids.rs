@@ -1,0 +1,298 @@
+//! `willis bids`: a dataset of masks drawn here, through both levels; what stands there is held against the rules of BIDS, and by its
+//! validator where `WILLIS_PYTHON` has one.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::command::{folder, stderr, willis};
+
+/// A mask of 36 x 14 x 7 voxels of half a millimetre as NIfTI-1: a tube of radius 2 along x with a gap of 4 voxels.
+fn draw(path: &Path) {
+    let mut bytes = vec![0_u8; 352];
+    bytes[..4].copy_from_slice(&348_i32.to_le_bytes());
+    let mut put = |at: usize, values: &[u8]| bytes[at..at + values.len()].copy_from_slice(values);
+    let shape: Vec<u8> = [3_i16, 36, 14, 7, 1, 1, 1, 1].iter().flat_map(|n| n.to_le_bytes()).collect();
+    put(40, &shape);
+    // Eight bits without a sign.
+    put(70, &[2, 0, 8, 0]);
+    let spacing: Vec<u8> = [1_f32, 0.5, 0.5, 0.5].iter().flat_map(|x| x.to_le_bytes()).collect();
+    put(76, &spacing);
+    put(108, &352_f32.to_le_bytes());
+    put(112, &1_f32.to_le_bytes());
+    // Millimetres; an sform of half a millimetre along each axis.
+    put(123, &[2]);
+    put(254, &[1, 0]);
+    for row in 0..3 {
+        put(280 + 20 * row, &0.5_f32.to_le_bytes());
+    }
+    put(344, b"n+1\0");
+    for n in 0..36 * 14 * 7 {
+        let [x, y, z] = [n % 36, n / 36 % 14, n / (36 * 14)].map(f64::from);
+        let tube = (4.0..=31.0).contains(&x) && (y - 6.0).hypot(z - 3.0) <= 2.0;
+        bytes.push(u8::from(tube && !(16.0..20.0).contains(&x)));
+    }
+    fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+    fs::write(path, bytes).expect("written");
+}
+
+/// A dataset with these files; those of `derivatives` are masks.
+fn dataset(files: &[&str]) -> TempDir {
+    let here = folder();
+    let root = here.path().join("study");
+    fs::create_dir_all(&root).expect("made");
+    fs::write(root.join("dataset_description.json"), r#"{"Name": "Study", "BIDSVersion": "1.10.0"}"#).expect("written");
+    for file in files {
+        let path = root.join(file);
+        if file.ends_with('/') {
+            fs::create_dir_all(path).expect("made");
+        } else {
+            draw(&path);
+        }
+    }
+    here
+}
+
+const A: &str = "derivatives/net/sub-01/ses-a/anat/sub-01_ses-a_acq-tof_desc-vessels_mask.nii";
+const B: &str = "derivatives/net/sub-01/ses-b/anat/sub-01_ses-b_acq-tof_desc-vessels_mask.nii";
+const TWO: &str = "derivatives/net/sub-02/anat/sub-02_label-Artery_dseg.nii";
+const BRAIN: &str = "derivatives/net/sub-02/anat/sub-02_desc-brain_mask.nii";
+const OUT: &str = "study/derivatives/willis";
+
+/// The status, and what was said on standard error.
+fn bids(here: &TempDir, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = willis(here.path(), &[&["bids", "study", OUT], arguments].concat());
+    (output.status.code(), stderr(&output))
+}
+
+fn participant(here: &TempDir, more: &[&str]) -> String {
+    let (status, said) = bids(here, &[&["participant", "-n", "64"], more].concat());
+    assert_eq!(status, Some(0), "{said}");
+    said
+}
+
+fn refused(here: &TempDir, arguments: &[&str], wanted: &[&str]) {
+    let (status, said) = bids(here, arguments);
+    let is_said = wanted.iter().all(|word| said.contains(word));
+    assert!(status == Some(2) && said.lines().count() == 1 && is_said, "{arguments:?}: {status:?} {said}");
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
+}
+
+/// The table of the group, by rows of cells, the header first.
+fn table(here: &TempDir) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(here.path().join(OUT).join("group_willis.tsv")).expect("a table");
+    text.lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect()
+}
+
+/// What the validator of BIDS calls an error in a dataset; `None` without it.
+fn faults(dataset: &Path) -> Option<String> {
+    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+        eprintln!("skipped: WILLIS_PYTHON names no Python with tests/requirements.txt");
+        return None;
+    };
+    let validator = Path::new(&python).with_file_name("bids-validator-deno");
+    let Ok(output) = Command::new(&validator).args(["--format", "json"]).arg(dataset).output() else {
+        eprintln!("skipped: no {}", validator.display());
+        return None;
+    };
+    let report: Value = serde_json::from_slice(&output.stdout).expect("a report");
+    let issues = report["issues"]["issues"].as_array().expect("issues");
+    let faults = issues.iter().filter(|issue| issue["severity"] == "error").map(Value::to_string);
+    Some(faults.collect::<Vec<_>>().join("\n"))
+}
+
+#[test]
+fn both_levels_make_a_dataset_of_bids() {
+    let here = dataset(&[A, B, TWO, BRAIN, "sub-03/anat/"]);
+    let said = participant(&here, &[]);
+    assert!(
+        said.contains("3 masks of 2 participants, in derivatives/net: desc-vessels_mask, derivatives/net: label-Artery_dseg"),
+        "{said}"
+    );
+    assert!(said.contains("no mask of vessels of sub-03") && said.contains("3 runs"), "{said}");
+    let out = here.path().join(OUT);
+    for (run, stem) in [
+        ("sub-01_ses-a", "sub-01/ses-a/anat/sub-01_ses-a_acq-tof"),
+        ("sub-01_ses-b", "sub-01/ses-b/anat/sub-01_ses-b_acq-tof"),
+        ("sub-02", "sub-02/anat/sub-02_label-Artery"),
+    ] {
+        let same = |name: &str, of_run: &str| {
+            let [one, two] =
+                [out.join(name), out.join("runs").join(run).join(of_run)].map(|path| fs::read(path).expect("a file"));
+            assert!(one == two && !one.is_empty(), "{name}");
+        };
+        for ending in ["graphml", "swc", "vtp"] {
+            same(&format!("{stem}_desc-willis_topology.{ending}"), &format!("topology.{ending}"));
+        }
+        same(&format!("{run}.html"), "report.html");
+        // What BIDS calls its sources are files of the dataset that the link leads to.
+        let sidecar = json(&out.join(format!("{stem}_desc-willis_topology.json")));
+        let source = sidecar["Sources"][0].as_str().and_then(|uri| uri.strip_prefix("bids:source:")).expect("a URI");
+        let link = json(&out.join("dataset_description.json"))["DatasetLinks"]["source"].as_str().expect("a link").to_owned();
+        assert!(out.join(link).join(source).is_file(), "{source}");
+    }
+    let about = json(&out.join("dataset_description.json"));
+    assert_eq!((&about["DatasetType"], &about["GeneratedBy"][0]["Name"]), (&"derivative".into(), &"willis".into()));
+    assert!(about["BIDSVersion"].is_string() && about["Name"].as_str().is_some_and(|name| name.contains("Study")));
+
+    let (status, said) = bids(&here, &["group"]);
+    assert!(status == Some(0) && said.contains("no run of sub-03"), "{said}");
+    let rows = table(&here);
+    let names: Vec<&[String]> = rows.iter().map(|row| &row[..2]).collect();
+    assert_eq!(names, [["participant_id", "session_id"], ["sub-01", "ses-a"], ["sub-01", "ses-b"], ["sub-02", "n/a"]]);
+    let sidecar = json(&out.join("group_willis.json"));
+    for (at, column) in rows[0].iter().enumerate() {
+        assert!(sidecar[column]["Description"].as_str().is_some_and(|about| !about.is_empty()), "{column}");
+        assert!(rows.iter().all(|row| row.len() == rows[0].len() && !row[at].is_empty()), "{column}");
+    }
+    // The same figures as the run of the mask alone has.
+    let at = |column: &str| rows[0].iter().position(|name| name == column).expect("a column");
+    let record = json(&out.join("runs/sub-02/run.json"));
+    assert_eq!(rows[3][at("candidates")], record["counts"]["candidates"].to_string());
+    assert_eq!(rows[3][at("sha256")], record["input"]["sha256"].as_str().expect("a sum"));
+    assert_eq!(rows[3][at("input")], TWO);
+    let page = fs::read_to_string(out.join("group/cohort.html")).expect("a page");
+    assert!(page.contains("../runs/sub-02/report.html"));
+    assert!(faults(&out).is_none_or(|faults| faults.is_empty()), "{:?}", faults(&out));
+}
+
+/// A table of one session each is one that the validator knows, as `phenotype/NAME.tsv`.
+#[test]
+fn the_table_is_one_of_bids() {
+    let here = dataset(&[TWO, "derivatives/net/sub-01/anat/sub-01_desc-vessels_mask.nii"]);
+    participant(&here, &[]);
+    assert_eq!(bids(&here, &["group"]).0, Some(0));
+    assert_eq!(table(&here)[0][..2], ["participant_id", "input"]);
+    let out = here.path().join(OUT);
+    fs::create_dir(out.join("phenotype")).expect("made");
+    for ending in ["tsv", "json"] {
+        fs::copy(out.join(format!("group_willis.{ending}")), out.join(format!("phenotype/willis.{ending}"))).expect("copied");
+    }
+    assert!(faults(&out).is_none_or(|faults| faults.is_empty()), "{:?}", faults(&out));
+    // A test of the test: the validator sees a fault.
+    fs::write(out.join("phenotype/willis.tsv"), "kept\n1\n").expect("written");
+    assert!(faults(&out).is_none_or(|faults| faults.contains("TSV_COLUMN_MISSING")), "{:?}", faults(&out));
+}
+
+#[test]
+fn participants_are_made_one_by_one_and_never_twice() {
+    let here = dataset(&[A, B, TWO]);
+    let out = here.path().join(OUT);
+    let said = participant(&here, &["--participant-label", "sub-02"]);
+    assert!(said.contains("1 mask of 1 participant") && !out.join("sub-01").exists(), "{said}");
+    let of_two = fs::read(out.join("runs/sub-02/run.json")).expect("a run");
+    let said = participant(&here, &["--participant_label", "01", "02", "--session-label", "b"]);
+    assert!(said.contains("1 mask of 1 participant") && !out.join("runs/sub-01_ses-a").exists(), "{said}");
+    // By another way to the same files.
+    let arguments = ["bids", ".", "derivatives/willis", "participant", "-n", "64"];
+    let output = willis(&here.path().join("study"), &arguments);
+    let said = stderr(&output);
+    assert!(output.status.success() && said.contains("2 of 3 runs done already"), "{said}");
+    assert_eq!(fs::read(out.join("runs/sub-02/run.json")).expect("a run"), of_two);
+    // The line of a run makes its files again.
+    let command = json(&out.join("runs/sub-02/run.json"))["command"].as_str().expect("a command").to_owned();
+    assert_eq!(command, format!("willis infer study/{TWO} -n 64 -o again"));
+    let again: Vec<&str> = command.split(' ').skip(1).collect();
+    assert!(willis(here.path(), &again).status.success());
+    let [one, two] = ["again", "study/derivatives/willis/runs/sub-02"].map(|run| here.path().join(run).join("edges.csv"));
+    assert_eq!(fs::read(one).expect("a table"), fs::read(two).expect("a table"));
+
+    // Names of BIDS that are lost come back without a run.
+    fs::remove_file(out.join("sub-02.html")).expect("removed");
+    participant(&here, &[]);
+    assert!(out.join("sub-02.html").exists());
+    refused(&here, &["participant", "-n", "128"], &["sub-01_ses-a", "samples was 64, now 128", "--force"]);
+    assert_eq!(fs::read(out.join("runs/sub-02/run.json")).expect("a run"), of_two);
+    let (status, said) = bids(&here, &["participant", "-n", "128", "--participant-label", "02", "--force"]);
+    assert!(status == Some(0), "{said}");
+    refused(&here, &["group"], &["samples 128, where", "has 64"]);
+    let (status, said) = bids(&here, &["group", "--participant-label", "02"]);
+    assert!(status == Some(0) && table(&here).len() == 2, "{said}");
+}
+
+#[test]
+fn a_mask_without_an_answer_is_a_row() {
+    let here = dataset(&[A, TWO]);
+    fs::write(here.path().join("study").join(A), b"no image").expect("written");
+    let (status, said) = bids(&here, &["participant", "-n", "64"]);
+    assert!(status == Some(1) && said.contains("1 of 2 subjects failed"), "{said}");
+    assert_eq!(bids(&here, &["group"]).0, Some(0));
+    let rows = table(&here);
+    let at = |column: &str| rows[0].iter().position(|name| name == column).expect("a column");
+    assert_eq!([&rows[1][at("status")], &rows[2][at("status")]], ["failed", "ok"]);
+    assert!(rows[1][at("error")].contains("sub-01_ses-a") && rows[1][at("kept")] == "n/a" && rows[2][at("error")] == "n/a");
+    // Mended, it is made; the other is not made again.
+    draw(&here.path().join("study").join(A));
+    let said = participant(&here, &[]);
+    assert!(said.contains("1 of 2 runs done already") && here.path().join(OUT).join("sub-01_ses-a.html").exists(), "{said}");
+}
+
+#[test]
+fn masks_are_found_by_what_their_names_say() {
+    // The entities of an angiogram alone are enough, those of two images are not.
+    let plain = "derivatives/net/sub-01/anat/sub-01_acq-tof_mask.nii";
+    let angiogram = "sub-01/anat/sub-01_acq-tof_angio.nii";
+    participant(&dataset(&[plain, angiogram]), &[]);
+    let none = ["study: no mask of vessels", "derivatives/net/sub-01/anat/sub-01_acq-tof_mask.nii does not say so"];
+    refused(&dataset(&[plain, angiogram, "sub-01/anat/sub-01_acq-tof_T1w.nii"]), &["participant"], &none);
+    refused(&dataset(&[plain]), &["participant"], &none);
+    // A mask of a brain is one only for a person who says so.
+    let here = dataset(&[BRAIN, A]);
+    refused(&here, &["participant", "--participant-label", "02"], &["no mask of vessels of sub-02", "--filter desc=brain"]);
+    assert!(participant(&here, &["--filter", "desc=brain"]).contains("desc-brain_mask"));
+    // Masks of the dataset itself.
+    let here = dataset(&["sub-01/anat/sub-01_desc-arteries_mask.nii"]);
+    assert!(participant(&here, &[]).contains("BIDS_DIR: desc-arteries_mask"));
+    // Nothing that willis wrote is read as a mask, wherever it lies.
+    let output = willis(here.path(), &["bids", "study", "study/derivatives/second", "participant", "-n", "64", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn one_of_several_masks_is_chosen() {
+    let one = "derivatives/net/sub-01/anat/sub-01_run-1_desc-vessels_mask.nii";
+    let two = "derivatives/net/sub-01/anat/sub-01_run-2_desc-vessels_mask.nii";
+    let here = dataset(&[one, two]);
+    refused(&here, &["participant"], &["2 masks could be meant for sub-01", one, two, "--filter run=1"]);
+    assert!(!here.path().join(OUT).exists());
+    participant(&here, &["--filter", "run=1"]);
+    refused(&here, &["participant", "--filter", "run=2", "-n", "64"], &["the run of another mask", one, "--force"]);
+    participant(&here, &["--filter", "run=2", "--force"]);
+    let anatomy = here.path().join(OUT).join("sub-01/anat");
+    assert!(anatomy.join("sub-01_run-2_desc-willis_topology.vtp").exists());
+    assert!(!anatomy.join("sub-01_run-1_desc-willis_topology.vtp").exists());
+    let copy = "derivatives/other/sub-01/anat/sub-01_desc-vessels_mask.nii";
+    let here = dataset(&[copy, "derivatives/net/sub-01/anat/sub-01_desc-vessels_mask.nii"]);
+    refused(&here, &["participant"], &["--filter pipeline=net"]);
+    assert!(participant(&here, &["--filter", "pipeline=other"]).contains("derivatives/other"));
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused() {
+    let here = dataset(&[A, TWO]);
+    let no_such = ["--participant-label sub-07: no such folder; there are sub-01, sub-02"];
+    refused(&here, &["participant", "--participant-label", "07"], &no_such);
+    refused(&here, &["participant", "--session-label", "c"], &["--session-label ses-c: no such folder; there are ses-a"]);
+    refused(&here, &["participant", "--filter", "vessels"], &["--filter", "desc=vessels"]);
+    refused(&here, &["participant", "--epsilon", "0.2,0.5"], &["--epsilon 0.2,0.5"]);
+    refused(&here, &["group"], &["no run of a participant", "participant first"]);
+    refused(&here, &["both"], &["both", "participant, group"]);
+    assert!(!here.path().join(OUT).exists());
+    let with = |source: &str, out: &str, wanted: &str| {
+        let output = willis(here.path(), &["bids", source, out, "participant"]);
+        let said = stderr(&output);
+        assert!(output.status.code() == Some(2) && said.lines().count() == 1 && said.contains(wanted), "{said}");
+    };
+    with("absent", "out", "absent: no such folder");
+    with("study/derivatives/net/sub-01", "out", "no participant");
+    with("study", "study", "is BIDS_DIR");
+    with("study", "study/derivatives", "holds something else");
+    participant(&here, &["--participant-label", "02"]);
+    refused(&here, &["group", "--participant-label", "01"], &["--participant-label sub-01: no such folder; there are sub-02"]);
+}
