@@ -8,6 +8,8 @@ use super::features::smoothing::steady;
 /// The step is so many times the radius that a quarter of the length falls short of: about one and a half voxels of a skeleton.
 const STEP_RADII: f64 = std::f64::consts::SQRT_2;
 const NARROW: f64 = 0.25;
+/// How often the range of radii is halved to find that radius.
+const HALVINGS: usize = 50;
 /// More points than this are not made: a step is no shorter than this share of the whole length.
 const MOST_POINTS: f64 = 4e6;
 
@@ -74,19 +76,30 @@ fn as_it_is(vessel: &Vessel) -> (Vec<PathPoint>, Vec<PathPlace>) {
 /// The step of a network's observed vessels, m: √2 times the radius that the narrowest quarter of their length has at most. It follows
 /// the width of thin vessels, which is the resolution of an image where they are one voxel wide, and not the points.
 pub fn step_of(network: &Network) -> f64 {
-    let mut stretches: Vec<(f64, f64)> = Vec::new();
+    // Radii at the two ends of each stretch, the smaller first, and its length. In between the radius is linear, as in more points.
+    let mut stretches: Vec<([f64; 2], f64)> = Vec::new();
     for (_, vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
-        let steps = vessel.path.windows(2).map(|w| (0.5 * (w[0].radius + w[1].radius), distance(w[0].position, w[1].position)));
-        stretches.extend(steps.filter(|(radius, length)| *radius > 0.0 && *length > 0.0));
+        let steps = vessel.path.windows(2).map(|w| {
+            let radii = [w[0].radius, w[1].radius];
+            ([radii[0].min(radii[1]), radii[0].max(radii[1])], distance(w[0].position, w[1].position))
+        });
+        stretches.extend(steps.filter(|(radii, length)| radii[0] > 0.0 && *length > 0.0));
     }
-    stretches.sort_by(|a, b| a.0.total_cmp(&b.0));
     let whole: f64 = stretches.iter().map(|(_, length)| length).sum();
-    let mut passed = 0.0;
-    let narrow = stretches.iter().find(|(_, length)| {
-        passed += length;
-        passed >= NARROW * whole
-    });
-    narrow.map_or(1.0, |(radius, _)| (STEP_RADII * radius).max(whole / MOST_POINTS))
+    let narrower = |radius: f64| {
+        let share =
+            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
+        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
+    };
+    let (mut low, mut high) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
+    if high <= 0.0 {
+        return 1.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        (low, high) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, high) };
+    }
+    steady(STEP_RADII * high).max(whole / MOST_POINTS)
 }
 
 /// Points at equal distances along a path, about one step apart, with their places on it.

@@ -144,7 +144,9 @@ impl TrainArgs {
         if self.folds > 0 {
             let (models, figures) =
                 cross_validate_joins(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
-            figures.iter().for_each(|figures| say_join_figures(terminal, figures));
+            for of in &figures {
+                say_join_figures(terminal, of);
+            }
             model.provenance.figures = figures;
             folds = if self.save_folds { models } else { folds };
         }

@@ -88,9 +88,10 @@ pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result
     Ok(decide(rule, network, result)?.undecided.is_empty())
 }
 
-/// The probability of each vessel, which a rule asks for.
+/// The probability of each vessel, which a rule asks for. Without a candidate there is nothing to ask.
 fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
-    if has_evidence(network) {
+    let nothing_to_ask = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed || vessel.certain);
+    if has_evidence(network) || nothing_to_ask {
         return Ok(probabilities(network));
     }
     let accepted = "asks for probabilities, which come with the evidence model on centerlines, or as probability in a graph";

@@ -41,8 +41,10 @@ impl Mask {
     /// a result does not depend on how the file orders its axes.
     #[must_use]
     pub fn in_scanner_order(self) -> Self {
-        let source = axes_by_direction(&self.affine);
-        let flipped = [0, 1, 2].map(|axis| self.affine[axis][source[axis]] < 0.0);
+        // The new axes 0, 1, 2 are the scanner's z, y, x: the last one varies slowest, as in the arrays that nibabel makes.
+        let by_direction = axes_by_direction(&self.affine);
+        let source = [2, 1, 0].map(|direction| by_direction[direction]);
+        let flipped = [0, 1, 2].map(|axis| self.affine[2 - axis][source[axis]] < 0.0);
         if source == [0, 1, 2] && flipped == [false; 3] {
             return self;
         }

@@ -208,7 +208,8 @@ impl Tracer<'_> {
         Line { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
     }
 
-    /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen.
+    /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen. Draws ends
+    /// at the border of the image out to it.
     /// Returns whether each node is a free end whose lumen reaches the border of the image.
     fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) -> Vec<bool> {
         let mut at_border = vec![false; graph.nodes.len()];
@@ -286,9 +287,7 @@ impl Tracer<'_> {
         let step = self.step();
         for (branch, line) in graph.branches.iter().zip(lines) {
             for (is_last, end) in [(false, branch.ends[0]), (true, branch.ends[1])] {
-                if direction[end].is_none() {
-                    continue;
-                }
+                let Some((tip, to)) = direction[end] else { continue };
                 let n = line.points.len();
                 // As far as the volume beyond the end goes in a lumen as wide as behind it.
                 let behind: Vec<usize> = if is_last { (0..n - 1).rev().collect() } else { (1..n).collect() };
@@ -298,6 +297,10 @@ impl Tracer<'_> {
                 let at = if is_last { n - 1 } else { 0 };
                 let out = beyond[end] / area;
                 line.lengths[at] += out;
+                // Where the vessel goes on outside the image, so does its line up to there.
+                if at_border[end] {
+                    line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
+                }
             }
         }
         at_border

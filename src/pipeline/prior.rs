@@ -14,7 +14,7 @@ use crate::candidates::joins::model::JoinModel;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
 use crate::candidates::{CandidateOptions, NEAREST, build, build_joins, build_with_evidence};
-use crate::decision::{BEST_FIRST, Keep, ROOT_FACTOR, knows_fragments};
+use crate::decision::{BEST_FIRST, Keep, ROOT_FACTOR, has_evidence, knows_fragments};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
@@ -157,6 +157,7 @@ impl LoadedPrior {
         match self {
             Self::Joins { .. } => Keep::BestFirst(BEST_FIRST),
             _ if knows_fragments(graph) => Keep::Probable(ROOT_FACTOR),
+            _ if has_evidence(graph) => Keep::BestFirst(BEST_FIRST),
             _ => Keep::Median,
         }
     }

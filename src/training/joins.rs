@@ -20,13 +20,13 @@ use crate::error::{Error, Result};
 use crate::support::in_order;
 use crate::support::statistics::sigmoid;
 
-/// Boosting: trees, leaves of each, learning rate, penalty, least sum of p(1-p) in a leaf, share of the features a tree sees.
-const TREES: usize = 160;
-const LEAVES: usize = 12;
-const DEPTH: usize = 8;
-const RATE: f32 = 0.06;
+/// Boosting: trees, leaves and depth of each, learning rate, penalty, least sum of p(1-p) in a leaf, share of the features a tree sees.
+const TREES: usize = 300;
+const LEAVES: usize = 16;
+const DEPTH: usize = 12;
+const RATE: f32 = 0.05;
 const L2: f32 = 20.0;
-const LEAST_LEAF: f32 = 2.0;
+const LEAST_LEAF: f32 = 1.5;
 const FEATURE_SHARE: f64 = 0.5;
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -101,7 +101,9 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     let mut scores: Vec<Vec<f64>> = vec![Vec::new(); examples.len()];
     for held in 0..INNER {
         let trees = boost(examples, &firsts, &without(held))?;
-        within(held).into_iter().for_each(|at| scores[at] = trees.scores(firsts[at]));
+        for at in within(held) {
+            scores[at] = trees.scores(firsts[at]);
+        }
     }
     progress("pass 1, out of fold");
     let seconds = in_order(examples, |at, e| e.table.second(&scores[at]));

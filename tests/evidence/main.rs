@@ -13,6 +13,7 @@ mod vessels;
 
 mod candidates;
 mod features;
+mod joins;
 mod prior;
 mod prior_command;
 mod reference;

@@ -151,7 +151,7 @@ impl JoinModel {
             return Err(Fault::item("kind", file.kind, "expected skeleton"));
         }
         let names = join_feature_names();
-        for (have, expected) in file.features.iter().zip(&names).filter(|(have, expected)| have != *expected) {
+        if let Some((have, expected)) = file.features.iter().zip(&names).find(|(have, expected)| have != *expected) {
             let meant = did_you_mean(have, names.iter().copied());
             return Err(Fault::item("features", format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
         }
@@ -163,8 +163,8 @@ impl JoinModel {
         }
         let [first, second] = file.pass;
         let provenance = JoinProvenance { figures: file.figures, ..file.provenance };
-        let first = boosted("pass 1", first, names.len())?;
-        let second = boosted("pass 2", second, names.len() + SECOND_FEATURES.len())?;
+        let first = boosted("pass 1", &first, names.len())?;
+        let second = boosted("pass 2", &second, names.len() + SECOND_FEATURES.len())?;
         Ok(Self { first, second, calibration: file.calibration, provenance })
     }
 
@@ -224,7 +224,7 @@ impl JoinModel {
     }
 }
 
-fn boosted(place: &str, entry: PassEntry, columns: usize) -> Result<Boosted, Fault> {
+fn boosted(place: &str, entry: &PassEntry, columns: usize) -> Result<Boosted, Fault> {
     if !entry.start.is_finite() {
         return Err(Fault::item(place, entry.start.to_string(), "expected a finite start"));
     }

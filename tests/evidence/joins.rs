@@ -1,0 +1,277 @@
+//! Joins on skeletons: points at one step, courses, the file of the model, the choice of the model, and the same answer for any spacing.
+
+use std::f64::consts::FRAC_PI_2;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use crate::command::{folder, stderr, willis};
+use crate::refused::{contents, refused};
+use willis::internals::candidates::features::Extraction;
+use willis::internals::candidates::joins::course::Course;
+use willis::internals::candidates::joins::features::join_feature_names;
+use willis::internals::candidates::joins::model::JoinModel;
+use willis::internals::candidates::resample::{Resampled, step_of};
+use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
+use willis::internals::support::geometry::{Point, distance};
+
+/// A network of separate vessels, each through points (mm) of a radius (mm).
+fn vessels(lines: &[(Vec<Point>, f64)]) -> Network {
+    let mut network = Network::new();
+    for (points, radius) in lines {
+        let path: Vec<PathPoint> =
+            points.iter().map(|p| PathPoint { position: p.map(|x| x / 1e3), radius: radius / 1e3, id: None }).collect();
+        let ends = [path[0], path[path.len() - 1]].map(|p| {
+            let id = network.node_count().to_string();
+            network.add_node(Node { id, position: Some(p.position), radius: Some(p.radius), ..Node::default() })
+        });
+        network.add_vessel(ends, Vessel::along(path, RadiusRule::Mean));
+    }
+    network
+}
+
+fn straight(from: Point, to: Point, steps: usize) -> Vec<Point> {
+    (0..=steps).map(|i| [0, 1, 2].map(|k| from[k] + (to[k] - from[k]) * i as f64 / steps as f64)).collect()
+}
+
+#[test]
+fn the_step_is_set_by_the_thin_quarter_of_the_length_and_not_by_the_points() {
+    // 30 mm of radius 0.5 and 70 mm of radius 2: a quarter of 100 mm lies within the thin vessel.
+    for steps in [1, 10, 500] {
+        let network = vessels(&[
+            (straight([0.0; 3], [30.0, 0.0, 0.0], steps), 0.5),
+            (straight([0.0, 9.0, 0.0], [70.0, 9.0, 0.0], 3 * steps), 2.0),
+        ]);
+        assert!((step_of(&network) / (0.5e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{steps}");
+    }
+    // With 20 mm of the thin one a quarter reaches into the wide one.
+    let network =
+        vessels(&[(straight([0.0; 3], [20.0, 0.0, 0.0], 9), 0.5), (straight([0.0, 9.0, 0.0], [80.0, 9.0, 0.0], 9), 2.0)]);
+    assert!((step_of(&network) / (2e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn points_lie_on_the_path_at_equal_distances_and_know_their_places() {
+    // A right angle: 3 mm along x, 4 mm along y, of radius 1: five steps of 1.4 mm.
+    let corner = vec![[0.0; 3], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]];
+    let network = vessels(&[(corner, 1.0)]);
+    let resampled = Resampled::new(&network);
+    let path = &resampled.network.vessel(0).path;
+    let truth = [[0.0, 0.0], [1.4, 0.0], [2.8, 0.0], [3.0, 1.2], [3.0, 2.6], [3.0, 4.0]];
+    assert_eq!(path.len(), truth.len());
+    for (n, (point, [x, y])) in path.iter().zip(truth).enumerate() {
+        assert!(distance(point.position, [x / 1e3, y / 1e3, 0.0]) < 1e-12, "{n}: {:?}", point.position);
+        let place = resampled.place(0, n);
+        assert!(distance(place.on(&network.vessel(0).path).position, point.position) < 1e-15);
+    }
+    // The third place is 0.2 mm before the corner, the fourth behind it.
+    assert_eq!([resampled.place(0, 2).point, resampled.place(0, 3).point], [0, 1]);
+}
+
+#[test]
+fn a_course_knows_direction_and_curvature() {
+    // A quarter of a circle of 20 mm in the plane, from (20, 0) to (0, 20), and of radius 0.5; its free end is left along -y.
+    let arc: Vec<Point> =
+        (0..=200).map(|i| f64::from(i) / 200.0 * FRAC_PI_2).map(|a| [20.0 * a.cos(), 20.0 * a.sin(), 0.0]).collect();
+    let resampled = Resampled::new(&vessels(&[(arc, 0.5)]));
+    let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step)).expect("positions");
+    let course = Course::new(&extraction, 0);
+    // It is fitted over 16 spacings and 6 radii; the chord of so long an arc turns by half of its angle from the tangent at the end.
+    let half = 0.5 * (16.0 * resampled.step * 1e3 + 3.0) / 20.0;
+    let off = |direction: Point| direction[0].atan2(-direction[1]);
+    assert!(
+        course.tip_direction[2].abs() < 1e-12 && (0.0..0.9 * half).contains(&off(course.tip_direction)),
+        "{:?}",
+        course.tip_direction
+    );
+    // The longer the stretch, the further its direction turns.
+    let turns = course.directions.map(off);
+    assert!(turns.windows(2).all(|w| 0.0 < w[0] && w[0] < w[1]) && turns[3] > half, "{turns:?} {half}");
+    // Less than half of 1/20 mm, towards the centre: the ridge takes some.
+    let bend = course.curvature[0] * 1e-3;
+    assert!((-0.5 / 20.0..0.0).contains(&bend), "{bend}");
+    assert!(course.length == course.first_run && (course.far_radius / course.tip_radius - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_model_is_read_as_it_was_written_and_faults_are_named() {
+    let shipped = JoinModel::shipped().expect("the model that ships");
+    let mut bytes = Vec::new();
+    shipped.write(&mut bytes).expect("memory");
+    let text = String::from_utf8(bytes).expect("text");
+    assert_eq!(JoinModel::read(&text).expect("a model"), *shipped);
+    let wrong = |from: &str, to: &str, words: &[&str]| {
+        let fault = JoinModel::read(&text.replacen(from, to, 1)).expect_err(from);
+        let fault = fault.in_file(Path::new("model.toml")).to_string();
+        for word in words {
+            assert!(fault.contains(word), "{word}: {fault}");
+        }
+    };
+    wrong("\"log_gap\"", "\"log_gasp\"", &["features", "\"log_gasp\"", "did you mean \"log_gap\""]);
+    wrong("kind = \"skeleton\"", "kind = \"skeletons\"", &["kind", "skeletons"]);
+    wrong("trees = [\n    \"", "trees = [\n    \"9999<0 1 2\",\n    \"", &["pass 1 tree 1", "feature 9999"]);
+    wrong("trees = [\n    \"", "trees = [\n    \"1<0 1\",\n    \"", &["pass 1 tree 1", "do not match"]);
+    wrong("calibration = [", "calibration = [nan, ", &["expected"]);
+    assert_eq!(join_feature_names().len(), join_feature_names().iter().collect::<std::collections::BTreeSet<_>>().len());
+}
+
+/// The kept candidates of a run: the middle of each, in units of 0.1 mm, in order.
+fn kept(folder: &Path) -> Vec<[i64; 3]> {
+    let table = fs::read_to_string(folder.join("edges.csv")).expect("a table");
+    let mut rows = table.lines();
+    let columns: Vec<&str> = rows.next().expect("a heading").split(',').collect();
+    let column = |name: &str| columns.iter().position(|c| *c == name).unwrap_or_else(|| panic!("{name}: {columns:?}"));
+    let [origin, kept] = [column("origin"), column("kept")];
+    let ends = ["ax_mm", "ay_mm", "az_mm", "bx_mm", "by_mm", "bz_mm"].map(column);
+    let mut found: Vec<[i64; 3]> = rows
+        .map(|row| row.split(',').collect::<Vec<_>>())
+        .filter(|row| row[origin] == "candidate" && row[kept] == "1")
+        .map(|row| {
+            let at = |k: usize| row[ends[k]].parse::<f64>().expect("a number");
+            [0, 1, 2].map(|k| (5.0 * (at(k) + at(k + 3))).round() as i64)
+        })
+        .collect();
+    found.sort_unstable();
+    found
+}
+
+/// The lines of an SWC file with points every so many mm.
+fn respaced(text: &str, step: f64) -> String {
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.trim().is_empty())
+        .map(|line| line.split_whitespace().map(|word| word.parse().expect("a number")).collect())
+        .collect();
+    let of_id: std::collections::HashMap<i64, &Vec<f64>> = rows.iter().map(|row| (row[0] as i64, row)).collect();
+    let mut next = rows.iter().map(|row| row[0] as i64).max().unwrap_or(0);
+    let mut out = String::new();
+    for row in &rows {
+        let mut parent = row[6] as i64;
+        if let Some(from) = of_id.get(&parent) {
+            let length = (2..5).map(|k| (row[k] - from[k]).powi(2)).sum::<f64>().sqrt();
+            let pieces = (length / step).ceil().max(1.0) as i64;
+            for piece in 1..pieces {
+                let share = piece as f64 / pieces as f64;
+                let [x, y, z, r] = [2, 3, 4, 5].map(|k| from[k] + share * (row[k] - from[k]));
+                next += 1;
+                writeln!(out, "{next} 0 {x} {y} {z} {r} {parent}").expect("memory");
+                parent = next;
+            }
+        }
+        writeln!(out, "{} 0 {} {} {} {} {parent}", row[0], row[2], row[3], row[4], row[5]).expect("memory");
+    }
+    out
+}
+
+#[test]
+fn the_spacing_of_points_changes_no_decision() {
+    let here = folder();
+    let run = |arguments: &[&str]| {
+        let done = willis(here.path(), arguments);
+        assert!(done.status.success(), "{}", stderr(&done));
+    };
+    run(&["phantom", "tree", "--break", "--seed", "3", "-o", "tree.swc"]);
+    let infer = |input: &str, output: &str| {
+        run(&["infer", input, "-o", output, "--prior", "weights:skeleton", "-n", "1"]);
+        kept(&here.path().join(output))
+    };
+    let truth = infer("tree.swc", "whole");
+    assert!(truth.len() > 3, "{truth:?}");
+    let text = fs::read_to_string(here.path().join("tree.swc")).expect("a file");
+    for (name, step) in [("dense", 0.05), ("finer", 0.2)] {
+        fs::write(here.path().join(format!("{name}.swc")), respaced(&text, step)).expect("a file");
+        let found = infer(&format!("{name}.swc"), name);
+        assert_eq!(found.len(), truth.len(), "{name}");
+        for (a, b) in found.iter().zip(&truth) {
+            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1), "{name}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn what_the_input_is_chooses_the_model() {
+    let here = folder();
+    let prior = |arguments: &[&str]| {
+        let all = [&["infer"], arguments, &["-o", "out", "--force", "-n", "1"]].concat();
+        let done = willis(here.path(), &all);
+        assert!(done.status.success(), "{}", stderr(&done));
+        let run = fs::read_to_string(here.path().join("out/run.json")).expect("a record");
+        let run: serde_json::Value = serde_json::from_str(&run).expect("JSON");
+        let run = &run["parameters"];
+        (run["prior"].as_str().expect("a word").to_owned(), run["keep"].to_string())
+    };
+    for kind in ["fragments.swc", "scan.nii.gz"] {
+        let made = willis(here.path(), &["phantom", "cerebral", "--break", "-o", kind]);
+        assert!(made.status.success(), "{}", stderr(&made));
+    }
+    let tracing = "weights:tracing";
+    assert_eq!(prior(&["fragments.swc"]).0, tracing);
+    let (chosen, keep) = prior(&["scan.nii.gz"]);
+    assert!(chosen == "weights:skeleton" && keep.contains("best-first"), "{chosen} {keep}");
+    assert_eq!(prior(&["scan.nii.gz", "--prior", tracing]).0, tracing);
+    assert_eq!(prior(&["fragments.swc", "--prior", "weights:auto"]).0, tracing);
+    // A ladder of six rungs has five loops, more than arteries have; one of five has four.
+    for (rungs, model) in [(6, "weights:skeleton"), (5, tracing)] {
+        let mut swc = String::new();
+        for rung in 0..rungs {
+            let x = 4.0 * f64::from(rung);
+            let parent = |id: i32| if rung > 0 { id - 2 } else { -1 };
+            let id = 2 * rung + 1;
+            writeln!(swc, "{id} 0 {x} 0 0 0.5 {}\n{} 0 {x} 5 0 0.5 {}", parent(id), id + 1, parent(id + 1)).expect("memory");
+        }
+        let mut loops = String::from("a,b\n");
+        (0..rungs).for_each(|rung| writeln!(loops, "{},{}", 2 * rung + 1, 2 * rung + 2).expect("memory"));
+        fs::write(here.path().join("ladder.swc"), swc).expect("a file");
+        fs::write(here.path().join("ladder.loops.csv"), loops).expect("a file");
+        assert_eq!(
+            prior(&["ladder.swc", "--loops", "ladder.loops.csv", "--inlet", "3", "--outlet", "8"]).0,
+            model,
+            "{rungs} rungs"
+        );
+    }
+    let swc = fs::read(here.path().join("fragments.swc")).expect("a file");
+    let misspelt = ["infer", "fragments.swc", "-o", "no", "--prior", "weights:skelton"];
+    refused(&[("fragments.swc", &swc)], &misspelt, &["weights:skeleton"]);
+}
+
+#[test]
+fn a_model_of_skeletons_is_fitted_and_the_threads_do_not_matter() {
+    let here = folder();
+    for seed in 0..6 {
+        let case = here.path().join(format!("cases/t{seed}"));
+        fs::create_dir_all(&case).expect("a folder");
+        let (output, seed) = (case.join("fragments.swc").display().to_string(), seed.to_string());
+        let made = willis(here.path(), &["phantom", "tree", "--break", "--seed", &seed, "-o", &output]);
+        assert!(made.status.success(), "{}", stderr(&made));
+        // The truth as a table of places.
+        let truth = fs::read_to_string(case.join("fragments.truth.json")).expect("a truth");
+        let truth: serde_json::Value = serde_json::from_str(&truth).expect("JSON");
+        let swc = fs::read_to_string(case.join("fragments.swc")).expect("a file");
+        let place = |id: &serde_json::Value| {
+            let is = |line: &&str| line.split_whitespace().next() == Some(&id.to_string());
+            swc.lines().find(is).expect("a point").split_whitespace().skip(2).take(3).collect::<Vec<_>>().join(",")
+        };
+        let mut links = String::from("ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm\n");
+        for gap in truth["breaks"].as_array().expect("breaks") {
+            writeln!(links, "{},{}", place(&gap["ids"][0]), place(&gap["ids"][1])).expect("memory");
+        }
+        fs::write(case.join("links.csv"), links).expect("a file");
+        fs::remove_file(case.join("fragments.truth.json")).expect("a file");
+    }
+    let train = |threads: &str, output: &str| {
+        let arguments = ["train", "cases", "-o", output, "--model", "skeleton", "--folds", "0", "--threads", threads];
+        let done = willis(here.path(), &arguments);
+        assert!(done.status.success(), "{}", stderr(&done));
+    };
+    train("1", "one/m.toml");
+    train("2", "two/m.toml");
+    assert_eq!(contents(&here.path().join("one")), contents(&here.path().join("two")));
+    let model = JoinModel::read(&fs::read_to_string(here.path().join("one/m.toml")).expect("a file")).expect("a model");
+    assert_eq!((model.provenance.cases, model.provenance.subjects), (6, 6));
+    let infer = ["infer", "cases/t0/fragments.swc", "-o", "out", "--prior", "one/m.toml", "-n", "1"];
+    let done = willis(here.path(), &infer);
+    assert!(done.status.success(), "{}", stderr(&done));
+    // Fitted to this very case, it finds most of its gaps.
+    let links = fs::read_to_string(here.path().join("cases/t0/links.csv")).expect("a table").lines().count() - 1;
+    assert!(2 * kept(&here.path().join("out")).len() >= links, "{links}");
+}
