@@ -6,7 +6,7 @@ use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::flow::floating_components::parts_that_carry;
-use crate::network::{Network, Origin, cycles, fragments};
+use crate::network::{Network, Origin, Vessel, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
 
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
@@ -66,7 +66,10 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
             (probable(network, root_factor)?, near(&probability, 0.5))
         }
         Keep::BestFirst(least) => {
-            let probability = evidence("best-first", network)?;
+            // A skeleton without any gap has no candidate to ask about.
+            let is_given = |(_, vessel): ([usize; 2], &Vessel)| vessel.origin == Origin::Observed || vessel.certain;
+            let nothing_to_ask = network.vessels().all(is_given);
+            let probability = if nothing_to_ask { probabilities(network) } else { evidence("best-first", network)? };
             (best_first_of(network, least), near(&probability, least))
         }
         _ => by_samples(rule, cut, result),
@@ -88,10 +91,9 @@ pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result
     Ok(decide(rule, network, result)?.undecided.is_empty())
 }
 
-/// The probability of each vessel, which a rule asks for. Without a candidate there is nothing to ask.
+/// The probability of each vessel, which a rule asks for.
 fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
-    let nothing_to_ask = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed || vessel.certain);
-    if has_evidence(network) || nothing_to_ask {
+    if has_evidence(network) {
         return Ok(probabilities(network));
     }
     let accepted = "asks for probabilities, which come with the evidence model on centerlines, or as probability in a graph";

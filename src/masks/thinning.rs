@@ -2,9 +2,9 @@
 //!
 //! Border voxels go from one of six directions after the other, as long as they are simple (their removal changes no component, no
 //! tunnel and no cavity of 26-connected vessels in a 6-connected background) and no ends of a line. The order of directions and of
-//! voxels is that of scikit-image on the array that nibabel makes of a file in RAS. Right before a voxel goes it is tested again for being
-//! simple, as there. Source: Lee, Kashyap and Chu, "Building skeleton models via 3-D medial surface/axis thinning algorithms", CVGIP
-//! 56 (1994); simple voxels: Malandain and Bertrand, "Fast characterization of 3D simple points" (1992).
+//! voxels is that of scikit-image on the array that nibabel makes of a file in RAS. Unlike there, a voxel is tested for all of this again
+//! right before it goes. Source: Lee, Kashyap and Chu, "Building skeleton models via 3-D medial surface/axis thinning algorithms",
+//! CVGIP 56 (1994); simple voxels: Malandain and Bertrand, "Fast characterization of 3D simple points" (1992).
 
 use super::foreground::{Foreground, neighbours};
 
@@ -115,7 +115,7 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                 }
             }
             for place in &candidates {
-                if tables.is_simple(bits_at(&state, *place)) {
+                if may_go(bits_at(&state, *place)) {
                     state[*place] = 0;
                     for (step, _) in around {
                         let next = (*place as isize + step) as usize;

@@ -13,7 +13,7 @@ use super::thinning::thin;
 use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::metres;
-use crate::support::geometry::{Point, distance, dot, sub, unit};
+use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.0;
@@ -297,9 +297,12 @@ impl Tracer<'_> {
                 let at = if is_last { n - 1 } else { 0 };
                 let out = beyond[end] / area;
                 line.lengths[at] += out;
-                // Where the vessel goes on outside the image, so does its line up to there.
                 if at_border[end] {
+                    // Where the vessel goes on outside the image, so does its line up to there.
                     line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
+                } else if n > 2 {
+                    // Rules of thinning differ by a voxel at an end: midway all agree within half of one.
+                    line.points[at] = lerp(tip, line.points[behind[0]], 0.5);
                 }
             }
         }

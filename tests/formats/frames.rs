@@ -19,8 +19,8 @@ fn bar() -> Vec<u8> {
     [head.as_bytes(), &(0..375).map(voxel).collect::<Vec<u8>>()].concat()
 }
 
-/// The faces of the bar in RAS, mm, half a voxel beyond the middles of its last voxels.
-const ENDS: [[f64; 3]; 2] = [[-22.5, -20.0, 30.0], [-11.5, -20.0, 30.0]];
+/// Half a voxel inside the middles of the last voxels of the bar in RAS, mm.
+const ENDS: [[f64; 3]; 2] = [[-21.5, -20.0, 30.0], [-12.5, -20.0, 30.0]];
 
 fn network(path: &Path) -> Network {
     let document = read(path, &ReadOptions::default()).expect("read");

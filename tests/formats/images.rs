@@ -38,12 +38,12 @@ fn ends(document: Document) -> [[f64; 3]; 2] {
     ends.try_into().expect("two ends")
 }
 
-/// The faces of the bar along its axis, mm, for a frame: half a voxel beyond the centres of its first and last voxel.
-fn faces(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
+/// Half a voxel inside the centres of the first and the last voxel of the bar, mm, for a frame.
+fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
     let at = |x: f64| affine.map(|[a, b, c, d]| ((a * x + b * 2.0 + c * 3.0 + d) * 1e3).round() / 1e3);
-    let mut faces = [at(1.5), at(10.5)];
-    faces.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
-    faces
+    let mut tips = [at(2.5), at(9.5)];
+    tips.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
+    tips
 }
 
 /// What a NIfTI header states.
@@ -166,7 +166,7 @@ fn a_frame_is_that_of_sform_then_of_qform_then_the_middle_of_the_image() {
         for (two, big) in [(false, false), (false, true), (true, false), (true, true)] {
             let bytes = Header { two, big, ..header.clone() }.file(&bar());
             for (name, bytes) in [("a.nii", bytes.clone()), ("a.nii.gz", gzip(&bytes)), ("no-ending", bytes)] {
-                assert_eq!(ends(read(name, &bytes).expect("read")), faces(affine), "{two} {big} {name}");
+                assert_eq!(ends(read(name, &bytes).expect("read")), tips(affine), "{two} {big} {name}");
             }
         }
     }
@@ -185,16 +185,16 @@ fn every_type_of_number_is_read_and_scaled() {
             };
             let voxels: Vec<u8> = bar().iter().flat_map(voxel).collect();
             let found = read("a.nii", &Header { big, datatype, ..frame() }.file(&voxels)).expect("read");
-            assert_eq!(ends(found), faces(SHEARLESS), "type {datatype}");
+            assert_eq!(ends(found), tips(SHEARLESS), "type {datatype}");
         }
     }
     let reals = |level: f32| bar().iter().flat_map(|class| (f32::from(*class) * level).to_le_bytes()).collect::<Vec<u8>>();
     let whole = Header { datatype: 16, ..frame() }.file(&reals(1.0));
-    assert_eq!(ends(read("a.nii", &whole).expect("read")), faces(SHEARLESS));
+    assert_eq!(ends(read("a.nii", &whole).expect("read")), tips(SHEARLESS));
     // Probabilities of .75 stored as 3, a quarter each.
     let scaled = Header { datatype: 16, slope: [0.25, 0.0], ..frame() }.file(&reals(3.0));
     let at = |level| read_first(&[("a.nii", &scaled)], &ReadOptions { level: Some(level), ..ReadOptions::default() });
-    assert_eq!(ends(at(0.75).expect("read")), faces(SHEARLESS));
+    assert_eq!(ends(at(0.75).expect("read")), tips(SHEARLESS));
     assert!(at(0.76).expect_err("nothing").contains("an empty mask; expected a lower `level`"));
 }
 
@@ -228,15 +228,15 @@ fn metaimage_is_read_from_one_file_and_from_two() {
     // ITK: first axis along +y, second along -x; the bar runs along y. In the scanner's frame both turn.
     for (more, voxels) in [("", &bar), ("CompressedData = True\n", &packed)] {
         let one = [metaimage(more, "LOCAL").as_bytes(), voxels].concat();
-        assert_eq!(ends(read("a.mha", &one).expect("read")), faces(ITK), "{more}");
+        assert_eq!(ends(read("a.mha", &one).expect("read")), tips(ITK), "{more}");
         let two = [("a.mhd", metaimage(more, "a.raw").into_bytes()), ("a.raw", voxels.clone())];
         let two: Vec<(&str, &[u8])> = two.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-        assert_eq!(ends(read_first(&two, &ReadOptions::default()).expect("read")), faces(ITK), "{more}");
+        assert_eq!(ends(read_first(&two, &ReadOptions::default()).expect("read")), tips(ITK), "{more}");
     }
     let last = [b"four".as_slice(), &bar].concat();
     let head = metaimage("HeaderSize = -1\n", "a.raw");
     let found = read_first(&[("a.mhd", head.as_bytes()), ("a.raw", &last)], &ReadOptions::default()).expect("read");
-    assert_eq!(ends(found), faces(ITK));
+    assert_eq!(ends(found), tips(ITK));
 }
 
 fn npy(descr: &str, fortran: bool, shape: &str, voxels: &[u8]) -> Vec<u8> {
@@ -251,10 +251,10 @@ fn a_numpy_mask_has_x_first_and_the_spacing_that_is_stated() {
     let options = ReadOptions { scale, ..ReadOptions::default() };
     let frame = [[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.75, 0.0]];
     let fortran = npy("|b1", true, "(12, 5, 6)", &bar());
-    assert_eq!(ends(read_first(&[("a.npy", &fortran)], &options).expect("read")), faces(frame));
+    assert_eq!(ends(read_first(&[("a.npy", &fortran)], &options).expect("read")), tips(frame));
     let last_fastest: Vec<u8> = (0..360).map(|n| bar()[n / 30 + 12 * (n / 6 % 5) + 60 * (n % 6)]).collect();
     let c = npy("|u1", false, "(12, 5, 6)", &last_fastest);
-    assert_eq!(ends(read_first(&[("a.npy", &c)], &options).expect("read")), faces(frame));
+    assert_eq!(ends(read_first(&[("a.npy", &c)], &options).expect("read")), tips(frame));
     assert!(read("a.npy", &c).expect_err("no spacing").contains("expected `spacing` SX,SY,SZ, in mm"));
 }
 
@@ -358,7 +358,7 @@ fn metaimage_and_numpy_refuse_what_nifti_refuses() {
         let said = read(name, &bytes).map(|_| ()).expect_err(name);
         assert!(said.contains(wanted) && said.starts_with(name) && !said.contains('\n'), "{said}");
     }
-    assert_eq!(ends(read("one.mha", &meta(&with("12 5 6 1"), &bar())).expect("one volume")), faces(ITK));
+    assert_eq!(ends(read("one.mha", &meta(&with("12 5 6 1"), &bar())).expect("one volume")), tips(ITK));
     let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([1.0; 3]) };
     let options = ReadOptions { scale, ..ReadOptions::default() };
     let real = |value: f32| npy("<f4", true, "(12, 5, 6)", &value.to_le_bytes().repeat(360));
@@ -376,9 +376,9 @@ fn metaimage_and_numpy_refuse_what_nifti_refuses() {
     }
     let one = npy("|u1", true, "(12, 5, 6, 1)", &bar());
     let plain = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    assert_eq!(ends(read_first(&[("one.npy", &one)], &options).expect("one volume")), faces(plain));
+    assert_eq!(ends(read_first(&[("one.npy", &one)], &options).expect("one volume")), tips(plain));
     let one = Header { dim: vec![12, 5, 6, 1], sform: Some(SHEARLESS), ..Header::default() }.file(&bar());
-    assert_eq!(ends(read("one.nii", &one).expect("one volume")), faces(SHEARLESS));
+    assert_eq!(ends(read("one.nii", &one).expect("one volume")), tips(SHEARLESS));
     for (rows, wanted) in [(f64::NAN, "voxels of"), (f64::INFINITY, "voxels of")] {
         let bad = Header { sform: Some([[0.0, rows, 0.0, 0.0], SHEARLESS[1], SHEARLESS[2]]), ..Header::default() };
         assert!(read("a.nii", &bad.file(&bar())).expect_err("no frame").contains(wanted));
@@ -410,8 +410,8 @@ fn nibabel_says_the_same_frame() {
         let affine = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| numbers[4 * row + column]));
         let path = folder.path().join(format!("{n}.nii.gz"));
         let found = ends(willis::internals::io::read(&path, &ReadOptions::default()).expect("read"));
-        for (a, b) in found.iter().flatten().zip(faces(affine).iter().flatten()) {
-            assert!((a - b).abs() < 2e-3, "{n}: {found:?} {:?}", faces(affine));
+        for (a, b) in found.iter().flatten().zip(tips(affine).iter().flatten()) {
+            assert!((a - b).abs() < 2e-3, "{n}: {found:?} {:?}", tips(affine));
         }
     }
     assert_eq!(out.lines().count(), 12);

@@ -180,7 +180,10 @@ fn the_skeleton_of_a_clean_mask_is_the_anatomy() {
         assert!(away < if is_at_junction { radius } else { 0.5 }, "{at:?}: {away}");
     }
     assert!(along > lines.points.len() / 2, "{along}");
-    for (place, radius) in &stations {
+    // Thinning takes the ends of vessels.
+    let degree = network.degrees(|_| true);
+    let is_end = |place: Point| nodes.iter().zip(&degree).any(|((at, _), n)| *n == 1 && distance(*at, place) < 5.0);
+    for (place, radius) in stations.iter().filter(|(place, _)| !is_end(*place)) {
         let nearest = lines.points.iter().map(|point| distance(point.map(|x| x * 1e3), *place)).fold(f64::MAX, f64::min);
         assert!(nearest < radius + 1.0, "{place:?}: {nearest}");
     }
