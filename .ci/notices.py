@@ -50,9 +50,17 @@ def linked():
     return sorted((packages[one] for one in seen), key=lambda package: (package["name"], package["version"]))
 
 
+def of_text(package):
+    """The licence of a crate that names none but has its text."""
+    text = " ".join(path.read_text(encoding="utf-8", errors="replace")[:400] for path in texts(package))
+    if re.search(r"Apache License\s+Version 2\.0", text):
+        return "Apache-2.0"
+    raise SystemExit(f"{package['name']} names no licence")
+
+
 def taken(package):
     """The licence that is taken of an expression; all that is joined by AND."""
-    parts = re.split(r"\s+AND\s+", package["license"])
+    parts = re.split(r"\s+AND\s+", package["license"] or of_text(package))
     chosen = []
     for part in parts:
         offered = re.split(r"\s+OR\s+|/", part.strip().strip("()"))
