@@ -92,6 +92,7 @@ fn split(
     rule: RadiusRule,
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let mut graph = Network::new();
+    graph.frame = network.frame;
     for node in network.nodes() {
         graph.add_node(node.clone());
     }

@@ -1,6 +1,7 @@
 //! `willis train`: fit the evidence model to extractions whose true connections are known.
 
 use std::collections::BTreeSet;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -102,18 +103,13 @@ impl TrainArgs {
         weights.provenance.figures.clone_from(&validated.figures);
         weights.provenance.folds.clone_from(&validated.folds);
         let folds = if self.save_folds { validated.weights } else { Vec::new() };
-        let mut staged = Vec::new();
-        for (path, mut weights) in outputs.iter().zip([weights].into_iter().chain(folds)) {
+        let names = save(&outputs, [weights].into_iter().chain(folds), force, |mut weights, out| {
             weights.provenance.made_by.clone_from(&made_by);
-            let file = StagedFile::new(path, force)?;
-            write_file(&file.path(), |out| weights.write(out))?;
-            staged.push(file);
-        }
-        staged.into_iter().try_for_each(StagedFile::commit)?;
-        let names: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
+            weights.write(out)
+        })?;
         terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
         if self.json {
-            print_json(&summary(&read.cases, &names, &validated.figures))?;
+            print_json(&summary(&read.cases, &names, &json!(validated.figures)))?;
         }
         Ok(())
     }
@@ -151,25 +147,14 @@ impl TrainArgs {
             folds = if self.save_folds { models } else { folds };
         }
         let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-        let mut staged = Vec::new();
         let figures = model.provenance.figures.clone();
-        for (path, mut model) in outputs.iter().zip([model].into_iter().chain(folds)) {
+        let names = save(outputs, [model].into_iter().chain(folds), force, |mut model, out| {
             model.provenance.made_by.clone_from(&made_by);
-            let file = StagedFile::new(path, force)?;
-            write_file(&file.path(), |out| model.write(out))?;
-            staged.push(file);
-        }
-        staged.into_iter().try_for_each(StagedFile::commit)?;
-        let names: Vec<String> = outputs.iter().map(|path| path.display().to_string()).collect();
+            model.write(out)
+        })?;
         terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
         if self.json {
-            print_json(&json!({
-                "willis": env!("CARGO_PKG_VERSION"),
-                "command": command_line("again.toml"),
-                "output": names,
-                "cases": read.cases.len(),
-                "figures": figures,
-            }))?;
+            print_json(&summary(&read.cases, &names, &json!(figures)))?;
         }
         Ok(())
     }
@@ -261,18 +246,29 @@ fn say_join_figures(terminal: Terminal, figures: &JoinScores) {
     );
 }
 
-fn summary(cases: &[Case], outputs: &[String], figures: &[HeldOutScores]) -> Value {
-    let figures = figures.iter().map(|f| {
-        json!({
-            "of": f.of, "cases": f.cases, "subjects": f.subjects, "average_precision": f.average_precision,
-            "calibration_error": f.calibration_error, "log_likelihood": f.log_likelihood,
-        })
-    });
+/// Writes each of some models to its file, all or none; their names.
+fn save<M>(
+    outputs: &[PathBuf],
+    models: impl Iterator<Item = M>,
+    force: bool,
+    write: impl Fn(M, &mut dyn Write) -> io::Result<()>,
+) -> Result<Vec<String>> {
+    let mut staged = Vec::new();
+    for (path, model) in outputs.iter().zip(models) {
+        let file = StagedFile::new(path, force)?;
+        write_file(&file.path(), |out| write(model, out))?;
+        staged.push(file);
+    }
+    staged.into_iter().try_for_each(StagedFile::commit)?;
+    Ok(outputs.iter().map(|path| path.display().to_string()).collect())
+}
+
+fn summary(cases: &[Case], outputs: &[String], figures: &Value) -> Value {
     json!({
         "willis": env!("CARGO_PKG_VERSION"),
         "command": command_line("again.toml"),
         "output": outputs,
         "cases": cases.len(),
-        "figures": figures.collect::<Vec<Value>>(),
+        "figures": figures,
     })
 }

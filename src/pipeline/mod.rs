@@ -134,9 +134,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && boundary.found_outlets.is_empty() {
         progress.step(Step::OutletsAllStated);
     }
-    let frame = network.frame;
-    let mut graph = prior.graph(network, is_fragments, &boundary, &building)?;
-    graph.frame = frame;
+    let graph = prior.graph(network, is_fragments, &boundary, &building)?;
     let boundary = boundary.extended_to(graph.node_count());
     let mut provenance = input.provenance;
     if is_fragments {

@@ -51,7 +51,8 @@ impl Boosted {
     /// The score (log-odds) of each row.
     pub fn scores(&self, features: &Array2<f32>) -> Vec<f64> {
         let score = |row: &[f32]| self.trees.iter().fold(self.start, |sum, tree| sum + tree.value(row));
-        features.axis_iter(Axis(0)).map(|row| score(row.as_slice().unwrap_or(&row.to_vec()))).collect()
+        let rows = features.axis_iter(Axis(0));
+        rows.map(|row| row.as_slice().map_or_else(|| score(&row.to_vec()), score)).collect()
     }
 }
 
@@ -109,6 +110,12 @@ struct File {
     figures: Vec<JoinScores>,
 }
 
+/// What tells a join model from weights of a tracing.
+#[derive(Deserialize)]
+struct Kind {
+    kind: Option<String>,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PassEntry {
@@ -128,7 +135,7 @@ impl JoinModel {
 
     /// Whether a text is a join model, as opposed to weights of a tracing.
     pub fn is_one(text: &str) -> bool {
-        text.lines().any(|line| line.trim_start().starts_with("kind") && line.contains("skeleton"))
+        toml::from_str::<Kind>(text).is_ok_and(|file| file.kind.is_some())
     }
 
     /// Probability of each score.
