@@ -42,7 +42,7 @@ fn tube(draw: &mut ChaCha8Rng, spacing: [f64; 3], radius: f64, length: f64) -> (
     };
     let classes = (0..shape.iter().product()).map(is).collect();
     let [a, b, c] = spacing;
-    (Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]] }, middle, along)
+    (Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]], walls: None }, middle, along)
 }
 
 /// For each width and rule the median of found over true radius, and half the span from the 5th to the 95th percentile over tubes.
@@ -89,7 +89,7 @@ fn dense() {
         u8::from(norm_squared([p[0], p[1] * 1.015, p[2] * 1.005]).sqrt() <= 126.0)
     };
     let affine = [[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.8, 0.0]];
-    let mask = Mask { shape: [N; 3], classes: (0..N * N * N).map(is).collect(), affine };
+    let mask = Mask { shape: [N; 3], classes: (0..N * N * N).map(is).collect(), affine, walls: None };
     let before = most_memory();
     let started = Instant::now();
     let Some(vessels) = Foreground::of(&mask) else { return };

@@ -21,7 +21,7 @@ fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3]) -
     let at = |row: usize| [row % x, row / x % y, row / (x * y)];
     let classes = (0..x * y * z).map(|row| u8::from(is_vessel(at(row)))).collect();
     let [a, b, c] = spacing;
-    Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]] }
+    Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]], walls: None }
 }
 
 /// Random voxels, smoothed by a vote of neighbours so that there are lumps, tunnels and cavities of all sizes.
@@ -271,7 +271,7 @@ fn reordered(mask: &Mask, order: [usize; 3], flipped: [bool; 3]) -> Mask {
         }
         new
     });
-    Mask { shape, classes, affine }
+    Mask { shape, classes, affine, walls: None }
 }
 
 #[test]
