@@ -115,8 +115,8 @@ impl WallFinder {
     pub fn finish(mut self, level: f64, classes: &[u8]) -> Option<Walls> {
         self.advance(classes);
         let middle = self.around.len() / 2;
-        let around = (middle < self.around.len())
-            .then(|| f64::from(*self.around.select_nth_unstable_by(middle, f32::total_cmp).1));
+        let around =
+            (middle < self.around.len()).then(|| f64::from(*self.around.select_nth_unstable_by(middle, f32::total_cmp).1));
         let from_0_to_1 = self.range[0] >= -ROUNDING && self.range[1] <= 1.0 + ROUNDING;
         let values = if from_0_to_1 && around.is_none_or(|value| value <= HAZE) {
             [0.0, 1.0]

@@ -210,7 +210,7 @@ fn tube(draw: &mut Draw, spacing: [f64; 3], radius: f64, length: f64) -> (Mask, 
     (spaced(shape, spacing, is), middle, along)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
@@ -239,7 +239,7 @@ fn the_radius_of_a_tube_is_found_at_all_angles_and_shapes_of_voxels() {
 }
 
 /// The lines by place: points and radii, mm, sorted and rounded, of links.
-fn places(traced: &Traced) -> Vec<[[i64; 4]; 2]> {
+pub fn places(traced: &Traced) -> Vec<[[i64; 4]; 2]> {
     let lines = &traced.lines;
     let at = |row: u32| {
         let ([x, y, z], r) = (lines.points[row as usize], lines.radii[row as usize]);

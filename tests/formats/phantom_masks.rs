@@ -231,7 +231,8 @@ fn our_reader_and_nibabel_read_what_is_written() {
     let folder = folder();
     let (straight, _) = draw_mask(&anatomy(Kind::Cerebral), 1.1e-3, None).expect("a mask");
     let turned = [[0.0, -0.5, 0.125, 10.0], [0.75, 0.0, 0.25, -20.5], [0.0, 0.25, 1.5, 30.25]];
-    let oblique = Mask { shape: [2, 3, 4], classes: (0..24).map(|n| u8::from(n % 5 == 0) * 7).collect(), affine: turned, walls: None };
+    let oblique =
+        Mask { shape: [2, 3, 4], classes: (0..24).map(|n| u8::from(n % 5 == 0) * 7).collect(), affine: turned, walls: None };
     let masks = [("a.nii.gz", &straight), ("a.nii", &straight), ("b.nii.gz", &oblique), ("b.nii", &oblique)];
     let mut paths = Vec::new();
     for (name, mask) in masks {

@@ -99,8 +99,9 @@ impl Voxels {
         }
         match level {
             Some(level) => Ok(u8::from(value >= level)),
-            None => as_class(value)
-                .ok_or_else(|| Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED)),
+            None => {
+                as_class(value).ok_or_else(|| Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED))
+            }
         }
     }
 
