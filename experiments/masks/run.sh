@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures radii of tubes, a dense mask and real masks, and writes the results here and the tables of radii into README.md and into the
 # guide. WILLIS_SHARED_DATA names the folder of real masks (../shared/data), WILLIS_PYTHON a Python, with scikit-image, edt and skan for
-# the comparison. Takes about five minutes.
+# the comparison. Takes about two minutes.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/../.."
