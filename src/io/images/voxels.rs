@@ -67,7 +67,9 @@ impl Voxels {
                 classes.push(class);
                 if let Some(walls) = &mut walls {
                     walls.add(value);
-                    as_class(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
+                    if are_classes {
+                        as_class(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
+                    }
                 }
             }
             if let Some(walls) = &mut walls {
