@@ -1,6 +1,7 @@
-//! Radii of tubes whose radius is known, by each rule, and time and memory of a dense mask: `masks radii`, `masks dense`, and
+//! Radii of tubes whose radius is known, by each rule, and time and memory of a dense mask or map: `masks radii`, `masks dense`, `masks dense-map`, and
 //! `masks volume MASK...` for the volume of the lines over that of the mask.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
 use std::io::{Error, ErrorKind, Result};
@@ -9,8 +10,8 @@ use std::time::Instant;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use willis::internals::io::{ReadOptions, read_nifti};
-use willis::internals::masks::{Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
+use willis::internals::io::{ReadOptions, read_nifti, read_npy_mask};
+use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis::internals::support::random::stream;
 use willis::internals::support::statistics::{median, quantile};
@@ -23,52 +24,163 @@ const SPACINGS: [[f64; 3]; 3] = [[1.0; 3], [1.0, 1.0, 1.6], [0.5, 0.5, 0.8]];
 /// Tubes for each width and shape.
 const TUBES: usize = 20;
 
-/// A mask, the middle of the tube in it and its direction, mm. A voxel is inside where its centre is.
-fn tube(draw: &mut ChaCha8Rng, spacing: [f64; 3], radius: f64, length: f64) -> (Mask, Point, Point) {
-    let along = unit(loop {
-        let toward: Point = std::array::from_fn(|_| draw.random_range(-1.0..1.0));
-        if (0.01..1.0).contains(&norm_squared(toward)) {
-            break toward;
-        }
-    });
-    let half: Point = std::array::from_fn(|axis| along[axis].abs() * length / 2.0 + radius + 3.0 * spacing[axis]);
-    let shape: [usize; 3] = std::array::from_fn(|axis| (2.0 * half[axis] / spacing[axis]) as usize + 1);
-    let middle: Point = std::array::from_fn(|axis| half[axis] + draw.random_range(-0.5..0.5) * spacing[axis]);
-    let is = |row: usize| {
-        let p = [row % shape[0], row / shape[0] % shape[1], row / (shape[0] * shape[1])];
-        let by = sub(std::array::from_fn(|axis| p[axis] as f64 * spacing[axis]), middle);
-        let on = dot(by, along);
-        u8::from(on.abs() <= length / 2.0 && norm_squared(by) - on * on <= radius * radius)
-    };
-    let classes = (0..shape.iter().product()).map(is).collect();
-    let [a, b, c] = spacing;
-    (Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]] }, middle, along)
+fn affine_of([a, b, c]: [f64; 3]) -> Affine {
+    [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]]
 }
 
-/// For each width and rule the median of found over true radius, and half the span from the 5th to the 95th percentile over tubes.
+/// A NumPy array, the first axis fastest.
+fn npy([x, y, z]: [usize; 3], values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let text = format!("{{'descr': '<f4', 'fortran_order': True, 'shape': ({x}, {y}, {z}), }}");
+    let mut file = Vec::with_capacity(128 + 4 * x * y * z);
+    file.extend(b"\x93NUMPY\x01\x00\x76\x00");
+    file.extend(format!("{text:117}\n").bytes());
+    file.extend(values.flat_map(f32::to_le_bytes));
+    file
+}
+
+/// A straight tube in an image of voxels; mm.
+struct Tube {
+    shape: [usize; 3],
+    spacing: [f64; 3],
+    middle: Point,
+    along: Point,
+    radius: f64,
+    length: f64,
+}
+
+impl Tube {
+    /// At a random angle and place.
+    fn draw(draw: &mut ChaCha8Rng, spacing: [f64; 3], radius: f64, length: f64) -> Self {
+        let along = unit(loop {
+            let toward: Point = std::array::from_fn(|_| draw.random_range(-1.0..1.0));
+            if (0.01..1.0).contains(&norm_squared(toward)) {
+                break toward;
+            }
+        });
+        let half: Point = std::array::from_fn(|axis| along[axis].abs() * length / 2.0 + radius + 3.0 * spacing[axis]);
+        let shape: [usize; 3] = std::array::from_fn(|axis| (2.0 * half[axis] / spacing[axis]) as usize + 1);
+        let middle: Point = std::array::from_fn(|axis| half[axis] + draw.random_range(-0.5..0.5) * spacing[axis]);
+        Self { shape, spacing, middle, along, radius, length }
+    }
+
+    /// How far a point lies inside the wall and between the ends.
+    fn depth(&self, at: Point) -> f64 {
+        let by = sub(at, self.middle);
+        let on = dot(by, self.along);
+        (self.length / 2.0 - on.abs()).min(self.radius - (norm_squared(by) - on * on).max(0.0).sqrt())
+    }
+
+    fn centre(&self, row: usize) -> Point {
+        let [x, y, _] = self.shape;
+        let voxel = [row % x, row / x % y, row / (x * y)];
+        std::array::from_fn(|axis| voxel[axis] as f64 * self.spacing[axis])
+    }
+
+    /// The mask of the voxels whose centre is inside.
+    fn mask(&self) -> Mask {
+        let is = |row| u8::from(self.depth(self.centre(row)) >= 0.0);
+        let classes = (0..self.shape.iter().product()).map(is).collect();
+        Mask { shape: self.shape, classes, affine: affine_of(self.spacing), walls: None }
+    }
+
+    /// The part of each voxel that is inside, by points in it.
+    fn parts(&self) -> Vec<f64> {
+        const POINTS: usize = 8;
+        let corner = norm_squared(self.spacing).sqrt() / 2.0;
+        let part = |row| {
+            let centre = self.centre(row);
+            let depth = self.depth(centre);
+            if depth.abs() > corner {
+                return f64::from(u8::from(depth > 0.0));
+            }
+            let at = |n: usize, axis: usize| ((n as f64 + 0.5) / POINTS as f64 - 0.5) * self.spacing[axis];
+            let point = |n: usize| {
+                let by = [at(n % POINTS, 0), at(n / POINTS % POINTS, 1), at(n / (POINTS * POINTS), 2)];
+                [0, 1, 2].map(|axis| centre[axis] + by[axis])
+            };
+            let inside = (0..POINTS.pow(3)).filter(|n| self.depth(point(*n)) >= 0.0).count();
+            inside as f64 / POINTS.pow(3) as f64
+        };
+        (0..self.shape.iter().product()).map(part).collect()
+    }
+
+    /// The same blurred by a Gaussian whose standard deviation is half a voxel along each axis.
+    fn blurred(&self, mut parts: Vec<f64>) -> Vec<f64> {
+        let weights: Vec<f64> = (-3..=3).map(|n| (-2.0 * f64::from(n * n)).exp()).collect();
+        let total: f64 = weights.iter().sum();
+        let mut stride = 1;
+        for length in self.shape {
+            let at = |row: usize, by: usize| {
+                (row / stride % length + by).checked_sub(3).filter(|n| *n < length).map(|_| row + by * stride)
+            };
+            let sum = |row: usize| {
+                let near = (0..7).filter_map(|by| at(row, by).map(|to| weights[by] * parts[to - 3 * stride]));
+                near.sum::<f64>() / total
+            };
+            parts = (0..parts.len()).map(sum).collect();
+            stride *= length;
+        }
+        parts
+    }
+
+    /// What is read of a file of probabilities.
+    fn read(&self, parts: &[f64], level: f64) -> Option<Mask> {
+        let file = npy(self.shape, parts.iter().map(|part| *part as f32));
+        read_npy_mask(&file, Some(self.spacing), Some(level), u64::MAX).ok()
+    }
+
+    /// The median of found over true radius around the middle; none where no line is there.
+    fn ratio(&self, mask: &Mask, rule: RadiusFrom) -> Option<f64> {
+        let lines = trace(mask, rule)?.lines;
+        let near = 10.0 * self.spacing.iter().product::<f64>().cbrt();
+        let central = lines
+            .points
+            .iter()
+            .zip(&lines.radii)
+            .filter(|(at, _)| dot(sub(at.map(|x| x * 1e3), self.middle), self.along).abs() < near);
+        median(&central.map(|(_, radius)| radius * 1e3 / self.radius).collect::<Vec<_>>())
+    }
+}
+
+/// For each width and rule the median of found over true radius, and half the span from the 5th to the 95th percentile over tubes; the
+/// radii by area of maps of probabilities too, as they are and as masks cut from them.
 fn radii() {
-    println!("width,rule,bias_percent,spread_percent");
+    println!("width,image,rule,bias_percent,spread_percent,tubes");
     for (row, wide) in WIDTHS.into_iter().enumerate() {
-        let mut found: [Vec<f64>; 3] = Default::default();
+        let mut found: BTreeMap<(usize, &str, &str), Vec<f64>> = BTreeMap::new();
         for (n, spacing) in SPACINGS.into_iter().enumerate() {
             let mut draw = stream(1, (10 * row + n) as u64);
             let voxel = spacing.iter().product::<f64>().cbrt();
             for _ in 0..TUBES {
-                let radius = wide * voxel;
-                let (mask, middle, along) = tube(&mut draw, spacing, radius, (40.0 * voxel).max(8.0 * radius));
-                for (rule, found) in RULES.into_iter().zip(&mut found) {
-                    let Some(traced) = trace(&mask, rule) else { continue };
-                    let points = traced.lines.points.iter().zip(&traced.lines.radii);
-                    let central = points.filter(|(p, _)| dot(sub(p.map(|x| x * 1e3), middle), along).abs() < 10.0 * voxel);
-                    let ratios: Vec<f64> = central.map(|(_, r)| r * 1e3 / radius).collect();
-                    found.extend(median(&ratios));
+                let tube = Tube::draw(&mut draw, spacing, wide * voxel, (40.0 * voxel).max(8.0 * wide * voxel));
+                let mask = tube.mask();
+                for (place, rule) in RULES.into_iter().enumerate() {
+                    found.entry((place, "mask", rule.name())).or_default().extend(tube.ratio(&mask, rule));
+                }
+                let parts = tube.parts();
+                let blurred = tube.blurred(parts.clone());
+                for (place, (image, cut, parts, level)) in [
+                    ("map at 0.5", "mask cut at 0.5", &parts, 0.5),
+                    ("map at 0.3", "mask cut at 0.3", &parts, 0.3),
+                    ("blurred map at 0.3", "mask of it cut at 0.3", &blurred, 0.3),
+                ]
+                .into_iter()
+                .enumerate()
+                {
+                    let Some(mut mask) = tube.read(parts, level) else { continue };
+                    let place = RULES.len() + 2 * place;
+                    let ratio = tube.ratio(&mask, RadiusFrom::Area);
+                    found.entry((place, image, "area")).or_default().extend(ratio);
+                    mask.walls = None;
+                    let ratio = tube.ratio(&mask, RadiusFrom::Area);
+                    found.entry((place + 1, cut, "area")).or_default().extend(ratio);
                 }
             }
         }
-        for (rule, found) in RULES.into_iter().zip(&found) {
-            let at = |q: f64| quantile(found, q).unwrap_or(f64::NAN);
+        for ((_, image, rule), found) in found {
+            let at = |q: f64| quantile(&found, q).unwrap_or(f64::NAN);
             let (bias, spread) = (100.0 * (at(0.5) - 1.0), 50.0 * (at(0.95) - at(0.05)));
-            println!("{wide},{},{bias:.1},{spread:.1}", rule.name());
+            println!("{wide},\"{image}\",{rule},{bias:.1},{spread:.1},{}", found.len());
         }
     }
 }
@@ -80,17 +192,30 @@ fn most_memory() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? * 1024.0)
 }
 
-/// A solid ellipsoid that fills half of 256³ voxels: the time of each step, and bytes a voxel beyond the mask.
-fn dense() {
+/// A solid ellipsoid that fills half of 256³ voxels, as a mask or as a map of probabilities: the time of each step, and bytes a voxel
+/// beyond the mask, and beyond the map's own file.
+fn dense(is_map: bool) {
     const N: usize = 256;
     let at = |n: usize| n as f64 - (N as f64 - 1.0) / 2.0;
-    let is = |row: usize| {
+    let depth = |row: usize| {
         let p = [at(row % N), at(row / N % N), at(row / (N * N))];
-        u8::from(norm_squared([p[0], p[1] * 1.015, p[2] * 1.005]).sqrt() <= 126.0)
+        126.0 - norm_squared([p[0], p[1] * 1.015, p[2] * 1.005]).sqrt()
     };
-    let affine = [[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.8, 0.0]];
-    let mask = Mask { shape: [N; 3], classes: (0..N * N * N).map(is).collect(), affine };
-    let before = most_memory();
+    let (spacing, rows) = ([0.5, 0.5, 0.8], 0..N * N * N);
+    let file = if is_map { npy([N; 3], rows.clone().map(|row| (depth(row) + 0.5).clamp(0.0, 1.0) as f32)) } else { Vec::new() };
+    let started = Instant::now();
+    let mut before = most_memory();
+    let mask = if is_map {
+        let Ok(mask) = read_npy_mask(&file, Some(spacing), Some(0.5), u64::MAX) else { return };
+        println!("reading a map: {:.1} s", started.elapsed().as_secs_f64());
+        before = before.map(|before| before + mask.classes.len() as f64);
+        mask
+    } else {
+        let classes = rows.map(|row| u8::from(depth(row) >= 0.0)).collect();
+        let mask = Mask { shape: [N; 3], classes, affine: affine_of(spacing), walls: None };
+        before = most_memory();
+        mask
+    };
     let started = Instant::now();
     let Some(vessels) = Foreground::of(&mask) else { return };
     let kept = thin(&vessels).len();
@@ -132,12 +257,13 @@ fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["radii"] => radii(),
-        ["dense"] => dense(),
+        ["dense"] => dense(false),
+        ["dense-map"] => dense(true),
         ["volume", ref masks @ ..] => {
             println!("mask,lines_mm3,mask_mm3,ratio,lines_s,read_and_lines_s");
             masks.iter().try_for_each(|mask| volume(Path::new(mask)))?;
         }
-        _ => return Err(Error::new(ErrorKind::InvalidInput, "expected radii, dense, or volume MASK...")),
+        _ => return Err(Error::new(ErrorKind::InvalidInput, "expected radii, dense, dense-map, or volume MASK...")),
     }
     Ok(())
 }

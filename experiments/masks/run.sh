@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures radii of tubes, a dense mask and real masks, and writes the results here and the table of radii into README.md and into the
+# Measures radii of tubes, a dense mask and real masks, and writes the results here and the tables of radii into README.md and into the
 # guide. WILLIS_SHARED_DATA names the folder of real masks (../shared/data), WILLIS_PYTHON a Python, with scikit-image, edt and skan for
-# the comparison. Takes about five minutes.
+# the comparison. Takes about two minutes.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/../.."
@@ -11,7 +11,10 @@ data=${WILLIS_SHARED_DATA:-../shared/data}
 cargo build --release --locked --quiet --example masks
 masks=target/release/examples/masks
 "$masks" radii >"$here/radii.csv"
-"$masks" dense | tee "$here/dense.txt"
+{
+    "$masks" dense
+    "$masks" dense-map
+} | tee "$here/dense.txt"
 if compgen -G "$data/tubetk-masks/*.nii.gz" >/dev/null; then
     "$masks" volume "$data"/tubetk-masks/*.nii.gz "$data"/topcow-masks/*.nii.gz | tee "$here/volumes.csv"
     if "$python" -c "import skimage, edt, skan, nibabel" 2>/dev/null; then

@@ -1,4 +1,4 @@
-"""Puts radii.csv into README.md and into the guide: a row a width, a column a rule."""
+"""Puts radii.csv into README.md and into the guide: a row a width, a column a rule for masks, and a column an image for maps."""
 import csv
 import pathlib
 
@@ -6,17 +6,26 @@ HERE = pathlib.Path(__file__).parent
 GUIDE = HERE.parent.parent / "docs/src/guide-mask.md"
 
 
+def table(rows, key, heading):
+    columns = list(dict.fromkeys(row[key] for row in rows))
+    cell = {(row["width"], row[key]): "%+.1f ± %.1f %%" % (float(row["bias_percent"]), float(row["spread_percent"])) for row in rows}
+    lines = ["| radius in voxels | " + " | ".join(heading % column for column in columns) + " |", "|---|" + "---|" * len(columns)]
+    for width in dict.fromkeys(row["width"] for row in rows):
+        lines.append("| %s | " % width + " | ".join(cell[width, column] for column in columns) + " |")
+    return "\n".join(lines).replace("-0.0 ±", "+0.0 ±")
+
+
 def main():
     with open(HERE / "radii.csv") as file:
         rows = list(csv.DictReader(file))
-    rules = list(dict.fromkeys(row["rule"] for row in rows))
-    cell = {(row["width"], row["rule"]): "%+.1f ± %.1f %%" % (float(row["bias_percent"]), float(row["spread_percent"])) for row in rows}
-    lines = ["| radius in voxels | " + " | ".join("`%s`" % rule for rule in rules) + " |", "|---|" + "---|" * len(rules)]
-    for width in dict.fromkeys(row["width"] for row in rows):
-        lines.append("| %s | " % width + " | ".join(cell[width, rule] for rule in rules) + " |")
+    of_masks = [row for row in rows if row["image"] == "mask"]
+    of_maps = [row for row in rows if row["image"] != "mask"]
     for page in (HERE / "README.md", GUIDE):
-        head, rest = page.read_text().split("<!-- radii -->\n")
-        page.write_text(head + "<!-- radii -->\n" + "\n".join(lines) + "\n<!-- end -->" + rest.split("<!-- end -->", 1)[1])
+        text = page.read_text()
+        for mark, lines in (("radii", table(of_masks, "rule", "`%s`")), ("maps", table(of_maps, "image", "%s"))):
+            head, rest = text.split("<!-- %s -->\n" % mark)
+            text = head + "<!-- %s -->\n" % mark + lines + "\n<!-- end -->" + rest.split("<!-- end -->", 1)[1]
+        page.write_text(text)
 
 
 if __name__ == "__main__":

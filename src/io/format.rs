@@ -26,7 +26,7 @@ use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::error::{Fault, Result};
-use crate::masks::{Mask, trace};
+use crate::masks::{Mask, RadiusFrom, trace};
 use crate::network::Network;
 use crate::network::centerlines::Centerlines;
 
@@ -185,12 +185,21 @@ impl Format {
 fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let ([x, y, z], spacing) = (mask.shape, mask.spacing());
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
+    let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let traced = trace(&mask.in_scanner_order(), options.radius_from);
     let traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     let mut notes = vec![format!(
         "a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, in the scanner's frame (RAS: right, anterior, superior)"
     )];
+    match walls {
+        Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
+        Some([outside, inside]) => {
+            let [outside, inside] = [outside as f32, inside as f32];
+            notes.push(format!("radii take voxels at a wall in part: {outside} is outside a vessel, {inside} inside"));
+        }
+        None => {}
+    }
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
     }

@@ -62,7 +62,8 @@ pub struct ReadOptions {
     pub loops: Option<PathBuf>,
     /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
     pub observed: bool,
-    /// The least value of a vessel's voxel in an image of probabilities or intensities; without it the image holds classes.
+    /// The least value of a vessel's voxel in an image of probabilities or intensities, whose values then tell how much of the voxels at a
+    /// wall is inside; without it the image holds classes.
     pub level: Option<f64>,
     /// What the radius of a mask's centerlines is.
     pub radius_from: RadiusFrom,

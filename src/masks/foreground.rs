@@ -134,6 +134,16 @@ impl Foreground {
         [0, 1, 2].map(|axis| (at[axis] as isize + self.origin[axis]) as usize)
     }
 
+    /// The place of a voxel, given by its indices in the image; `None` outside the box.
+    pub fn place_of(&self, voxel: [usize; 3]) -> Option<usize> {
+        let mut place = 0;
+        for axis in [2, 1, 0] {
+            let at = usize::try_from(voxel[axis] as isize - self.origin[axis]).ok().filter(|at| *at < self.shape[axis])?;
+            place = place * self.shape[axis] + at;
+        }
+        Some(place)
+    }
+
     /// The indices of a voxel in the image.
     pub fn voxel(&self, row: usize) -> [usize; 3] {
         self.voxel_at(self.place(row))

@@ -1,5 +1,6 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
+use super::partial::Walls;
 use crate::support::geometry::{Point, cross, dot, norm_squared};
 
 /// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
@@ -14,6 +15,8 @@ pub struct Mask {
     pub classes: Vec<u8>,
     /// Where the centre of each voxel is, mm.
     pub affine: Affine,
+    /// The voxels that lie inside vessels in part, where that is known.
+    pub walls: Option<Walls>,
 }
 
 impl Mask {
@@ -67,7 +70,24 @@ impl Mask {
                 (0..3).filter(|axis| flipped[*axis]).map(|axis| row[source[axis]] * (shape[axis] - 1) as f64).sum::<f64>();
             [sign[0] * row[source[0]], sign[1] * row[source[1]], sign[2] * row[source[2]], row[3] + origin]
         });
-        Self { shape, classes, affine }
+        let walls = self.walls.map(|mut walls| {
+            for (voxel, _) in &mut walls.voxels {
+                let mut row = *voxel as usize;
+                let old = self.shape.map(|length| {
+                    let at = row % length;
+                    row /= length;
+                    at
+                });
+                let new = [0, 1, 2].map(|axis| {
+                    let at = old[source[axis]];
+                    if flipped[axis] { shape[axis] - 1 - at } else { at }
+                });
+                *voxel = ((new[2] * shape[1] + new[1]) * shape[0] + new[0]) as u32;
+            }
+            walls.voxels.sort_unstable_by_key(|(voxel, _)| *voxel);
+            walls
+        });
+        Self { shape, classes, affine, walls }
     }
 }
 

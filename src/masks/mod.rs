@@ -6,6 +6,7 @@
 //! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
 //! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
 //! | voxels to nodes and branches, spurs | `skeleton.rs` |
+//! | how much of a voxel at the wall is inside | `partial.rs` |
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
 
@@ -13,6 +14,7 @@ mod distance;
 mod foreground;
 mod lumen;
 mod mask;
+mod partial;
 mod skeleton;
 mod thinning;
 mod trace;
@@ -20,5 +22,6 @@ mod trace;
 pub use distance::distances;
 pub use foreground::Foreground;
 pub use mask::{Affine, Mask};
+pub use partial::{WallFinder, Walls};
 pub use thinning::thin;
 pub use trace::{RadiusFrom, Traced, trace};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::distance::distances;
 use super::foreground::Foreground;
-use super::lumen::{NONE, nearest_seeds};
+use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
@@ -27,7 +27,8 @@ const REACH: f64 = 3.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RadiusFrom {
-    /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length.
+    /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length, those
+    /// at the wall by the part of them that is inside where that is known.
     #[default]
     Area,
     /// The distance from the skeleton to the nearest voxel outside.
@@ -224,8 +225,7 @@ impl Tracer<'_> {
         seeds.sort_unstable_by_key(|(voxel, _)| *voxel);
         seeds.dedup_by_key(|(voxel, _)| *voxel);
         let voxels: Vec<u32> = seeds.iter().map(|(voxel, _)| *voxel).collect();
-        let nearest = nearest_seeds(self.vessels, &voxels, [0, 1, 2].map(|axis| self.mask.column(axis)));
-        let cell = self.mask.voxel_volume();
+        let nearest = nearest_seeds(self.mask, self.vessels, &voxels);
         let mut of_node = vec![0.0; graph.nodes.len()];
         // The lumen around a free end, beyond it along the line.
         let mut beyond = vec![0.0; graph.nodes.len()];
@@ -241,9 +241,9 @@ impl Tracer<'_> {
                 }
             }
         }
-        for (place, seed) in self.vessels.places().zip(&nearest).filter(|(_, seed)| **seed != NONE) {
-            match seeds[*seed as usize].1 {
-                Place::Point(row, point) => lines[row].volumes[point] += cell,
+        for (place, seed, volume) in volumes(self.mask, self.vessels, &voxels, &nearest) {
+            match seeds[seed as usize].1 {
+                Place::Point(row, point) => lines[row].volumes[point] += volume,
                 Place::Node(node) => {
                     // A voxel that the end divides lies in part beyond it.
                     let voxel = self.vessels.voxel_at(place);
@@ -254,9 +254,9 @@ impl Tracer<'_> {
                     });
                     let is_border =
                         (0..3).any(|axis| [false, true].iter().any(|forward| self.vessels.is_last(voxel, axis, *forward)));
-                    at_border[node] |= is_border && direction[node].is_some();
-                    beyond[node] += cell * share;
-                    of_node[node] += cell * (1.0 - share);
+                    at_border[node] |= is_border && self.vessels.contains(place) && direction[node].is_some();
+                    beyond[node] += volume * share;
+                    of_node[node] += volume * (1.0 - share);
                 }
             }
         }

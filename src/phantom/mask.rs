@@ -123,7 +123,7 @@ pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
     }
     let [x, y, z] = grid.origin;
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
-    let mask = Mask { shape: grid.shape, classes, affine };
+    let mask = Mask { shape: grid.shape, classes, affine, walls: None };
     let truth = judge(network, tubes, &grid, &mask);
     Ok((mask, truth))
 }

@@ -239,7 +239,7 @@ fn metaimage_is_read_from_one_file_and_from_two() {
     assert_eq!(ends(found), tips(ITK));
 }
 
-fn npy(descr: &str, fortran: bool, shape: &str, voxels: &[u8]) -> Vec<u8> {
+pub fn npy(descr: &str, fortran: bool, shape: &str, voxels: &[u8]) -> Vec<u8> {
     let fortran = if fortran { "True" } else { "False" };
     let text = format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}");
     [b"\x93NUMPY\x01\x00\x76\x00".as_slice(), format!("{text:117}\n").as_bytes(), voxels].concat()

@@ -20,6 +20,7 @@ mod hostile_outputs;
 mod icafe;
 mod images;
 mod masks;
+mod partial_volume;
 mod peer_files;
 mod peers;
 mod phantom_masks;

@@ -21,7 +21,7 @@ fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3]) -
     let at = |row: usize| [row % x, row / x % y, row / (x * y)];
     let classes = (0..x * y * z).map(|row| u8::from(is_vessel(at(row)))).collect();
     let [a, b, c] = spacing;
-    Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]] }
+    Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]], walls: None }
 }
 
 /// Random voxels, smoothed by a vote of neighbours so that there are lumps, tunnels and cavities of all sizes.
@@ -210,7 +210,7 @@ fn tube(draw: &mut Draw, spacing: [f64; 3], radius: f64, length: f64) -> (Mask, 
     (spaced(shape, spacing, is), middle, along)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
@@ -239,7 +239,7 @@ fn the_radius_of_a_tube_is_found_at_all_angles_and_shapes_of_voxels() {
 }
 
 /// The lines by place: points and radii, mm, sorted and rounded, of links.
-fn places(traced: &Traced) -> Vec<[[i64; 4]; 2]> {
+pub fn places(traced: &Traced) -> Vec<[[i64; 4]; 2]> {
     let lines = &traced.lines;
     let at = |row: u32| {
         let ([x, y, z], r) = (lines.points[row as usize], lines.radii[row as usize]);
@@ -271,7 +271,7 @@ fn reordered(mask: &Mask, order: [usize; 3], flipped: [bool; 3]) -> Mask {
         }
         new
     });
-    Mask { shape, classes, affine }
+    Mask { shape, classes, affine, walls: None }
 }
 
 #[test]

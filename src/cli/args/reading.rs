@@ -58,7 +58,7 @@ pub struct ReadingArgs {
     pub level: Option<f64>,
     /// What the radius of a mask's centerlines is
     #[arg(long, default_value = "area", hide_short_help = true, value_parser = words::<RadiusFrom>(&[
-        ("area", "That of the circle with the area of the lumen's cross-section"),
+        ("area", "That of the circle with the area of the lumen's cross-section; with --level voxels at the wall count in part"),
         ("distance", "The distance to the nearest voxel outside"),
         ("inscribed", "That of the largest sphere inside")]))]
     pub radius_from: RadiusFrom,

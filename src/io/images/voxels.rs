@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read};
 
 use crate::error::Fault;
 use crate::io::binary::NumberType;
-use crate::masks::{Affine, Mask};
+use crate::masks::{Affine, Mask, WallFinder};
 use crate::support::geometry::{Point, cross, dot, norm_squared};
 
 /// More classes than any list of arteries has.
@@ -48,6 +48,9 @@ impl Voxels {
         let mut classes: Vec<u8> = Vec::new();
         let mut block = vec![0; BLOCK * self.size];
         let mut seen = [false; 256];
+        let mut walls = level.and_then(|_| WallFinder::new(self.shape));
+        // Whether the values could be classes, and which then.
+        let (mut are_classes, mut known) = (true, [false; 256]);
         while classes.len() < count {
             let wanted = (count - classes.len()).min(BLOCK) * self.size;
             let found = fill(&mut bytes, &mut block[..wanted]).map_err(|error| {
@@ -62,9 +65,19 @@ impl Voxels {
                 let class = self.class(value, level, classes.len())?;
                 seen[usize::from(class)] = true;
                 classes.push(class);
+                if let Some(walls) = &mut walls {
+                    walls.add(value);
+                    if are_classes {
+                        as_class(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
+                    }
+                }
+            }
+            if let Some(walls) = &mut walls {
+                walls.advance(&classes);
             }
         }
-        let several = seen[1..].iter().filter(|is| **is).count();
+        let count = |seen: &[bool]| seen[1..].iter().filter(|is| **is).count();
+        let several = count(&seen);
         if several > MOST_CLASSES {
             return Err(Fault::file(format!("looks like an image, not a mask: {several} values"), ACCEPTED));
         }
@@ -72,7 +85,10 @@ impl Voxels {
             let accepted = "expected voxels of vessels, which are not 0";
             return Err(Fault::file("an empty mask", if level.is_some() { "expected a lower `level`" } else { accepted }));
         }
-        Ok(Mask { shape: self.shape, classes, affine: self.affine })
+        // What would do as a mask has no partial volume.
+        are_classes &= count(&known) <= MOST_CLASSES;
+        let walls = walls.filter(|_| !are_classes).zip(level).and_then(|(walls, level)| walls.finish(level, &classes));
+        Ok(Mask { shape: self.shape, classes, affine: self.affine, walls })
     }
 
     fn class(&self, value: f64, level: Option<f64>, row: usize) -> Result<u8, Fault> {
@@ -85,8 +101,9 @@ impl Voxels {
         }
         match level {
             Some(level) => Ok(u8::from(value >= level)),
-            None if (0.0..=255.0).contains(&value) && value.fract() == 0.0 => Ok(value as u8),
-            None => Err(Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED)),
+            None => {
+                as_class(value).ok_or_else(|| Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED))
+            }
         }
     }
 
@@ -105,6 +122,11 @@ impl Voxels {
         }
         Ok(())
     }
+}
+
+/// The class that a value is, in a mask.
+fn as_class(value: f64) -> Option<u8> {
+    ((0.0..=255.0).contains(&value) && value.fract() == 0.0).then_some(value as u8)
 }
 
 /// Fills as much of `out` as there are bytes.
