@@ -17,6 +17,8 @@ use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.0;
+/// A free end lies this share of the last step inside the last voxel.
+const INSIDE: f64 = 0.25;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
@@ -301,8 +303,8 @@ impl Tracer<'_> {
                     // Where the vessel goes on outside the image, so does its line up to there.
                     line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
                 } else if n > 2 {
-                    // Rules of thinning differ by a voxel at an end: midway all agree within half of one.
-                    line.points[at] = lerp(tip, line.points[behind[0]], 0.5);
+                    // Rules of thinning differ by a voxel at an end. This is nearest to the last voxel, and within one of all others.
+                    line.points[at] = lerp(tip, line.points[behind[0]], INSIDE);
                 }
             }
         }
@@ -351,10 +353,15 @@ impl Line {
 }
 
 /// The line with each point moved to the weighted mean of those around it; beyond an end the line is turned about it, so that ends stay.
+///
+/// The weights are twice a Gaussian less the Gaussian of two such smoothings, so that curves up to the third order stay where they are: a
+/// mean alone cuts bends short.
 fn smooth(points: &[Point]) -> Vec<Point> {
     let n = points.len() as isize;
-    let reach = (REACH * SMOOTH) as isize;
-    let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / SMOOTH).powi(2)).exp()).collect();
+    let twice = SMOOTH * std::f64::consts::SQRT_2;
+    let reach = (REACH * twice) as isize;
+    let gaussian = |k: isize, spread: f64| (-0.5 * (k as f64 / spread).powi(2)).exp() / spread;
+    let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, SMOOTH) - gaussian(k, twice)).collect();
     let total: f64 = weights.iter().sum();
     let turned = |k: isize, about: isize| {
         let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
