@@ -187,6 +187,7 @@ impl Summary {
                 "nodes": network.node_count(),
                 "observed": count(Origin::Observed),
                 "candidates": count(Origin::Candidate),
+                "contacts": count(Origin::Contact),
                 "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),
