@@ -74,6 +74,8 @@ impl Shown {
 struct Identity {
     /// The place that either end shows, and how far (m) beyond the cluster.
     ends: [(Option<Shown>, f64); 2],
+    /// The same of the stretch at either end, where the branch leads from one vessel to another.
+    near: [(Option<Shown>, f64); 2],
     /// Whether it leads from one vessel to another, and is no longer than these are wide.
     is_short_and_mixed: bool,
 }
@@ -128,9 +130,9 @@ impl ContactTruth {
         // A short branch from one vessel to another is nobody's only where both of its ends pass by without it.
         let passed = |row: usize, side: usize, identities: &[Identity]| {
             let Some(cluster) = branches.branches[row].clusters[side] else { return true };
-            let own = identities[row].ends[side];
+            let own = identities[row].near[side];
             let others = branches.clusters[cluster].ends.iter().filter(|end| end.branch != row);
-            let same = |end: &&BranchEnd| self.same(branches, cluster, own, identities[end.branch].ends[usize::from(end.last)]);
+            let same = |end: &&BranchEnd| self.same(branches, cluster, own, identities[end.branch].near[usize::from(end.last)]);
             others.filter(same).count() >= 2
         };
         for row in 0..identities.len() {
@@ -228,8 +230,7 @@ impl ContactTruth {
             let wide = self.radius[shown[cut - 1].station] + self.radius[shown[*cut].station];
             branch.length <= 1.5 * wide + 2.0 * self.voxel
         });
-        let anchor = |side: usize| {
-            let [from, to] = of_end[side];
+        let anchor = |side: usize, [from, to]: [usize; 2]| {
             if to == from {
                 return (None, 0.0);
             }
@@ -240,7 +241,12 @@ impl ContactTruth {
             let nearest = (from..to).min_by(|a, b| (arc[*a] - at).abs().total_cmp(&(arc[*b] - at).abs())).unwrap_or(from);
             (Some(shown[nearest]), if side == 0 { arc[nearest] } else { branch.length - arc[nearest] })
         };
-        Identity { ends: [anchor(0), anchor(1)], is_short_and_mixed }
+        let near = [sections[0], sections[sections.len() - 1]];
+        Identity {
+            ends: [anchor(0, of_end[0]), anchor(1, of_end[1])],
+            near: [anchor(0, near[0]), anchor(1, near[1])],
+            is_short_and_mixed,
+        }
     }
 }
 

@@ -54,18 +54,6 @@ impl<'a> ContactExample<'a> {
             Some(a? == b?)
         });
         let joined: Vec<Option<bool>> = joined.collect();
-        if let Ok(folder) = std::env::var("WILLIS_DUMP") {
-            use std::io::Write as _;
-            let mut out = std::fs::File::create(format!("{folder}/{}.csv", case.name.replace('/', "-"))).unwrap();
-            for (row, pair) in table.pairs.iter().enumerate() {
-                let c = &table.branches.clusters[pair.cluster];
-                let p = c.centre().map(crate::network::units::millimetres);
-                let at = pair.ends.map(|e| table.branches.branches[c.ends[e].branch].points.clone()).map(|v| v[v.len() / 2].position.map(crate::network::units::millimetres));
-                let f: Vec<String> = table.features.row(row).iter().map(|x| x.to_string()).collect();
-                let y = joined[row].map_or(-1, i32::from);
-                writeln!(out, "{},{},{},{},{},{},{},{},{},{},{},{y},{}", pair.cluster, c.ends.len(), p[0], p[1], p[2], at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2], f.join(",")).unwrap();
-            }
-        }
         Ok(Self { case, table, has_mask: field.is_some(), joined, classes })
     }
 
