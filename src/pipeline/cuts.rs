@@ -118,6 +118,11 @@ impl Cuts {
         with_contacts(graph, self.field.as_ref(), &self.model)
     }
 
+    /// Whether there is a mask.
+    pub(crate) fn has_mask(&self) -> bool {
+        self.field.is_some()
+    }
+
     /// The record in run.json.
     pub(crate) fn record(&self) -> Value {
         let model = self.source.as_ref().map_or(json!("shipped"), |source| json!(source));

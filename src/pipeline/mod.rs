@@ -142,7 +142,13 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::OutletsAllStated);
     }
     let graph = prior.graph(network, is_fragments, &boundary, &building)?;
-    let graph = cuts.as_ref().map_or_else(|| graph.clone(), |cuts| cuts.open(&graph));
+    let graph = match &cuts {
+        Some(cuts) => cuts.open(&graph),
+        None => graph,
+    };
+    if let Some(cuts) = &cuts {
+        progress.step(Step::Cut { graph: &graph, with_mask: cuts.has_mask() });
+    }
     let boundary = boundary.extended_to(graph.node_count());
     let mut provenance = input.provenance;
     if is_fragments {

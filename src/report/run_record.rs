@@ -153,6 +153,13 @@ impl Summary {
         self.parameters["prior"] = prior;
     }
 
+    /// States by which model and with which mask observed vessels were cut apart; null where they were not.
+    pub fn state_cut(&mut self, cut: Value) {
+        if !cut.is_null() {
+            self.parameters["cut"] = cut;
+        }
+    }
+
     /// Gathers the record of a run.
     pub fn new(
         outcome: &Outcome<'_>,
