@@ -142,6 +142,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::OutletsAllStated);
     }
     let graph = prior.graph(network, is_fragments, &boundary, &building)?;
+    let mut provenance = input.provenance;
+    if is_fragments {
+        progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
+        provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
+    }
     let graph = match &cuts {
         Some(cuts) => cuts.open(&graph),
         None => graph,
@@ -150,11 +155,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Cut { graph: &graph, with_mask: cuts.has_mask() });
     }
     let boundary = boundary.extended_to(graph.node_count());
-    let mut provenance = input.provenance;
-    if is_fragments {
-        progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
-        provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
-    }
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
