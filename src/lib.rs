@@ -81,9 +81,9 @@ pub use network::units::{LengthUnit, Scale};
 pub use network::{Network, RadiusRule};
 pub use perturbation::stenosis::Stenosis;
 pub use pipeline::{
-    ArterySource, BoundaryOptions, Contents, Cut, FlowOptions, InferOptions, Inference, Input, ModulationRun, Phenotype, Prepared,
-    Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, candidates, classify, infer, infer_with, merge,
-    modulate, modulate_with, prepare, read, simulate, simulate_with,
+    ArterySource, BoundaryOptions, Contents, Cut, FlowOptions, InferOptions, Inference, Input, ModulationRun, Phenotype,
+    Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, candidates, classify, infer, infer_with,
+    merge, modulate, modulate_with, prepare, read, simulate, simulate_with,
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;

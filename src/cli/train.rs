@@ -176,9 +176,12 @@ impl TrainArgs {
             let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
             let cases = plural(of_set.len(), "case");
             let masks = plural(sum(&|e| usize::from(e.has_mask)), "mask");
-            let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair of branch ends");
+            let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
             let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
-            terminal.say("read", format!("{}: {cases}, {masks}, {pairs}, {joined} of them one vessel", of_set[0].case.data_set));
+            terminal.say(
+                "read",
+                format!("{}: {cases}, {masks}, {pairs} of branch ends, {joined} of them one vessel", of_set[0].case.data_set),
+            );
         }
         terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
         let say = |heading: &str, step: &str| {
@@ -192,7 +195,10 @@ impl TrainArgs {
             for of in &figures {
                 let with = if of.with_mask { "with mask" } else { "without" };
                 let (auc, ap, error) = (of.auc, of.average_precision, of.largest_bin_error);
-                let told = format!("{} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3}", of.of);
+                let told = format!(
+                    "{} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3}",
+                    of.of
+                );
                 terminal.say("held out", format!("{told} ({}, {})", plural(of.cases, "case"), plural(of.pairs, "pair")));
             }
             model.provenance.figures = figures;

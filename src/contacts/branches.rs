@@ -175,7 +175,9 @@ fn runs(network: &Network) -> Vec<Branch> {
     let is_observed = |row: usize| network.vessel(row).origin == Origin::Observed;
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| is_observed(*row)) {
-        ends.iter().for_each(|node| at[*node].push(row));
+        for node in ends {
+            at[node].push(row);
+        }
     }
     let mut done = vec![false; network.vessel_count()];
     let mut out = Vec::new();

@@ -118,7 +118,8 @@ pub struct Courses {
 impl Courses {
     /// Courses of the branches.
     pub fn new(branches: &Branches) -> Self {
-        let course = |b: &super::branches::Branch| smooth_course(&b.points, (STEP_RADII * b.radius).max(b.length / MOST_POINTS as f64));
+        let course =
+            |b: &super::branches::Branch| smooth_course(&b.points, (STEP_RADII * b.radius).max(b.length / MOST_POINTS as f64));
         Self { of_branch: branches.branches.iter().map(course).collect() }
     }
 

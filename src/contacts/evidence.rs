@@ -28,13 +28,58 @@ const DIP: f64 = 0.85;
 
 /// The features, by name.
 pub const MASK_FEATURES: [&str; 52] = [
-    "miss_least", "miss_most", "skew", "axes_straight", "tube_bend", "area_ratio", "area_least", "area_most", "elongation_least",
-    "elongation_most", "miss_margin_least", "miss_margin_most", "ring_half_mean", "ring_half_least", "ring_full_mean", "ring_full_least",
-    "depth_least", "depth_mean", "ring_margin_least", "ring_margin_most", "signed_least", "signed_mean", "far_least", "far_mean",
-    "far_inside", "signed_margin_least", "signed_margin_most", "far_margin_least", "far_margin_most", "signed_pairing", "miss_pairing",
-    "better_least", "better_most", "section_least", "section_most", "section_elongation", "section_elongation_most", "section_second",
-    "section_saddle", "section_shift", "way_least", "way_most", "way_dip", "way_dips", "murray_areas", "volume", "linear", "planar",
-    "core_depth", "normal_least", "normal_most", "cover",
+    "miss_least",
+    "miss_most",
+    "skew",
+    "axes_straight",
+    "tube_bend",
+    "area_ratio",
+    "area_least",
+    "area_most",
+    "elongation_least",
+    "elongation_most",
+    "miss_margin_least",
+    "miss_margin_most",
+    "ring_half_mean",
+    "ring_half_least",
+    "ring_full_mean",
+    "ring_full_least",
+    "depth_least",
+    "depth_mean",
+    "ring_margin_least",
+    "ring_margin_most",
+    "signed_least",
+    "signed_mean",
+    "far_least",
+    "far_mean",
+    "far_inside",
+    "signed_margin_least",
+    "signed_margin_most",
+    "far_margin_least",
+    "far_margin_most",
+    "signed_pairing",
+    "miss_pairing",
+    "better_least",
+    "better_most",
+    "section_least",
+    "section_most",
+    "section_elongation",
+    "section_elongation_most",
+    "section_second",
+    "section_saddle",
+    "section_shift",
+    "way_least",
+    "way_most",
+    "way_dip",
+    "way_dips",
+    "murray_areas",
+    "volume",
+    "linear",
+    "planar",
+    "core_depth",
+    "normal_least",
+    "normal_most",
+    "cover",
 ];
 /// Features of how well tubes cover the lumen around a cluster, by name.
 pub const COVER_FEATURES: [&str; 3] = ["cover_with_rest", "cover_without", "cover_margin"];
@@ -349,9 +394,8 @@ fn of_cluster(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pa
     let deepest = c.core.iter().map(|p| field.depth(p.position)).fold(0.0, f64::max);
     let most_radius = arms.iter().map(|a| a.radius).fold(0.0, f64::max);
     let rivals = (arms.len() - 1) as f64;
-    let better = |end: usize, value: f64| {
-        (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > value).count() as f64 / rivals
-    };
+    let better =
+        |end: usize, value: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > value).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
     let of_pair = |n: usize| -> Vec<f64> {
         let ends = pairs[n].ends;
@@ -371,10 +415,39 @@ fn of_cluster(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pa
         let normal = sorted(dot(a.along, around.normal).abs(), dot(b.along, around.normal).abs());
         let [alone, with, without] = cover[n];
         let mut row = vec![
-            t.miss[0], t.miss[1], t.skew, -dot(a.along, b.along), t.bend, (a.area / b.area).ln().abs(), to_widest[0], to_widest[1],
-            elongation[0], elongation[1], miss_margin[0], miss_margin[1], t.rings[0][0], t.rings[0][1], t.rings[1][0], t.rings[1][1],
-            t.depth[1], t.depth[0], ring_margin[0], ring_margin[1], t.signed[1], t.signed[0], t.far[1], t.far[0], t.far_inside,
-            signed_margin[0], signed_margin[1], far_margin[0], far_margin[1], gain(&fit), gain(&straight), behind[0], behind[1],
+            t.miss[0],
+            t.miss[1],
+            t.skew,
+            -dot(a.along, b.along),
+            t.bend,
+            (a.area / b.area).ln().abs(),
+            to_widest[0],
+            to_widest[1],
+            elongation[0],
+            elongation[1],
+            miss_margin[0],
+            miss_margin[1],
+            t.rings[0][0],
+            t.rings[0][1],
+            t.rings[1][0],
+            t.rings[1][1],
+            t.depth[1],
+            t.depth[0],
+            ring_margin[0],
+            ring_margin[1],
+            t.signed[1],
+            t.signed[0],
+            t.far[1],
+            t.far[0],
+            t.far_inside,
+            signed_margin[0],
+            signed_margin[1],
+            far_margin[0],
+            far_margin[1],
+            gain(&fit),
+            gain(&straight),
+            behind[0],
+            behind[1],
         ];
         row.extend(t.sections);
         row.extend(way);
@@ -395,4 +468,3 @@ fn way_through(core: &[Point], from: Point, to: Point) -> Vec<Point> {
     way.dedup();
     way
 }
-

@@ -23,21 +23,58 @@ const LONGEST_WAY: f64 = 200.0;
 
 /// The features of a pair, by name.
 pub const PAIR_FEATURES: [&str; 27] = [
-    "straight_near", "straight_far", "near_margin_least", "near_margin_most", "far_margin_least", "far_margin_most", "pairing_gain",
-    "radius_ratio", "thinner", "wider", "murray", "core_width", "narrowing", "ends", "way_inside", "length_least", "length_most",
-    "free_ends", "is_short", "way_around", "no_way_around", "way_around_ratio", "beyond_least", "beyond_most", "straight_by_ratio",
-    "ways_around", "core_size",
+    "straight_near",
+    "straight_far",
+    "near_margin_least",
+    "near_margin_most",
+    "far_margin_least",
+    "far_margin_most",
+    "pairing_gain",
+    "radius_ratio",
+    "thinner",
+    "wider",
+    "murray",
+    "core_width",
+    "narrowing",
+    "ends",
+    "way_inside",
+    "length_least",
+    "length_most",
+    "free_ends",
+    "is_short",
+    "way_around",
+    "no_way_around",
+    "way_around_ratio",
+    "beyond_least",
+    "beyond_most",
+    "straight_by_ratio",
+    "ways_around",
+    "core_size",
 ];
 /// The features of a branch as seen from one of its ends, by name.
 pub const BRANCH_FEATURES: [&str; 15] = [
-    "length", "width", "narrowest", "free", "far_straight", "far_aligned", "far_wider", "far_ends", "here_straight", "here_aligned",
-    "here_wider", "partner", "bulge", "winding", "parallel",
+    "length",
+    "width",
+    "narrowest",
+    "free",
+    "far_straight",
+    "far_aligned",
+    "far_wider",
+    "far_ends",
+    "here_straight",
+    "here_aligned",
+    "here_wider",
+    "partner",
+    "bulge",
+    "winding",
+    "parallel",
 ];
 
 /// The names of all features of the skeleton, in their order.
 pub fn skeleton_feature_names() -> Vec<String> {
     let pairs = PAIR_FEATURES.iter().map(|name| (*name).to_owned());
-    let branches = ["least", "most"].into_iter().flat_map(|of| BRANCH_FEATURES.iter().map(move |name| format!("branch_{name}_{of}")));
+    let branches =
+        ["least", "most"].into_iter().flat_map(|of| BRANCH_FEATURES.iter().map(move |name| format!("branch_{name}_{of}")));
     pairs.chain(branches).collect()
 }
 
@@ -314,7 +351,6 @@ impl Table {
 
 /// The features of pairs, each a row of [`skeleton_feature_names`].
 pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
-    
     let coarse = Coarse::new(branches);
     let of_branch = branch_features(branches, courses);
     let all: Vec<f64> = branches.branches.iter().flat_map(|b| b.points.iter().map(|p| p.radius)).collect();

@@ -77,8 +77,7 @@ pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) ->
     }
     let theta = weights[size_of(ends)];
     let all = partitions(ends);
-    let log: Vec<f64> =
-        all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
     let best = (0..all.len()).max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
     let total: f64 = weight.iter().sum();
@@ -95,8 +94,7 @@ pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) ->
 pub fn pair_probabilities(scores: &Table, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
     let theta = weights[size_of(ends)];
     let all = partitions(ends);
-    let log: Vec<f64> =
-        all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();
@@ -171,7 +169,10 @@ mod tests {
         let blocks = most_probable(&scores, 4, &weights);
         assert_eq!(blocks.of_end, [0, 0, 1, 1]);
         // By hand: of the fifteen partitions those where a pair of the two vessels is together.
-        let joined = ["0000", "0100", "0010", "0001", "0111", "0101", "0110", "0102", "0121", "0120", "0122", "0012", "0112", "0123", "0011"];
+        let joined = [
+            "0000", "0100", "0010", "0001", "0111", "0101", "0110", "0102", "0121", "0120", "0122", "0012", "0112", "0123",
+            "0011",
+        ];
         assert_eq!(joined.len(), 15);
         let weight = |z: &str| {
             let z: Vec<u8> = z.bytes().collect();
@@ -184,7 +185,8 @@ mod tests {
             (sum.exp(), mixed)
         };
         let all: Vec<(f64, bool)> = joined.iter().map(|z| weight(z)).collect();
-        let expected = all.iter().filter(|(_, mixed)| *mixed).map(|(w, _)| w).sum::<f64>() / all.iter().map(|(w, _)| w).sum::<f64>();
+        let expected =
+            all.iter().filter(|(_, mixed)| *mixed).map(|(w, _)| w).sum::<f64>() / all.iter().map(|(w, _)| w).sum::<f64>();
         assert!((blocks.joined[0].1 - expected).abs() < 1e-12);
     }
 

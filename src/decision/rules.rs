@@ -43,8 +43,7 @@ pub enum Keep {
 /// The largest root factor.
 const MOST_ROOT_FACTOR: f64 = 1000.0;
 
-const ACCEPTED: &str =
-    "expected probable[=ROOT_FACTOR], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.
 const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
 
@@ -85,7 +84,8 @@ impl FromStr for Keep {
         let refused = |accepted: String| Error::parameter("keep", format!("\"{text}\""), accepted);
         let unknown = || {
             let word = text.split('=').next().unwrap_or_default();
-            let rules = ["probable", "best-first", "reconnect", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
+            let rules =
+                ["probable", "best-first", "reconnect", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
             let meant = if rules.clone().any(|rule| rule == word) { String::new() } else { did_you_mean(word, rules) };
             refused(format!("{meant}{ACCEPTED}"))
         };
@@ -131,7 +131,9 @@ impl Keep {
     /// Names the rule, its value and the range.
     pub fn validate(self) -> Result<()> {
         match self {
-            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) | Self::Reconnect(q) if !(0.0..=1.0).contains(&q) => {
+            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) | Self::Reconnect(q)
+                if !(0.0..=1.0).contains(&q) =>
+            {
                 Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
             }
             Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),

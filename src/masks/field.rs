@@ -61,7 +61,16 @@ impl Field {
             cross(columns[2], columns[0]).map(|x| x / volume),
             cross(columns[0], columns[1]).map(|x| x / volume),
         ];
-        Some(Self { shape: vessels.box_shape(), origin: vessels.box_origin(), inverse, at: position(&mask.affine), voxel, depth, steps, vessels })
+        Some(Self {
+            shape: vessels.box_shape(),
+            origin: vessels.box_origin(),
+            inverse,
+            at: position(&mask.affine),
+            voxel,
+            depth,
+            steps,
+            vessels,
+        })
     }
 
     /// The least side of a voxel, m.

@@ -46,8 +46,9 @@ impl Boosted {
         let mut trees = Vec::new();
         for (number, line) in entry.trees.iter().enumerate() {
             let place = || format!("{place} tree {}", number + 1);
-            let tree: Tree =
-                line.parse().map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
+            let tree: Tree = line
+                .parse()
+                .map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
             if let Some(column) = tree.last_column().filter(|column| *column >= columns) {
                 return Err(Fault::item(place(), format!("feature {column}"), format!("expected features 0 to {}", columns - 1)));
             }

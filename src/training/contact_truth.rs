@@ -99,10 +99,12 @@ impl ContactTruth {
             for id in shown {
                 let accepted = || format!("expected nodes from 1 to {}", nodes.len());
                 let there = id.checked_sub(1).and_then(|row| station_of.get_mut(row));
-                *there.ok_or_else(|| Fault::item(format!("station {station}"), format!("node {id}"), accepted()))? = Some(station);
+                *there.ok_or_else(|| Fault::item(format!("station {station}"), format!("node {id}"), accepted()))? =
+                    Some(station);
             }
         }
-        let stations = file.stations.iter().enumerate().map(|(row, at)| place("station", row, at)).collect::<Result<Vec<_>, _>>()?;
+        let stations =
+            file.stations.iter().enumerate().map(|(row, at)| place("station", row, at)).collect::<Result<Vec<_>, _>>()?;
         if stations.len() < file.station_nodes.len() {
             let found = format!("{} stations", stations.len());
             return Err(Fault::item("station_nodes", found, format!("expected {}", file.station_nodes.len())));
@@ -126,7 +128,8 @@ impl ContactTruth {
     /// where nothing is known.
     pub fn classes(&self, branches: &Branches) -> Vec<Vec<Option<usize>>> {
         let index = PointIndex::new(self.nodes.clone());
-        let mut identities: Vec<Identity> = (0..branches.branches.len()).map(|row| self.identity(branches, &index, row)).collect();
+        let mut identities: Vec<Identity> =
+            (0..branches.branches.len()).map(|row| self.identity(branches, &index, row)).collect();
         // A short branch from one vessel to another is nobody's only where both of its ends pass by without it.
         let passed = |row: usize, side: usize, identities: &[Identity]| {
             let Some(cluster) = branches.branches[row].clusters[side] else { return true };

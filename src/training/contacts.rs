@@ -242,7 +242,8 @@ pub fn cross_validate_contacts(
     }
     let figures = groups.into_iter().map(|(data_set, group, with_mask)| {
         let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
-        let of: Vec<&[Judged]> = judged.iter().filter(|(e, mask, _)| own(e) && *mask == with_mask).map(|(.., j)| &j[..]).collect();
+        let of: Vec<&[Judged]> =
+            judged.iter().filter(|(e, mask, _)| own(e) && *mask == with_mask).map(|(.., j)| &j[..]).collect();
         let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
         scores_of(name, with_mask, &of)
     });

@@ -18,7 +18,12 @@ use willis::internals::support::geometry::{Point, distance};
 fn network(nodes: &[Point], vessels: &[[usize; 2]]) -> Network {
     let mut network = Network::new();
     for (row, at) in nodes.iter().enumerate() {
-        network.add_node(Node { id: row.to_string(), position: Some(at.map(|x| x / 1e3)), radius: Some(1e-3), ..Node::default() });
+        network.add_node(Node {
+            id: row.to_string(),
+            position: Some(at.map(|x| x / 1e3)),
+            radius: Some(1e-3),
+            ..Node::default()
+        });
     }
     for [a, b] in vessels {
         let at = |share: f64| [0, 1, 2].map(|k| (nodes[*a][k] + share * (nodes[*b][k] - nodes[*a][k])) / 1e3);
@@ -60,7 +65,8 @@ fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
     let table = ContactTable::new(&crossing(), None);
     let row = |i, j| table.pairs.iter().position(|p| p.ends == [i, j]).expect("a pair");
     let ends = &table.branches.clusters[0].ends;
-    let end_of = |vessel: usize| ends.iter().position(|end| table.branches.branches[end.branch].vessels[0].0 == vessel).expect("an end");
+    let end_of =
+        |vessel: usize| ends.iter().position(|end| table.branches.branches[end.branch].vessels[0].0 == vessel).expect("an end");
     let straight = skeleton_feature_names().iter().position(|name| name == "straight_far").expect("a feature");
     let pair = |a, b| {
         let (i, j) = (end_of(a), end_of(b));
@@ -78,7 +84,8 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     let branches = Branches::new(&network);
     let ends = &branches.clusters[0].ends;
     // Vessels 0 and 3 are one, 1 and 4 the other.
-    let of_end: Vec<usize> = ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
+    let of_end: Vec<usize> =
+        ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
     let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
     let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)] }]);
     let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
@@ -173,7 +180,10 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
         assert!((0.0..=1.0).contains(&p) && ["0", "1"].contains(&row["kept"].as_str()));
     }
     // The graph holds its contacts: handed back it gives the same answer.
-    let ran = willis(at.path(), &["infer", "cut/candidates.graphml", "-o", "again", "--keep", "reconnect=0", "-n", "1", "--json", "--quiet"]);
+    let ran = willis(
+        at.path(),
+        &["infer", "cut/candidates.graphml", "-o", "again", "--keep", "reconnect=0", "-n", "1", "--json", "--quiet"],
+    );
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
@@ -181,7 +191,15 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
 
 #[test]
 fn what_is_no_model_of_contacts_is_refused() {
-    refused(&[("own.toml", b"kind = \"skeleton\"")], &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", "own.toml"], &["own.toml"]);
+    refused(
+        &[("own.toml", b"kind = \"skeleton\"")],
+        &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", "own.toml"],
+        &["own.toml"],
+    );
     refused(&[], &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", "alwais"], &["alwais", "did you mean", "always"]);
-    refused(&[("lines.swc", b"1 0 0 0 0 1 -1\n2 0 9 0 0 1 1\n")], &["infer", "lines.swc", "-o", "out", "--cut", "always", "--mask", "lines.swc"], &["lines.swc", "not a mask"]);
+    refused(
+        &[("lines.swc", b"1 0 0 0 0 1 -1\n2 0 9 0 0 1 1\n")],
+        &["infer", "lines.swc", "-o", "out", "--cut", "always", "--mask", "lines.swc"],
+        &["lines.swc", "not a mask"],
+    );
 }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::features::join_feature_names;
 use super::rivals::SECOND_FEATURES;
 use crate::candidates::model::posterior::Calibration;
-use crate::support::toml_text::{list, text};
 use crate::error::Fault;
 use crate::support::boosted_trees::{Boosted, BoostedEntry};
 use crate::support::statistics::sigmoid;
 use crate::support::suggestions::did_you_mean;
+use crate::support::toml_text::{list, text};
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("skeleton.toml");
