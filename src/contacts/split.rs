@@ -201,11 +201,12 @@ fn contact(graph: &Network, branches: &Branches, row: usize, [from, to]: [usize;
         path.extend(points.into_iter().skip(1));
     }
     path.reverse();
-    if path.len() < 2 {
-        path = vec![path[0]; 2];
-    }
     let length: f64 = path.windows(2).map(|w| norm(sub(w[0].position, w[1].position))).sum();
     let length = as_stored(length.max(SHORTEST * cluster.radius));
+    if path.len() < 2 {
+        // Both hubs are one place.
+        path.clear();
+    }
     for point in &mut path {
         point.radius = as_stored(point.radius);
         point.position = point.position.map(as_stored);

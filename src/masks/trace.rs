@@ -16,7 +16,7 @@ use crate::network::units::metres;
 use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
-const SMOOTH: f64 = 2.0;
+const SMOOTH: f64 = 2.5;
 /// A free end lies this share of the last step inside the last voxel.
 const INSIDE: f64 = 0.45;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says

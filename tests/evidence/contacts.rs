@@ -140,7 +140,9 @@ fn the_section_of_a_tube_is_its_circle() {
             let truth = PI * (radius * 0.5e-3).powi(2) * lengthening;
             assert!((found.area / truth - 1.0).abs() < 0.12, "{radius} {direction:?}: {} of {truth}", found.area);
             assert!((found.elongation() / lengthening - 1.0).abs() < 0.06, "{}", found.elongation());
-            assert!(distance(found.shift, [0.0; 3]) < 0.1e-3 && found.second == 0.0 || direction[1] > 0.0);
+            // The middle is the middle, and at the wall, where a second one might be, there is no depth.
+            assert!(distance(found.shift, [0.0; 3]) < 0.1e-3, "{:?}", found.shift);
+            assert!(found.second < 0.2, "{}", found.second);
         }
         // On the axis the wall is a radius away, outside it is on the other side.
         assert!((field.signed([0.0; 3]) - radius * 0.5e-3).abs() < 0.3e-3);
