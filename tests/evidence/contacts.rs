@@ -147,8 +147,8 @@ fn the_section_of_a_tube_is_its_circle() {
             let left = (1.0 - 1.2 / lengthening).max(0.0);
             assert!((found.second - left).abs() < 1.0 / radius, "{} of {left}", found.second);
         }
-        // On the axis the wall is a radius away, outside it is on the other side.
-        assert!((field.signed([0.0; 3]) - radius * 0.5e-3).abs() < 0.3e-3);
+        // On the axis, which lies between voxels, the wall is a radius away up to a voxel; outside it is on the other side.
+        assert!((field.signed([0.0; 3]) - radius * 0.5e-3).abs() < 0.5e-3);
         assert!(field.signed([0.0, (radius + 1.0) * 0.5e-3, 0.0]) < 0.0);
         assert_eq!(field.depth([0.0, 9e-3, 0.0]), 0.0);
     }
