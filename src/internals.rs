@@ -11,6 +11,10 @@ pub mod candidates {
 pub mod circle_of_willis {
     pub use crate::circle_of_willis::*;
 }
+/// See `src/contacts`.
+pub mod contacts {
+    pub use crate::contacts::*;
+}
 /// See `src/decision`.
 pub mod decision {
     pub use crate::decision::*;

@@ -50,6 +50,7 @@ pub mod internals;
 
 mod candidates;
 mod circle_of_willis;
+mod contacts;
 mod decision;
 mod flow;
 mod forest_posterior;
@@ -80,9 +81,9 @@ pub use network::units::{LengthUnit, Scale};
 pub use network::{Network, RadiusRule};
 pub use perturbation::stenosis::Stenosis;
 pub use pipeline::{
-    ArterySource, BoundaryOptions, Contents, FlowOptions, InferOptions, Inference, Input, ModulationRun, Phenotype, Prepared,
-    Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, candidates, classify, infer, infer_with, merge,
-    modulate, modulate_with, prepare, read, simulate, simulate_with,
+    ArterySource, BoundaryOptions, Contents, Cut, FlowOptions, InferOptions, Inference, Input, ModulationRun, Phenotype,
+    Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, candidates, classify, infer, infer_with,
+    merge, modulate, modulate_with, prepare, read, simulate, simulate_with,
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;

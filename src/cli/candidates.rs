@@ -49,7 +49,7 @@ impl CandidatesArgs {
         StagedFile::check(&self.output, force)?;
         let path = &self.input.input;
         let mut options = InferOptions { boundary: for_input(&self.boundary.options()?, path), ..InferOptions::default() };
-        self.candidates.put(&mut options.candidates, &mut options.prior)?;
+        self.candidates.put(&mut options)?;
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again.graphml"));
         say_read(terminal, &input, self.input.reading.units.is_none());
         if !input.is_fragments {

@@ -146,7 +146,7 @@ impl InferenceArgs {
         let usual = options.boundary.found_outlets;
         options.boundary = self.boundary.options()?;
         options.boundary.found_outlets = options.boundary.found_outlets.or(usual);
-        self.candidates.put(&mut options.candidates, &mut options.prior)?;
+        self.candidates.put(&mut options)?;
         options.arteries = self.arteries.source();
         options.validate()?;
         Ok((options, runs))

@@ -13,8 +13,8 @@ use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::internals::training::{
-    Case, CrossValidation, Example, JoinExample, Model, Step, TrainParams, check_folds, cross_validate, cross_validate_joins,
-    fit, fit_joins, goes_without_inlets, read_cases,
+    Case, ContactExample, CrossValidation, Example, JoinExample, Model, Step, TrainParams, check_folds, cross_validate,
+    cross_validate_contacts, cross_validate_joins, fit, fit_contacts, fit_joins, goes_without_inlets, read_cases,
 };
 
 use super::args::figures::whole;
@@ -62,6 +62,7 @@ pub struct TrainArgs {
 enum Kind {
     Tracing,
     Skeleton,
+    Contacts,
 }
 
 impl TrainArgs {
@@ -69,8 +70,10 @@ impl TrainArgs {
         let params = self.params()?;
         let outputs = self.outputs()?;
         outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
-        if self.model == Kind::Skeleton {
-            return self.fit_skeletons(&outputs, terminal, force);
+        match self.model {
+            Kind::Tracing => {}
+            Kind::Skeleton => return self.fit_skeletons(&outputs, terminal, force),
+            Kind::Contacts => return self.fit_contacts(&outputs, terminal, force),
         }
         let began = Instant::now();
         let read = read_cases(&self.cases, Model::Tracing)?;
@@ -142,6 +145,61 @@ impl TrainArgs {
                 cross_validate_joins(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
             for of in &figures {
                 say_join_figures(terminal, of);
+            }
+            model.provenance.figures = figures;
+            folds = if self.save_folds { models } else { folds };
+        }
+        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+        let figures = model.provenance.figures.clone();
+        let names = save(outputs, [model].into_iter().chain(folds), force, |mut model, out| {
+            model.provenance.made_by.clone_from(&made_by);
+            model.write(out)
+        })?;
+        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
+        if self.json {
+            print_json(&summary(&read.cases, &names, &json!(figures)))?;
+        }
+        Ok(())
+    }
+
+    /// Fits the contact model.
+    fn fit_contacts(&self, outputs: &[PathBuf], terminal: Terminal, force: bool) -> Result<()> {
+        let began = Instant::now();
+        let read = read_cases(&self.cases, Model::Contacts)?;
+        say_notes(terminal, &read.notes, "case");
+        let all: Vec<&Case> = read.cases.iter().collect();
+        if self.folds > 0 {
+            check_folds(&all, self.folds)?;
+        }
+        let examples = ContactExample::measure(&all)?;
+        for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
+            let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
+            let cases = plural(of_set.len(), "case");
+            let masks = plural(sum(&|e| usize::from(e.has_mask)), "mask");
+            let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
+            let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
+            terminal.say(
+                "read",
+                format!("{}: {cases}, {masks}, {pairs} of branch ends, {joined} of them one vessel", of_set[0].case.data_set),
+            );
+        }
+        terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
+        let say = |heading: &str, step: &str| {
+            terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
+        };
+        let mut model = fit_contacts(&examples.iter().collect::<Vec<_>>(), &mut |step| say("fitted", step))?;
+        let mut folds = Vec::new();
+        if self.folds > 0 {
+            let (models, figures) =
+                cross_validate_contacts(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
+            for of in &figures {
+                let with = if of.with_mask { "with mask" } else { "without" };
+                let (auc, ap, error) = (of.auc, of.average_precision, of.largest_bin_error);
+                let told = format!(
+                    "{} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3}",
+                    of.of
+                );
+                terminal.say("held out", format!("{told} ({}, {})", plural(of.cases, "case"), plural(of.pairs, "pair")));
             }
             model.provenance.figures = figures;
             folds = if self.save_folds { models } else { folds };

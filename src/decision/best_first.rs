@@ -1,9 +1,16 @@
-//! The decision on candidates that are judged one by one: the most probable first, a free end once.
+//! The decision on candidates and contacts that are judged one by one: the most probable first, a free end once, and what joins parts.
+
+use petgraph::unionfind::UnionFind;
 
 use crate::network::{Network, Origin, Vessel};
 
 /// The usual least probability.
 pub const BEST_FIRST: f64 = 0.4;
+
+/// The usual least probability of what joins two parts: four nats against it.
+pub const RECONNECT: f64 = 0.018;
+/// A candidate that was not probable enough by itself joins two parts from this probability on.
+pub const DOUBTFUL: f64 = 0.1;
 
 /// Per candidate whether it is kept: the most probable first, those above `least`, each free end once. `ends` are the free ends it joins.
 /// Of equally probable ones the first comes first.
@@ -29,7 +36,7 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
     let candidates: Vec<(usize, f64, [Option<usize>; 2])> = network
         .vessels()
         .enumerate()
-        .filter(|(_, (_, v))| !given(v))
+        .filter(|(_, (_, v))| !given(v) && v.origin == Origin::Candidate)
         .filter_map(|(row, (ends, v))| Some((row, v.evidence?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
         .collect();
     let probability: Vec<f64> = candidates.iter().map(|(_, p, _)| *p).collect();
@@ -37,6 +44,28 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
     for ((row, _, _), keeps) in candidates.iter().zip(best_first(&probability, &ends, least)) {
         kept[*row] = keeps;
+    }
+    kept
+}
+
+/// Per vessel whether it is observed or certain, or kept by [`best_first`], or joins two parts of what is kept: contacts at least as
+/// probable as `least`, and candidates of [`DOUBTFUL`] probability, the most probable first (Kruskal's algorithm). Cuts at contacts stay
+/// where they set nothing apart, or where the connection is less probable.
+pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
+    let mut kept = best_first_of(network, BEST_FIRST);
+    let mut parts = UnionFind::<usize>::new(network.node_count());
+    let mut open: Vec<(f64, usize, [usize; 2])> = Vec::new();
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        if kept[row] {
+            parts.union(ends[0], ends[1]);
+        } else if let Some(evidence) = vessel.evidence {
+            let least = if vessel.origin == Origin::Contact { least } else { least.max(DOUBTFUL) };
+            open.extend((evidence.probability >= least).then_some((evidence.probability, row, ends)));
+        }
+    }
+    open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    for (_, row, [a, b]) in open {
+        kept[row] = parts.union(a, b);
     }
     kept
 }

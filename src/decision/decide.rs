@@ -1,6 +1,6 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
-use super::best_first::best_first_of;
+use super::best_first::{BEST_FIRST, best_first_of, reconnected};
 use super::most_probable_forest::{has_evidence, probabilities, probable};
 use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
@@ -66,11 +66,12 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
             (probable(network, root_factor)?, near(&probability, 0.5))
         }
         Keep::BestFirst(least) => {
-            // A skeleton without any gap has no candidate to ask about.
-            let is_given = |(_, vessel): ([usize; 2], &Vessel)| vessel.origin == Origin::Observed || vessel.certain;
-            let nothing_to_ask = network.vessels().all(is_given);
-            let probability = if nothing_to_ask { probabilities(network) } else { evidence("best-first", network)? };
+            let probability = evidence_if_asked("best-first", network)?;
             (best_first_of(network, least), near(&probability, least))
+        }
+        Keep::Reconnect(least) => {
+            let probability = evidence_if_asked("reconnect", network)?;
+            (reconnected(network, least), near(&probability, BEST_FIRST))
         }
         _ => by_samples(rule, cut, result),
     };
@@ -89,6 +90,12 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
 pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result<bool> {
     let rule = if rule.asks_evidence() { Keep::Median } else { rule };
     Ok(decide(rule, network, result)?.undecided.is_empty())
+}
+
+/// The probability of each vessel, which a rule asks for; nothing is asked where every vessel is given.
+fn evidence_if_asked(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+    let is_given = |(_, vessel): ([usize; 2], &Vessel)| vessel.origin == Origin::Observed || vessel.certain;
+    if network.vessels().all(is_given) { Ok(probabilities(network)) } else { evidence(rule, network) }
 }
 
 /// The probability of each vessel, which a rule asks for.

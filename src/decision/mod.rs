@@ -6,7 +6,7 @@ pub mod most_probable_forest;
 pub mod rules;
 pub mod whole_topologies;
 
-pub use best_first::{BEST_FIRST, best_first, best_first_of};
+pub use best_first::{BEST_FIRST, RECONNECT, best_first, best_first_of, reconnected};
 pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
 pub use most_probable_forest::{
     ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::best_first::BEST_FIRST;
+use super::best_first::{BEST_FIRST, RECONNECT};
 use super::most_probable_forest::ROOT_FACTOR;
 use crate::error::{Error, Result};
 use crate::sampling::likelihood::Likelihood;
@@ -11,7 +11,8 @@ use crate::support::statistics::{median, otsu, quantile};
 use crate::support::suggestions::did_you_mean;
 
 /// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
-/// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`.
+/// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`,
+/// `reconnect` or `reconnect=0.018`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Keep {
@@ -34,13 +35,15 @@ pub enum Keep {
     /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
     /// ([`super::best_first::best_first()`]).
     BestFirst(f64),
+    /// As `best-first`, then contacts, and candidates of which little is sure, the most probable first, while they join two parts and are
+    /// at least so probable, in [0, 1] ([`super::best_first::reconnected()`]).
+    Reconnect(f64),
 }
 
 /// The largest root factor.
 const MOST_ROOT_FACTOR: f64 = 1000.0;
 
-const ACCEPTED: &str =
-    "expected probable[=ROOT_FACTOR], best-first[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.
 const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
 
@@ -55,6 +58,7 @@ impl fmt::Display for Keep {
             Self::Probability(p) => write!(f, "probability={p}"),
             Self::Probable(factor) => write!(f, "probable={factor}"),
             Self::BestFirst(p) => write!(f, "best-first={p}"),
+            Self::Reconnect(p) => write!(f, "reconnect={p}"),
         }
     }
 }
@@ -80,7 +84,8 @@ impl FromStr for Keep {
         let refused = |accepted: String| Error::parameter("keep", format!("\"{text}\""), accepted);
         let unknown = || {
             let word = text.split('=').next().unwrap_or_default();
-            let rules = ["probable", "best-first", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
+            let rules =
+                ["probable", "best-first", "reconnect", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
             let meant = if rules.clone().any(|rule| rule == word) { String::new() } else { did_you_mean(word, rules) };
             refused(format!("{meant}{ACCEPTED}"))
         };
@@ -103,6 +108,8 @@ impl FromStr for Keep {
             None if text == "otsu" => Self::Otsu,
             None if text == "probable" => Self::Probable(ROOT_FACTOR),
             None if text == "best-first" => Self::BestFirst(BEST_FIRST),
+            None if text == "reconnect" => Self::Reconnect(RECONNECT),
+            Some(("reconnect", p)) => Self::Reconnect(share(p)?),
             Some(("best-first", p)) => Self::BestFirst(share(p)?),
             Some(("probable", factor)) => Self::Probable(number(factor)?),
             Some(("quantile", q)) => Self::Quantile(share(q)?),
@@ -124,7 +131,9 @@ impl Keep {
     /// Names the rule, its value and the range.
     pub fn validate(self) -> Result<()> {
         match self {
-            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) if !(0.0..=1.0).contains(&q) => {
+            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) | Self::Reconnect(q)
+                if !(0.0..=1.0).contains(&q) =>
+            {
                 Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
             }
             Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),
@@ -137,7 +146,7 @@ impl Keep {
 
     /// Whether the evidence decides, not the samples.
     pub fn asks_evidence(self) -> bool {
-        matches!(self, Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_))
+        matches!(self, Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_) | Self::Reconnect(_))
     }
 }
 
@@ -149,7 +158,7 @@ pub fn threshold(rule: Keep, result: &Likelihood) -> Option<f64> {
     match rule {
         Keep::Median => median(&positive),
         Keep::Quantile(q) => quantile(&positive, q),
-        Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) | Keep::BestFirst(x) => Some(x),
+        Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) | Keep::BestFirst(x) | Keep::Reconnect(x) => Some(x),
         Keep::Probable(_) => None,
         Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>()).map(f64::exp),
     }

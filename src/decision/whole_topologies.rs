@@ -190,11 +190,16 @@ impl KnownEnds<'_> {
 /// Draws as many topologies as there are samples, each as whether it holds each vessel.
 fn continue_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
     let ends = known.choices(network);
+    let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
+    let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence.map_or(1.0, |e| e.probability))).collect();
     let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
     for first in (0..params.samples).step_by(BLOCK as usize) {
         let mut rng = stream(params.seed, random::ends(first / BLOCK));
         for _ in first..params.samples.min(first + BLOCK) {
             let mut kept = given.clone();
+            for (row, p) in &contacts {
+                kept[*row] = rng.random::<f64>() < *p;
+            }
             for choices in &ends {
                 let total: f64 = 1.0 + choices.iter().map(|(_, odds)| odds).sum::<f64>();
                 let mut left = total * rng.random::<f64>() - 1.0;

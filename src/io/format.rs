@@ -9,6 +9,7 @@ use super::images::metaimage::{is_metaimage, read_metaimage};
 use super::images::nifti::{self, is_nifti, read_nifti};
 use super::images::numpy::read_npy_mask;
 use super::images::{is_gzip, unpacked_head};
+use super::input::bytes_within;
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, ReadOptions};
@@ -178,6 +179,22 @@ impl Format {
             }
         }
         Ok(Vec::new())
+    }
+}
+
+/// Reads the mask in a file, of any of the formats of masks.
+///
+/// # Errors
+///
+/// A file that cannot be read, holds no mask, or has a fault in its content.
+pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
+    let bytes = bytes_within(path, options.max_input)?;
+    let here = |fault: Fault| fault.in_file(path);
+    match format_of(path, &bytes).map_err(here)? {
+        Format::Nifti => read_nifti(&bytes, options.level, options.max_input).map_err(here),
+        Format::MetaImage => read_metaimage(path, &bytes, options.level, options.max_input),
+        Format::Npy => read_npy_mask(&bytes, options.scale.spacing, options.level, options.max_input).map_err(here),
+        other => Err(here(Fault::file(format!("{}, not a mask", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
     }
 }
 

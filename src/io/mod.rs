@@ -20,7 +20,7 @@ mod vtk;
 mod xml;
 
 pub use companions::companion_files;
-pub use format::Format;
+pub use format::{Format, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti};

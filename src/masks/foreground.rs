@@ -83,6 +83,16 @@ impl Foreground {
         self.shape.iter().product()
     }
 
+    /// The lengths of the box.
+    pub fn box_shape(&self) -> [usize; 3] {
+        self.shape
+    }
+
+    /// The indices in the image of the box's first voxel, which may be -1.
+    pub fn box_origin(&self) -> [f64; 3] {
+        self.origin.map(|index| index as f64)
+    }
+
     /// Steps from a place of the box to the next along each axis.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.shape[0], self.shape[0] * self.shape[1]]

@@ -7,10 +7,12 @@
 //! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
 //! | voxels to nodes and branches, spurs | `skeleton.rs` |
 //! | how much of a voxel at the wall is inside | `partial.rs` |
+//! | the depth below the wall of the lumen at any place | `field.rs` |
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
 
 mod distance;
+mod field;
 mod foreground;
 mod lumen;
 mod mask;
@@ -20,6 +22,7 @@ mod thinning;
 mod trace;
 
 pub use distance::distances;
+pub use field::Field;
 pub use foreground::Foreground;
 pub use mask::{Affine, Mask};
 pub use partial::{WallFinder, Walls};

@@ -16,7 +16,7 @@ use crate::network::units::metres;
 use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
-const SMOOTH: f64 = 2.0;
+const SMOOTH: f64 = 2.5;
 /// A free end lies this share of the last step inside the last voxel.
 const INSIDE: f64 = 0.45;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
@@ -358,10 +358,12 @@ impl Line {
 /// mean alone cuts bends short.
 fn smooth(points: &[Point]) -> Vec<Point> {
     let n = points.len() as isize;
-    let twice = SMOOTH * std::f64::consts::SQRT_2;
+    // On a short line no further than it is long, so that the turned line is as long as the weights reach.
+    let once = SMOOTH.min((n - 1).max(1) as f64 / (REACH * std::f64::consts::SQRT_2));
+    let twice = once * std::f64::consts::SQRT_2;
     let reach = (REACH * twice) as isize;
     let gaussian = |k: isize, spread: f64| (-0.5 * (k as f64 / spread).powi(2)).exp() / spread;
-    let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, SMOOTH) - gaussian(k, twice)).collect();
+    let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, once) - gaussian(k, twice)).collect();
     let total: f64 = weights.iter().sum();
     let turned = |k: isize, about: isize| {
         let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);

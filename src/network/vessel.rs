@@ -53,6 +53,8 @@ pub enum Origin {
     /// A possible connection.
     #[default]
     Candidate,
+    /// A place where two observed vessels meet, which may be one vessel or two that touch.
+    Contact,
 }
 
 impl Origin {
@@ -61,6 +63,7 @@ impl Origin {
         match self {
             Self::Observed => "observed",
             Self::Candidate => "candidate",
+            Self::Contact => "contact",
         }
     }
 }

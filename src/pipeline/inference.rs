@@ -143,6 +143,7 @@ impl Inference {
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
         let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
         summary.state_prior(prepared.prior.clone());
+        summary.state_cut(prepared.cuts.clone());
         summary.time = self.time.clone();
         let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {

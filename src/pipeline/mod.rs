@@ -3,6 +3,7 @@
 mod arteries;
 mod boundary_options;
 mod classify;
+mod cuts;
 mod inference;
 mod input;
 mod options;
@@ -15,6 +16,7 @@ mod stored_run;
 pub use arteries::ArterySource;
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
+pub use cuts::Cut;
 pub use inference::Inference;
 pub use input::{Contents, Input, read};
 pub use options::{FlowOptions, InferOptions, Preset, RunOptions, SaveOptions, SourceFile};
@@ -39,6 +41,7 @@ use crate::network::Network;
 use crate::report::Provenance;
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
+use cuts::Cuts;
 use prior::is_skeleton;
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
@@ -85,6 +88,8 @@ pub struct Prepared {
     pub(crate) outlets: FoundOutlets,
     /// The record of the prior.
     pub(crate) prior: Value,
+    /// The record of what opened contacts.
+    pub(crate) cuts: Value,
     pub(crate) uniform_prior: bool,
     /// How candidates were built; `None` for a ready graph.
     pub(crate) candidates: Option<CandidateOptions>,
@@ -106,6 +111,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let by_landmarks = options.arteries.as_ref().filter(|source| source.is_landmarks());
     let by_labels = options.arteries.as_ref().filter(|source| !source.is_landmarks());
 
+    let from_mask = input.format.is_some_and(Format::is_mask);
+    let cuts = Cuts::load(&options.cut, options.mask.as_deref(), &input, is_skeleton(&input.network, from_mask))?;
+
     // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
     let mut network = if by_labels.is_some() && is_fragments { input.divided_by_labels() } else { input.network };
     let mut arteries = by_landmarks.map(|source| source.find(&path, &network, &scale)).transpose()?;
@@ -115,7 +123,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
 
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
-    let from_mask = input.format.is_some_and(Format::is_mask);
     let prior = options.prior.as_ref().unwrap_or(&usual).load(is_skeleton(&network, from_mask))?;
     if prior.is_evidence() && !is_fragments {
         let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
@@ -135,12 +142,19 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::OutletsAllStated);
     }
     let graph = prior.graph(network, is_fragments, &boundary, &building)?;
-    let boundary = boundary.extended_to(graph.node_count());
     let mut provenance = input.provenance;
     if is_fragments {
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
+    let graph = match &cuts {
+        Some(cuts) => cuts.open(&graph),
+        None => graph,
+    };
+    if let Some(cuts) = &cuts {
+        progress.step(Step::Cut { graph: &graph, with_mask: cuts.has_mask() });
+    }
+    let boundary = boundary.extended_to(graph.node_count());
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
@@ -157,6 +171,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         options: RunOptions { read: input.options, infer: options.clone() },
         outlets,
         prior: prior.record(),
+        cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),
         uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
         candidates: is_fragments.then_some(building),
         arteries,

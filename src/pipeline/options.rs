@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::arteries::ArterySource;
 use super::boundary_options::BoundaryOptions;
+use super::cuts::Cut;
 use super::prior::Prior;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::decision::Keep;
@@ -27,6 +28,10 @@ pub struct InferOptions {
     pub candidates: CandidateOptions,
     /// How probable a candidate is before any flow; by default evidence on centerlines, and what the file states on a ready graph.
     pub prior: Option<Prior>,
+    /// Whether observed vessels that may only touch are cut apart.
+    pub cut: Cut,
+    /// The mask that the centerlines were made of; one that is read itself needs none.
+    pub mask: Option<PathBuf>,
     /// Where blood enters and leaves.
     pub boundary: BoundaryOptions,
     /// Occlusion, samples, seed, viscosity.
@@ -61,6 +66,7 @@ impl InferOptions {
             boundary: BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() },
             sampling: SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() },
             keep: Some(Keep::Median),
+            cut: Cut::Never,
             ..Self::default()
         }
     }

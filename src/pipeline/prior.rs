@@ -14,11 +14,11 @@ use crate::candidates::joins::model::JoinModel;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
 use crate::candidates::{CandidateOptions, NEAREST, build, build_joins, build_with_evidence};
-use crate::decision::{BEST_FIRST, Keep, ROOT_FACTOR, has_evidence, knows_fragments};
+use crate::decision::{BEST_FIRST, Keep, RECONNECT, ROOT_FACTOR, has_evidence, knows_fragments};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
-use crate::network::{Network, Role, cycles};
+use crate::network::{Network, Origin, Role, cycles};
 use crate::support::suggestions::did_you_mean;
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:skeleton`, `none`, `uniform`, or the path of a
@@ -155,6 +155,7 @@ impl LoadedPrior {
     /// The rule that decides where none is given.
     pub(crate) fn usual_rule(&self, graph: &Network) -> Keep {
         match self {
+            _ if graph.vessels().any(|(_, v)| v.origin == Origin::Contact) => Keep::Reconnect(RECONNECT),
             Self::Joins { .. } => Keep::BestFirst(BEST_FIRST),
             _ if knows_fragments(graph) => Keep::Probable(ROOT_FACTOR),
             _ if has_evidence(graph) => Keep::BestFirst(BEST_FIRST),

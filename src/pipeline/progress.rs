@@ -60,6 +60,13 @@ pub enum Step<'a> {
         /// Whether evidence says how probable they are.
         by_evidence: bool,
     },
+    /// Observed vessels that may only touch were cut apart.
+    Cut {
+        /// The over-connected graph with its contacts.
+        graph: &'a Network,
+        /// Whether the mask was looked at.
+        with_mask: bool,
+    },
     /// The boundary conditions are known.
     Boundary {
         /// The over-connected graph.

@@ -207,7 +207,9 @@ fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dp
 /// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
 fn running_threshold(outcome: &Outcome<'_>, uncertain: &[usize], snapshot: &Snapshot) -> f64 {
     match outcome.rule {
-        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) => return f64::NAN,
+        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => {
+            return f64::NAN;
+        }
         Keep::Value(x) => return x / outcome.result.samples as f64,
         _ => {}
     }

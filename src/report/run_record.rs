@@ -153,6 +153,13 @@ impl Summary {
         self.parameters["prior"] = prior;
     }
 
+    /// States by which model and with which mask observed vessels were cut apart; null where they were not.
+    pub fn state_cut(&mut self, cut: Value) {
+        if !cut.is_null() {
+            self.parameters["cut"] = cut;
+        }
+    }
+
     /// Gathers the record of a run.
     pub fn new(
         outcome: &Outcome<'_>,
@@ -187,6 +194,7 @@ impl Summary {
                 "nodes": network.node_count(),
                 "observed": count(Origin::Observed),
                 "candidates": count(Origin::Candidate),
+                "contacts": count(Origin::Contact),
                 "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),

@@ -10,7 +10,7 @@ use crate::network::{Network, Origin, Vessel};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Uncertain {
-    /// The candidates; observed vessels are never occluded.
+    /// The candidates, and the contacts of observed vessels; observed vessels themselves are never occluded.
     #[default]
     Candidates,
     /// Every vessel, as in the paper.
@@ -31,7 +31,7 @@ impl Uncertain {
 
     /// Per vessel whether it is uncertain; one marked certain never is.
     pub fn vessels(self, network: &Network) -> Vec<bool> {
-        network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin == Origin::Candidate)).collect()
+        network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin != Origin::Observed)).collect()
     }
 }
 

@@ -1,5 +1,6 @@
-//! Tools for every other module: random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
+//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
 
+pub mod boosted_trees;
 pub mod elimination;
 pub mod gamma;
 pub mod geometry;
@@ -8,6 +9,7 @@ pub mod random;
 pub mod simd;
 pub mod statistics;
 pub mod suggestions;
+pub mod toml_text;
 
 pub use parallel::in_order;
 pub use statistics::Distribution;

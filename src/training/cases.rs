@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::contact_truth::ContactTruth;
 use super::example::Case;
 use super::known_connections::KnownConnections;
 use super::truth_file;
@@ -22,6 +23,8 @@ const DEEPEST: usize = 8;
 /// The truth beside the fragments, under the names that people and `willis phantom` give it.
 const TRUTHS: [&str; 2] = ["truth.json", "fragments.truth.json"];
 const LINKS: &str = "links.csv";
+/// The mask that a skeleton was thinned from.
+const MASKS: [&str; 2] = ["mask.nii.gz", "mask.nii"];
 const LOOPS: [&str; 2] = ["loops.csv", "fragments.loops.csv"];
 /// An end of a listed connection is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
@@ -34,6 +37,8 @@ pub enum Model {
     Tracing,
     /// Automatic skeletons: candidates are judged one by one.
     Skeleton,
+    /// Automatic skeletons: which branch ends are one vessel where they meet.
+    Contacts,
 }
 
 /// Cases that were read.
@@ -160,13 +165,30 @@ fn fragments(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf> {
 /// The case in a folder, and what a person should know about how it was read.
 fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
     let (network, mut notes) = network(folder)?;
+    let bytes = bytes_of(&folder.truth)?;
+    let here = |fault: Fault| fault.in_file(&folder.truth);
+    let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
+    let case = Case {
+        data_set: data_set.to_owned(),
+        group: groups.join("/"),
+        subject: own,
+        name: folder.names.join("/"),
+        network: Network::new(),
+        inlets: Vec::new(),
+        truth: KnownConnections::default(),
+        contacts: None,
+        mask: MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| path.is_file()),
+    };
+    if model == Model::Contacts {
+        let mut truth = ContactTruth::read(&bytes).map_err(here)?;
+        let subject = truth.subject.take().unwrap_or(case.subject);
+        return Ok((Case { subject, network, contacts: Some(truth), ..case }, notes));
+    }
     let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
     // The truth is about the points that the model sees.
     let resampled = (model == Model::Skeleton).then(|| Resampled::new(&network));
     let seen = resampled.as_ref().map_or(&network, |resampled| &resampled.network);
     let extraction = Extraction::with_spacing(seen, &inlets, resampled.as_ref().map(|resampled| resampled.step))?;
-    let bytes = bytes_of(&folder.truth)?;
-    let here = |fault: Fault| fault.in_file(&folder.truth);
     let (truth, subject) = if folder.truth.extension().is_some_and(|ending| ending == "json") {
         truth_file::read(&bytes, seen, &extraction).map_err(here)?
     } else {
@@ -175,17 +197,7 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
     if truth.connections() == 0 {
         notes.push("an answer of no link: every fragment stands alone".into());
     }
-    let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
-    let case = Case {
-        data_set: data_set.to_owned(),
-        group: groups.join("/"),
-        subject: subject.unwrap_or(own),
-        name: folder.names.join("/"),
-        network,
-        inlets,
-        truth,
-    };
-    Ok((case, notes))
+    Ok((Case { subject: subject.unwrap_or(case.subject), network, inlets, truth, ..case }, notes))
 }
 
 /// The observed vessels.

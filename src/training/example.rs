@@ -1,7 +1,10 @@
 //! A case: an extraction whose true connections are known.
 
+use std::path::PathBuf;
+
 use sha2::{Digest, Sha256};
 
+use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match};
 use super::scores::found;
 use crate::candidates::features::Extraction;
@@ -28,6 +31,10 @@ pub struct Case {
     pub inlets: Vec<usize>,
     /// The known connections, by the points of [`Extraction`].
     pub truth: KnownConnections,
+    /// What its contacts are, where that is asked for.
+    pub contacts: Option<ContactTruth>,
+    /// Its mask, where it has one beside it.
+    pub mask: Option<PathBuf>,
 }
 
 /// A case with its candidates measured.

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use forust_ml::gradientbooster::GrowPolicy;
-use forust_ml::{GradientBooster, Matrix};
 use ndarray::{Array2, Axis};
 
 use super::cross_validation::fold_of;
@@ -12,22 +10,14 @@ use super::known_connections::{KnownConnections, Match};
 use super::logistic::calibrate;
 use super::scores::{average_precision, found};
 use crate::candidates::joins::JoinTable;
-use crate::candidates::joins::model::{Boosted, JoinModel, JoinProvenance, JoinScores};
-use crate::candidates::joins::trees::{Tree, TreeNode};
+use crate::candidates::joins::model::{JoinModel, JoinProvenance, JoinScores};
 use crate::candidates::search::SearchOptions;
 use crate::decision::{BEST_FIRST, best_first};
 use crate::error::{Error, Result};
+use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 use crate::support::statistics::sigmoid;
 
-/// Boosting: trees, leaves and depth of each, learning rate, penalty, least sum of p(1-p) in a leaf, share of the features a tree sees.
-const TREES: usize = 300;
-const LEAVES: usize = 16;
-const DEPTH: usize = 12;
-const RATE: f32 = 0.05;
-const L2: f32 = 20.0;
-const LEAST_LEAF: f32 = 1.5;
-const FEATURE_SHARE: f64 = 0.5;
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
 
@@ -133,49 +123,11 @@ fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) 
         let e = examples[*at];
         for (row, pair) in e.table.pairs.of.iter().enumerate().filter(|(_, pair)| e.clear[**pair]) {
             rows.push((*at, row));
-            right.push(f64::from(u8::from(e.matches[*pair].is_some())));
+            right.push(e.matches[*pair].is_some());
         }
     }
     let columns = features.first().map_or(0, |f| f.len_of(Axis(1)));
-    let mut data = Vec::with_capacity(rows.len() * columns);
-    for column in 0..columns {
-        data.extend(rows.iter().map(|(at, row)| f64::from(features[*at][[*row, column]])));
-    }
-    let share = (right.iter().sum::<f64>() / rows.len().max(1) as f64).clamp(1e-6, 1.0 - 1e-6);
-    let mut booster = GradientBooster::default()
-        .set_iterations(TREES)
-        .set_max_leaves(LEAVES)
-        .set_max_depth(DEPTH)
-        .set_learning_rate(RATE)
-        .set_l2(L2)
-        .set_min_leaf_weight(LEAST_LEAF)
-        .set_colsample_bytree(FEATURE_SHARE)
-        .set_base_score((share / (1.0 - share)).ln())
-        .set_initialize_base_score(false);
-    booster.grow_policy = GrowPolicy::LossGuide;
-    let matrix = Matrix::new(&data, rows.len(), columns);
-    let failed = |why: String| Error::parameter("cases", rows.len(), format!("the trees could not be fitted: {why}"));
-    booster.fit_unweighted(&matrix, &right, None).map_err(|e| failed(e.to_string()))?;
-    let trees: Option<Vec<Tree>> = booster.trees.iter().map(of_booster).collect();
-    let trees = trees.ok_or_else(|| failed("a tree that is none".into()))?;
-    Ok(Boosted { start: booster.base_score, trees })
-}
-
-/// A tree of the booster in preorder.
-fn of_booster(tree: &forust_ml::tree::Tree) -> Option<Tree> {
-    let (mut nodes, mut open) = (Vec::new(), vec![0]);
-    while let Some(at) = open.pop() {
-        let node = &tree.nodes[at];
-        if node.is_leaf {
-            nodes.push(TreeNode::Leaf(node.weight_value));
-        } else {
-            // Features have 24 bits, and the trees split between values that occur.
-            nodes.push(TreeNode::Split { column: node.split_feature, least_right: node.split_value as f32, right: 0 });
-            open.push(node.right_child);
-            open.push(node.left_child);
-        }
-    }
-    Tree::new(nodes)
+    super::boosting::boost(rows.len(), columns, |row, column| features[rows[row].0][[rows[row].1, column]], &right)
 }
 
 /// Probability of every pair of a case, and what is kept of them.

@@ -1,6 +1,9 @@
 //! Fits the evidence model to cases: extractions whose true connections are known, read from folders.
 
+pub mod boosting;
 mod cases;
+pub mod contact_truth;
+pub mod contacts;
 pub mod cross_validation;
 pub mod example;
 pub mod fit;
@@ -13,6 +16,7 @@ pub mod scores;
 mod truth_file;
 
 pub use cases::{Cases, Model, read_cases};
+pub use contacts::{ContactExample, cross_validate_contacts, fit_contacts};
 pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
 pub use example::{Case, Example};
 pub use fit::{Step, TrainParams, fit, goes_without_inlets};

@@ -207,7 +207,9 @@ fn what_the_input_is_chooses_the_model() {
     let tracing = "weights:tracing";
     assert_eq!(prior(&["fragments.swc"]).0, tracing);
     let (chosen, keep) = prior(&["scan.nii.gz"]);
-    assert!(chosen == "weights:skeleton" && keep.contains("best-first"), "{chosen} {keep}");
+    assert!(chosen == "weights:skeleton" && keep.contains("reconnect"), "{chosen} {keep}");
+    let (_, keep) = prior(&["scan.nii.gz", "--cut", "never"]);
+    assert!(keep.contains("best-first"), "{keep}");
     assert_eq!(prior(&["scan.nii.gz", "--prior", tracing]).0, tracing);
     assert_eq!(prior(&["fragments.swc", "--prior", "weights:auto"]).0, tracing);
     // A ladder of six rungs has five loops, more than arteries have; one of five has four.

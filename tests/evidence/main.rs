@@ -12,6 +12,7 @@ mod shuffle;
 mod vessels;
 
 mod candidates;
+mod contacts;
 mod features;
 mod joins;
 mod prior;

@@ -209,7 +209,11 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
         (vec![], vec![("radius_mm", "1"), ("length_mm", "-2")], format!("{e}length_mm -2; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("length_mm", "0")], format!("{e}length_mm 0; expected a positive number")),
         (vec![], vec![("radius_mm", "1"), ("prior", "1.2")], format!("{e}prior 1.2; expected a number from 0 to 1")),
-        (vec![], vec![("radius_mm", "1"), ("origin", "seen")], format!("{e}origin \"seen\"; expected observed or candidate")),
+        (
+            vec![],
+            vec![("radius_mm", "1"), ("origin", "seen")],
+            format!("{e}origin \"seen\"; expected observed, candidate or contact"),
+        ),
         (vec![], vec![("radius_mm", "1"), ("certain", "yes")], format!("{e}certain \"yes\"; expected true or false")),
         (
             vec![],

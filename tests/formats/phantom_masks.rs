@@ -177,7 +177,8 @@ fn the_skeleton_of_a_clean_mask_is_the_anatomy() {
         // In the lumen of a junction the lines of several vessels go over into one.
         let is_at_junction = nodes.iter().any(|(place, radius)| distance(at, *place) < 2.0 * radius + 1.0);
         along += usize::from(!is_at_junction);
-        assert!(away < if is_at_junction { radius } else { 0.5 }, "{at:?}: {away}");
+        // Elsewhere they are within a voxel of the axis.
+        assert!(away < if is_at_junction { radius } else { 0.6 }, "{at:?}: {away}");
     }
     assert!(along > lines.points.len() / 2, "{along}");
     // Thinning takes the ends of vessels.

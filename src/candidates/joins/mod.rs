@@ -9,7 +9,6 @@ pub mod features;
 pub mod model;
 pub mod rivals;
 pub mod search;
-pub mod trees;
 
 use ndarray::{Array2, Axis, concatenate};
 
@@ -18,14 +17,12 @@ use super::resample::Resampled;
 use super::search::Candidate;
 use crate::error::Result;
 use crate::network::Network;
+use crate::support::boosted_trees::stored;
 use course::Course;
 use features::join_features;
 use model::JoinModel;
 use rivals::{Pairs, second_features};
 use search::search_joins;
-
-/// Features beyond this say no more.
-const MOST: f64 = 1e6;
 
 /// The candidates of a skeleton with their features.
 pub struct JoinTable {
@@ -69,9 +66,4 @@ impl JoinTable {
         let second = self.second(&model.first.scores(&self.features));
         self.pairs.mean(&model.second.scores(&second))
     }
-}
-
-/// A feature as a tree compares it: with 24 bits, so that rounding does not decide, and never without a value.
-fn stored(x: f64) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-MOST, MOST) as f32 }
 }

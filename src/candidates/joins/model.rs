@@ -3,17 +3,16 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
 use super::features::join_feature_names;
 use super::rivals::SECOND_FEATURES;
-use super::trees::Tree;
 use crate::candidates::model::posterior::Calibration;
-use crate::candidates::model::weights_file::{list, text};
 use crate::error::Fault;
+use crate::support::boosted_trees::{Boosted, BoostedEntry};
 use crate::support::statistics::sigmoid;
 use crate::support::suggestions::did_you_mean;
+use crate::support::toml_text::{list, text};
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("skeleton.toml");
@@ -36,24 +35,6 @@ pub struct JoinModel {
     pub calibration: [f64; 3],
     /// Where it comes from.
     pub provenance: JoinProvenance,
-}
-
-/// A sum of trees.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Boosted {
-    /// The score of no tree.
-    pub start: f64,
-    /// The trees.
-    pub trees: Vec<Tree>,
-}
-
-impl Boosted {
-    /// The score (log-odds) of each row.
-    pub fn scores(&self, features: &Array2<f32>) -> Vec<f64> {
-        let score = |row: &[f32]| self.trees.iter().fold(self.start, |sum, tree| sum + tree.value(row));
-        let rows = features.axis_iter(Axis(0));
-        rows.map(|row| row.as_slice().map_or_else(|| score(&row.to_vec()), score)).collect()
-    }
 }
 
 /// Where a join model comes from and how well it did on subjects that it was not fitted to.
@@ -103,7 +84,7 @@ struct File {
     kind: String,
     calibration: [f64; 3],
     features: Vec<String>,
-    pass: [PassEntry; 2],
+    pass: [BoostedEntry; 2],
     #[serde(default)]
     provenance: JoinProvenance,
     #[serde(default)]
@@ -114,13 +95,6 @@ struct File {
 #[derive(Deserialize)]
 struct Kind {
     kind: Option<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PassEntry {
-    start: f64,
-    trees: Vec<String>,
 }
 
 impl JoinModel {
@@ -170,8 +144,8 @@ impl JoinModel {
         }
         let [first, second] = file.pass;
         let provenance = JoinProvenance { figures: file.figures, ..file.provenance };
-        let first = boosted("pass 1", &first, names.len())?;
-        let second = boosted("pass 2", &second, names.len() + SECOND_FEATURES.len())?;
+        let first = Boosted::read("pass 1", &first, names.len())?;
+        let second = Boosted::read("pass 2", &second, names.len() + SECOND_FEATURES.len())?;
         Ok(Self { first, second, calibration: file.calibration, provenance })
     }
 
@@ -188,11 +162,8 @@ impl JoinModel {
         let names: Vec<String> = join_feature_names().into_iter().map(str::to_owned).collect();
         writeln!(out, "features = {}", list(&names))?;
         for pass in [&self.first, &self.second] {
-            writeln!(out, "\n[[pass]]\nstart = {:?}\ntrees = [", pass.start)?;
-            for tree in &pass.trees {
-                writeln!(out, "    \"{tree}\",")?;
-            }
-            writeln!(out, "]")?;
+            writeln!(out, "\n[[pass]]")?;
+            pass.write(&mut out)?;
         }
         let provenance = &self.provenance;
         writeln!(
@@ -229,21 +200,4 @@ impl JoinModel {
         }
         out.flush()
     }
-}
-
-fn boosted(place: &str, entry: &PassEntry, columns: usize) -> Result<Boosted, Fault> {
-    if !entry.start.is_finite() {
-        return Err(Fault::item(place, entry.start.to_string(), "expected a finite start"));
-    }
-    let mut trees = Vec::new();
-    for (number, line) in entry.trees.iter().enumerate() {
-        let place = || format!("{place} tree {}", number + 1);
-        let tree: Tree =
-            line.parse().map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
-        if let Some(column) = tree.last_column().filter(|column| *column >= columns) {
-            return Err(Fault::item(place(), format!("feature {column}"), format!("expected features 0 to {}", columns - 1)));
-        }
-        trees.push(tree);
-    }
-    Ok(Boosted { start: entry.start, trees })
 }

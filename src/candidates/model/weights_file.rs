@@ -9,6 +9,7 @@ use super::loop_closures::CLOSURE_FEATURES;
 use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;
+use crate::support::toml_text::{list, text};
 
 const HEADING: &str = "\
 # Weights of the evidence model, fitted by `willis train`; read by `willis infer --prior FILE`.
@@ -154,14 +155,4 @@ fn write_figures(table: &str, figures: &HeldOutScores, out: &mut impl Write) -> 
         writeln!(out, "calibration_error = {x:?}")?;
     }
     writeln!(out, "log_likelihood = {:?}", figures.log_likelihood)
-}
-
-/// A TOML string: quoted as in JSON, which leaves one control character as it is.
-pub(crate) fn text(text: &str) -> String {
-    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
-}
-
-pub(crate) fn list(texts: &[String]) -> String {
-    let texts: Vec<String> = texts.iter().map(|t| text(t)).collect();
-    format!("[{}]", texts.join(", "))
 }

@@ -1,8 +1,10 @@
 //! `-k`, `--max-gap`, `--prior` and the other options of candidates.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use willis::error::Result;
-use willis::{Attach, CandidateOptions, CandidateRadius, Prior};
+use willis::{Attach, CandidateOptions, CandidateRadius, InferOptions};
 
 use super::figures::{length, whole};
 use super::words;
@@ -15,6 +17,13 @@ pub struct CandidateArgs {
     /// of nodes or for vessels of the graph [default: evidence on centerlines, none on a ready graph]
     #[arg(long, value_name = "evidence|none|uniform|FILE")]
     prior: Option<String>,
+    /// Cut observed vessels apart where they may only touch: auto (automatic skeletons with their mask), always, never, or MODEL.toml
+    /// (one of your own, from willis train --model contacts) [default: auto]
+    #[arg(long, value_name = "auto|always|never|FILE")]
+    cut: Option<String>,
+    /// The mask that the centerlines were made of; where a mask is the input, it is that one
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    mask: Option<PathBuf>,
     /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
     /// [default: 5 by evidence, else 6]
     #[arg(short, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true, hide_short_help = true)]
@@ -36,7 +45,8 @@ pub struct CandidateArgs {
 
 impl CandidateArgs {
     /// Puts what was given in the place of the `usual` options.
-    pub fn put(&self, usual: &mut CandidateOptions, prior: &mut Option<Prior>) -> Result<()> {
+    pub fn put(&self, options: &mut InferOptions) -> Result<()> {
+        let (usual, prior) = (&mut options.candidates, &mut options.prior);
         *usual = CandidateOptions {
             k: self.k.or(usual.k),
             max_gap: length("max_gap", self.max_gap.as_ref())?,
@@ -48,6 +58,10 @@ impl CandidateArgs {
         if let Some(text) = &self.prior {
             *prior = Some(text.parse()?);
         }
+        if let Some(text) = &self.cut {
+            options.cut = text.parse()?;
+        }
+        options.mask.clone_from(&self.mask);
         Ok(())
     }
 }

@@ -18,6 +18,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (Keep::Probability(p), _) => format!("probability >= {p}"),
+        (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
         (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
         (Keep::Probable(_), _) => "the most probable forest".into(),
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),

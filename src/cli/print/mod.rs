@@ -252,6 +252,11 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
                 terminal.say("note", note);
             }
         }
+        Step::Cut { graph, with_mask } => {
+            let contacts = graph.vessels().filter(|(_, v)| v.origin == Origin::Contact).count();
+            let how = if *with_mask { "the mask and the lines" } else { "the lines alone" };
+            terminal.say("cut", format!("{} between vessels that may only touch (by {how})", plural(contacts, "contact")));
+        }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
         Step::Note(note) => terminal.say("note", note),
         Step::Sampling { graph, options } => {

@@ -67,7 +67,8 @@ pub(in crate::io) fn vessels(
             None => None,
             Some("observed") => Some(Origin::Observed),
             Some("candidate") => Some(Origin::Candidate),
-            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed or candidate")),
+            Some("contact") => Some(Origin::Contact),
+            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed, candidate or contact")),
         };
         origins += usize::from(origin.is_some());
         let vessel = Vessel {

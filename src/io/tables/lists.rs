@@ -96,8 +96,10 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
         if let Some(origin) = origin {
             match row.text(origin) {
                 "candidate" => {}
-                "observed" => continue,
-                other => return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed or candidate")),
+                "observed" | "contact" => continue,
+                other => {
+                    return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed, candidate or contact"));
+                }
             }
         }
         let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(metres));

@@ -78,12 +78,12 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
 fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
     let rule = outcome.rule;
     let (figure, name) = match rule {
-        Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) => ("probability", "probability P"),
+        Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => ("probability", "probability P"),
         Keep::Frequency(_) => ("frequency", "frequency"),
         _ => ("likelihood", "likelihood L"),
     };
     let of_likelihood = figure == "likelihood";
-    let no_threshold = matches!(rule, Keep::Probable(_) | Keep::BestFirst(_));
+    let no_threshold = matches!(rule, Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_));
     Threshold {
         figure,
         name,

@@ -1,7 +1,83 @@
 //! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
 
 use std::fmt;
+use std::io::{self, Write};
 use std::str::FromStr;
+
+use ndarray::{Array2, Axis};
+use serde::Deserialize;
+
+use crate::error::Fault;
+
+/// A sum of trees.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Boosted {
+    /// The score of no tree.
+    pub start: f64,
+    /// The trees.
+    pub trees: Vec<Tree>,
+}
+
+/// The sum of trees in a model's file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoostedEntry {
+    start: f64,
+    trees: Vec<String>,
+}
+
+impl Boosted {
+    /// The score (log-odds) of each row.
+    pub fn scores(&self, features: &Array2<f32>) -> Vec<f64> {
+        let score = |row: &[f32]| self.trees.iter().fold(self.start, |sum, tree| sum + tree.value(row));
+        let rows = features.axis_iter(Axis(0));
+        rows.map(|row| row.as_slice().map_or_else(|| score(&row.to_vec()), score)).collect()
+    }
+
+    /// The sum in a file, over rows of so many columns; `place` names it in errors.
+    ///
+    /// # Errors
+    ///
+    /// A start that is not finite, a tree that is none, a column beyond the last.
+    pub fn read(place: &str, entry: &BoostedEntry, columns: usize) -> Result<Self, Fault> {
+        if !entry.start.is_finite() {
+            return Err(Fault::item(place, entry.start.to_string(), "expected a finite start"));
+        }
+        let mut trees = Vec::new();
+        for (number, line) in entry.trees.iter().enumerate() {
+            let place = || format!("{place} tree {}", number + 1);
+            let tree: Tree = line
+                .parse()
+                .map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
+            if let Some(column) = tree.last_column().filter(|column| *column >= columns) {
+                return Err(Fault::item(place(), format!("feature {column}"), format!("expected features 0 to {}", columns - 1)));
+            }
+            trees.push(tree);
+        }
+        Ok(Self { start: entry.start, trees })
+    }
+
+    /// Writes the sum as [`Boosted::read`] takes it; every number is read back as it was.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "start = {:?}\ntrees = [", self.start)?;
+        for tree in &self.trees {
+            writeln!(out, "    \"{tree}\",")?;
+        }
+        writeln!(out, "]")
+    }
+}
+
+/// Features beyond this say no more.
+const MOST: f64 = 1e6;
+
+/// A feature as a tree compares it: with 24 bits, so that rounding does not decide, and never without a value.
+pub fn stored(x: f64) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(-MOST, MOST) as f32 }
+}
 
 /// A binary tree over the columns of a row.
 #[derive(Debug, Clone, PartialEq)]

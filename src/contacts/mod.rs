@@ -1,0 +1,101 @@
+//! Contacts: places where observed vessels meet, and whether they are one vessel there or two that touch.
+//!
+//! Thinning makes one skeleton of vessels that touch in the mask. Junctions within each other's lumen are a cluster ([`branches`]), and the
+//! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
+//! ([`features`], and [`evidence`] where there is a mask), and a log-linear model makes of the scores a probability for every set
+//! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
+//! ([`split`]), vessels of origin contact whose probability a decision goes by.
+
+pub mod branches;
+pub mod courses;
+pub mod evidence;
+pub mod features;
+pub mod model;
+pub mod partition;
+pub mod sections;
+pub mod split;
+
+use ndarray::Array2;
+
+use crate::masks::Field;
+use crate::network::Network;
+use crate::support::boosted_trees::stored;
+use branches::Branches;
+use courses::Courses;
+use evidence::{mask_feature_names, mask_features};
+use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
+use model::ContactModel;
+use partition::{Blocks, most_probable};
+use split::split;
+
+/// The contacts of a network with the features of all pairs of ends.
+pub struct ContactTable {
+    /// Branches and clusters.
+    pub branches: Branches,
+    /// Pairs of ends, cluster by cluster.
+    pub pairs: Vec<Pair>,
+    /// Features: a row a pair, a column one of [`feature_names`]; those of the mask only where there is one.
+    pub features: Array2<f32>,
+}
+
+/// The names of the features, with or without those of a mask.
+pub fn feature_names(with_mask: bool) -> Vec<String> {
+    let mut names = skeleton_feature_names();
+    names.extend(if with_mask { mask_feature_names() } else { Vec::new() });
+    names
+}
+
+impl ContactTable {
+    /// Measures the contacts of the observed vessels of a network, whose nodes have positions.
+    pub fn new(network: &Network, mask: Option<&Field>) -> Self {
+        let branches = Branches::new(network);
+        let courses = Courses::new(&branches);
+        let pairs = pairs_of(&branches);
+        let mut rows = skeleton_features(&branches, &courses, &pairs);
+        if let Some(field) = mask {
+            let more = mask_features(field, &branches, &courses, &pairs);
+            rows.iter_mut().zip(more).for_each(|(row, more)| row.extend(more));
+        }
+        let columns = feature_names(mask.is_some()).len();
+        let features = Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]));
+        Self { branches, pairs, features }
+    }
+
+    /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
+    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<Table>> {
+        let mut out: Vec<Option<Table>> = self.branches.clusters.iter().map(|_| None).collect();
+        let mut from = 0;
+        for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
+            let own = &scores[from..from + pairs.len()];
+            let ends = self.branches.clusters[pairs[0].cluster].ends.len();
+            let mut next = own.iter();
+            let mut values = vec![0.0; ends * ends];
+            for pair in pairs {
+                let [i, j] = pair.ends;
+                values[i * ends + j] = next.next().copied().unwrap_or(0.0);
+            }
+            out[pairs[0].cluster] = Some(Table::of(ends, 0.0, |i, j| values[i * ends + j]));
+            from += pairs.len();
+        }
+        out
+    }
+
+    /// The most probable blocks of each cluster.
+    pub fn blocks(&self, model: &ContactModel, with_mask: bool) -> Vec<Blocks> {
+        let part = model.part(with_mask);
+        let tables = self.by_cluster(&part.trees.scores(&self.features));
+        let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
+            Some(table) => most_probable(&table, cluster.ends.len(), &part.weights),
+            None => Blocks { of_end: vec![0; cluster.ends.len()], joined: Vec::new() },
+        };
+        tables.into_iter().zip(&self.branches.clusters).map(of).collect()
+    }
+}
+
+/// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
+/// was one junction. The nodes of `network` keep their rows.
+pub fn with_contacts(network: &Network, mask: Option<&Field>, model: &ContactModel) -> Network {
+    let table = ContactTable::new(network, mask);
+    let blocks = table.blocks(model, mask.is_some());
+    split(network, &table.branches, &blocks)
+}

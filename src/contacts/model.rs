@@ -1,0 +1,185 @@
+//! The contact model: boosted trees that score pairs of branch ends, and the weights of partitions, with a mask and without; its file.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::feature_names;
+use super::partition::PartitionWeights;
+use crate::error::Fault;
+use crate::support::boosted_trees::{Boosted, BoostedEntry};
+use crate::support::toml_text::{list, text};
+
+/// The model that comes with the program.
+const SHIPPED: &str = include_str!("contacts.toml");
+
+const HEADING: &str = "\
+# The model of contacts, fitted by `willis train --model contacts`; read by `willis infer --cut FILE`.
+# The score of a pair of branch ends is the sum of the trees, each read from left to right: `3<0.25 A B` is A where feature 3 (from 0)
+# is less than 0.25, else B. Features have no unit. The weights are those of partitions of two or three ends, of four, of more.
+kind = \"contacts\"
+";
+
+/// Scores of pairs and weights of partitions.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ContactPart {
+    /// The score (log-odds) of a pair.
+    pub trees: Boosted,
+    /// The weights of the features of a partition.
+    pub weights: PartitionWeights,
+}
+
+/// The contact model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactModel {
+    /// For centerlines alone.
+    pub skeleton: ContactPart,
+    /// For centerlines with their mask.
+    pub mask: ContactPart,
+    /// Where it comes from.
+    pub provenance: ContactProvenance,
+}
+
+/// Where a contact model comes from and how well it did on subjects that it was not fitted to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactProvenance {
+    /// How many cases it was fitted to.
+    pub cases: usize,
+    /// Of how many subjects.
+    pub subjects: usize,
+    /// Program and command.
+    pub made_by: String,
+    /// Subjects that were held out, where this is the model of a fold.
+    pub held_out: Vec<String>,
+    /// Scores over all folds, each case by the model of the fold that held its subject out.
+    #[serde(skip)]
+    pub figures: Vec<ContactScores>,
+}
+
+/// How well a contact model did on cases that it was not fitted to, over pairs of ends at clusters of at most six.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactScores {
+    /// The data set, or a folder in it.
+    pub of: String,
+    /// Whether the mask was looked at.
+    pub with_mask: bool,
+    /// How many cases.
+    pub cases: usize,
+    /// How many pairs.
+    pub pairs: usize,
+    /// The share of them that are one vessel.
+    pub joined: f64,
+    /// Probability that a pair of one vessel scores higher than one of two.
+    pub auc: f64,
+    /// Average precision of the pairs of two vessels.
+    pub average_precision: f64,
+    /// The largest difference of predicted and found share in ten bins of at least fifty pairs.
+    pub largest_bin_error: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    kind: String,
+    skeleton: PartEntry,
+    mask: PartEntry,
+    #[serde(default)]
+    provenance: ContactProvenance,
+    #[serde(default)]
+    figures: Vec<ContactScores>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartEntry {
+    features: Vec<String>,
+    weights: PartitionWeights,
+    pairs: BoostedEntry,
+}
+
+impl ContactModel {
+    /// The model that comes with the program.
+    ///
+    /// # Errors
+    ///
+    /// None in a released program: it is tested.
+    pub fn shipped() -> crate::error::Result<Arc<Self>> {
+        Self::read(SHIPPED).map(Arc::new).map_err(|fault| fault.in_file("contacts.toml".as_ref()))
+    }
+
+    /// The part for centerlines with their mask, or without.
+    pub fn part(&self, with_mask: bool) -> &ContactPart {
+        if with_mask { &self.mask } else { &self.skeleton }
+    }
+
+    /// Reads a model that `willis train --model contacts` made, as TOML.
+    ///
+    /// # Errors
+    ///
+    /// Not TOML, a feature that this program does not measure, a tree that is none, a number that is not finite: the line or the name.
+    pub fn read(toml_text: &str) -> Result<Self, Fault> {
+        const ACCEPTED: &str = "expected a model as `willis train --model contacts` writes it";
+        let file: File = toml::from_str(toml_text).map_err(|e| {
+            let line = e.span().map_or(1, |s| toml_text[..s.start.min(toml_text.len())].matches('\n').count() + 1);
+            Fault::line(line, e.message().replace('\n', " "), ACCEPTED)
+        })?;
+        if file.kind != "contacts" {
+            return Err(Fault::item("kind", file.kind, "expected contacts"));
+        }
+        Ok(Self {
+            skeleton: part("skeleton", &file.skeleton, false)?,
+            mask: part("mask", &file.mask, true)?,
+            provenance: ContactProvenance { figures: file.figures, ..file.provenance },
+        })
+    }
+
+    /// Writes TOML; every number is read back as it was.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        write!(out, "{HEADING}")?;
+        for (name, with_mask) in [("skeleton", false), ("mask", true)] {
+            let part = self.part(with_mask);
+            writeln!(out, "\n[{name}]\nfeatures = {}", list(&feature_names(with_mask)))?;
+            writeln!(out, "weights = {:?}", part.weights)?;
+            writeln!(out, "\n[{name}.pairs]")?;
+            part.trees.write(&mut out)?;
+        }
+        let provenance = &self.provenance;
+        let (cases, subjects) = (provenance.cases, provenance.subjects);
+        writeln!(out, "\n# What it was fitted to.\n[provenance]\ncases = {cases}\nsubjects = {subjects}")?;
+        writeln!(out, "made_by = {}", text(&provenance.made_by))?;
+        if !provenance.held_out.is_empty() {
+            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
+        }
+        if !provenance.figures.is_empty() {
+            writeln!(out, "\n# Cross-validated by subject, over pairs of branch ends at clusters of at most six ends.")?;
+        }
+        for f in &provenance.figures {
+            writeln!(out, "\n[[figures]]\nof = {}\nwith_mask = {}", text(&f.of), f.with_mask)?;
+            writeln!(out, "cases = {}\npairs = {}\njoined = {:?}", f.cases, f.pairs, f.joined)?;
+            writeln!(out, "auc = {:?}\naverage_precision = {:?}", f.auc, f.average_precision)?;
+            writeln!(out, "largest_bin_error = {:?}", f.largest_bin_error)?;
+        }
+        out.flush()
+    }
+}
+
+fn part(place: &str, entry: &PartEntry, with_mask: bool) -> Result<ContactPart, Fault> {
+    let names = feature_names(with_mask);
+    if entry.features != names {
+        let wrong = entry.features.iter().zip(&names).find(|(have, expected)| have != expected);
+        let found = wrong.map_or_else(|| entry.features.len().to_string(), |(have, _)| have.clone());
+        let accepted = wrong.map_or_else(|| names.len().to_string(), |(_, expected)| expected.clone());
+        return Err(Fault::item(format!("{place} features"), found, format!("expected {accepted} in this place")));
+    }
+    if let Some(x) = entry.weights.iter().flatten().find(|x| !x.is_finite()) {
+        return Err(Fault::item(format!("{place} weights"), x.to_string(), "expected finite numbers"));
+    }
+    Ok(ContactPart { trees: Boosted::read(place, &entry.pairs, names.len())?, weights: entry.weights })
+}

@@ -1,0 +1,198 @@
+//! Which branch ends at a cluster are one vessel: a probability for every set partition of them.
+//!
+//! P(z) ~ exp(θ·f(z)), where f adds up the scores of pairs in one block, and counts blocks. A cluster of more ends than the exact sum
+//! takes is put together greedily.
+
+use super::features::Table;
+use crate::support::statistics::sigmoid;
+
+/// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
+pub const MOST_ENDS: usize = 6;
+/// Features of a partition; weights differ for two or three ends, four, and more.
+pub const PARTITION_FEATURES: usize = 6;
+/// Kinds of clusters by their number of ends.
+pub const SIZES: usize = 3;
+
+/// Weights θ of the features of a partition, for each kind of cluster.
+pub type PartitionWeights = [[f64; PARTITION_FEATURES]; SIZES];
+
+/// The kind of a cluster of so many ends.
+pub fn size_of(ends: usize) -> usize {
+    ends.saturating_sub(3).min(SIZES - 1)
+}
+
+/// The set partitions of so many ends: the block of each end, blocks numbered in the order of their first ends.
+pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
+    let mut out = vec![vec![0; ends.min(1)]];
+    for _ in 1..ends {
+        out = out
+            .into_iter()
+            .flat_map(|blocks| {
+                let new = blocks.iter().max().map_or(0, |most| most + 1);
+                (0..=new).map(move |block| [&blocks[..], &[block]].concat())
+            })
+            .collect();
+    }
+    out
+}
+
+/// The features of a partition: the scores of pairs in one block, the negative ones alone, blocks, blocks of one, blocks of two (from
+/// four ends on), and whether exactly one pair is left together (from three ends on).
+pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_FEATURES] {
+    let ends = blocks.len();
+    let (mut sum, mut against) = (0.0, 0.0);
+    for i in 0..ends {
+        for j in (i + 1..ends).filter(|j| blocks[*j] == blocks[i]) {
+            sum += scores.get(i, j);
+            against += scores.get(i, j).min(0.0);
+        }
+    }
+    let count = blocks.iter().max().map_or(0, |most| most + 1);
+    let of_size = |size: usize| (0..count).filter(|b| blocks.iter().filter(|x| *x == b).count() == size).count();
+    let pairs = if ends >= 4 { of_size(2) as f64 } else { 0.0 };
+    let one_pair = ends > 2 && count == ends - 1;
+    [sum, against, count as f64 - 1.0, of_size(1) as f64, pairs, f64::from(u8::from(one_pair))]
+}
+
+/// The blocks of a cluster's ends, and how probable it is that two blocks are one vessel after all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocks {
+    /// The block of each end, numbered in the order of their first ends.
+    pub of_end: Vec<usize>,
+    /// Pairs of blocks with the probability that some end of one is joined to some end of the other.
+    pub joined: Vec<([usize; 2], f64)>,
+}
+
+impl Blocks {
+    /// How many blocks there are.
+    pub fn count(&self) -> usize {
+        self.of_end.iter().max().map_or(0, |most| most + 1)
+    }
+}
+
+/// The most probable blocks of the ends of a cluster, given the scores of their pairs.
+pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) -> Blocks {
+    if ends > MOST_ENDS {
+        return greedy(scores, ends);
+    }
+    let theta = weights[size_of(ends)];
+    let all = partitions(ends);
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let best = (0..all.len()).max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
+    let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
+    let total: f64 = weight.iter().sum();
+    let of_end = all[best].clone();
+    let joined = pairs_of_blocks(&of_end, |a, b| {
+        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+        let joins = |z: &[usize]| a.iter().any(|i| b.iter().any(|j| z[*i] == z[*j]));
+        all.iter().zip(&weight).filter(|(z, _)| joins(z)).map(|(_, w)| w).sum::<f64>() / total
+    });
+    Blocks { of_end, joined }
+}
+
+/// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
+pub fn pair_probabilities(scores: &Table, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
+    let theta = weights[size_of(ends)];
+    let all = partitions(ends);
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
+    let total: f64 = weight.iter().sum();
+    let of = |i: usize, j: usize| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
+    (0..ends).flat_map(|i| (i + 1..ends).map(move |j| [i, j])).map(|[i, j]| ([i, j], of(i, j))).collect()
+}
+
+/// Pairs of blocks with a figure of each.
+fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Vec<([usize; 2], f64)> {
+    let count = of_end.iter().max().map_or(0, |most| most + 1);
+    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+    pairs.map(|[a, b]| ([a, b], figure(a, b))).collect()
+}
+
+/// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
+fn greedy(scores: &Table, ends: usize) -> Blocks {
+    let mut of_end: Vec<usize> = (0..ends).collect();
+    let between = |of_end: &[usize], a: usize, b: usize| {
+        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+        a.iter().flat_map(|i| b.iter().map(|j| scores.get(*i, *j))).sum::<f64>()
+    };
+    loop {
+        let mut best: Option<(f64, [usize; 2])> = None;
+        for a in 0..ends {
+            for b in a + 1..ends {
+                let there = |which: usize| of_end.contains(&which);
+                let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
+                if sum > best.map_or(0.0, |(most, _)| most) {
+                    best = Some((sum, [a, b]));
+                }
+            }
+        }
+        let Some((_, [a, b])) = best else { break };
+        of_end.iter_mut().filter(|block| **block == b).for_each(|block| *block = a);
+    }
+    let mut number = std::collections::BTreeMap::new();
+    for block in &mut of_end {
+        let next = number.len();
+        *block = *number.entry(*block).or_insert(next);
+    }
+    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
+    Blocks { of_end, joined }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_are_as_many_partitions_as_bell_counted() {
+        let bell = [1, 2, 5, 15, 52, 203];
+        assert_eq!([1, 2, 3, 4, 5, 6].map(|n| partitions(n).len()), bell);
+        assert!(partitions(4).iter().all(|z| z[0] == 0 && (1..4).all(|n| z[n] <= z[..n].iter().max().unwrap() + 1)));
+    }
+
+    #[test]
+    fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
+        let scores = Table::of(2, 0.0, |_, _| 1.3);
+        let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
+        let p = pair_probabilities(&scores, 2, &weights)[0].1;
+        assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
+        let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights);
+        assert_eq!(blocks.of_end, [0, 1]);
+        assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_crossing_is_two_vessels() {
+        // 0-1 and 2-3 pass straight through, the rest bends.
+        let scores = Table::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
+        let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
+        let blocks = most_probable(&scores, 4, &weights);
+        assert_eq!(blocks.of_end, [0, 0, 1, 1]);
+        // By hand: of the fifteen partitions those where a pair of the two vessels is together.
+        let joined = [
+            "0000", "0100", "0010", "0001", "0111", "0101", "0110", "0102", "0121", "0120", "0122", "0012", "0112", "0123",
+            "0011",
+        ];
+        assert_eq!(joined.len(), 15);
+        let weight = |z: &str| {
+            let z: Vec<u8> = z.bytes().collect();
+            let together = |i: usize, j: usize| z[i] == z[j];
+            let mut sum = 0.0;
+            for (i, j, s) in [(0, 1, 3.0), (2, 3, 3.0), (0, 2, -2.0), (0, 3, -2.0), (1, 2, -2.0), (1, 3, -2.0)] {
+                sum += if together(i, j) { s } else { 0.0_f64 };
+            }
+            let mixed = together(0, 2) || together(0, 3) || together(1, 2) || together(1, 3);
+            (sum.exp(), mixed)
+        };
+        let all: Vec<(f64, bool)> = joined.iter().map(|z| weight(z)).collect();
+        let expected =
+            all.iter().filter(|(_, mixed)| *mixed).map(|(w, _)| w).sum::<f64>() / all.iter().map(|(w, _)| w).sum::<f64>();
+        assert!((blocks.joined[0].1 - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_clump_is_put_together_while_that_pays() {
+        let scores = Table::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
+        assert_eq!(greedy(&scores, 8).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
+    }
+}

@@ -1,0 +1,216 @@
+//! Opens contacts: every block of a cluster's ends gets junctions of its own, and contacts join the blocks.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::branches::{BranchEnd, Branches};
+use super::courses::norm;
+use super::partition::Blocks;
+use crate::network::units::as_stored;
+use crate::network::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use crate::support::geometry::{Point, distance, sub};
+
+/// A contact is no shorter than this share of the core's radius: where two vessels share one junction, its length would be nothing, and
+/// a resistance must not be.
+const SHORTEST: f64 = 0.05;
+
+/// What becomes of the nodes and vessels of the clusters that fall apart.
+#[derive(Default)]
+struct Plan {
+    /// Per branch end at such a cluster its node.
+    node_of_end: BTreeMap<BranchEnd, usize>,
+    /// Per vessel inside such a cluster its copies, each by its nodes.
+    copies: BTreeMap<usize, Vec<[usize; 2]>>,
+    /// Per node of such a cluster the node that a candidate there goes to.
+    node_of_candidate: BTreeMap<usize, usize>,
+    /// The contacts.
+    contacts: Vec<([usize; 2], Vessel)>,
+}
+
+/// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
+/// keep their rows, new ones follow; contacts are the last vessels.
+pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Network {
+    let mut graph = Network::new();
+    graph.frame = network.frame;
+    for node in network.nodes() {
+        graph.add_node(node.clone());
+    }
+    let mut taken: BTreeSet<String> = network.nodes().map(|n| n.id.clone()).collect();
+    let mut plan = Plan::default();
+    for (row, blocks) in blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1) {
+        part(&mut graph, branches, row, blocks, &mut taken, &mut plan);
+    }
+    // Per vessel at an end of a branch the node that this end has now.
+    let mut node_of_vessel: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (end, node) in &plan.node_of_end {
+        let branch = &branches.branches[end.branch];
+        let at = if end.last { branch.vessels.len() - 1 } else { 0 };
+        let (vessel, backwards) = branch.vessels[at];
+        node_of_vessel.insert((vessel, usize::from(end.last != backwards)), *node);
+    }
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        if let Some(copies) = plan.copies.get(&row) {
+            for ends in copies {
+                graph.add_vessel(*ends, vessel.clone());
+            }
+            continue;
+        }
+        let ends = [0, 1].map(|side| {
+            let at_end = node_of_vessel.get(&(row, side)).copied();
+            let moved = || plan.node_of_candidate.get(&ends[side]).copied().filter(|_| vessel.origin == Origin::Candidate);
+            at_end.or_else(moved).unwrap_or(ends[side])
+        });
+        graph.add_vessel(ends, vessel.clone());
+    }
+    for (ends, contact) in plan.contacts {
+        graph.add_vessel(ends, contact);
+    }
+    graph
+}
+
+/// The shortest ways inside a cluster from one of its junctions: per junction the inner branch that it is reached by.
+fn ways(branches: &Branches, cluster: usize, from: usize) -> BTreeMap<usize, (f64, Option<usize>)> {
+    let inner = &branches.clusters[cluster].inner;
+    let mut best: BTreeMap<usize, (f64, Option<usize>)> = BTreeMap::from([(from, (0.0, None))]);
+    let mut open = BTreeSet::from([(0_u64, from)]);
+    while let Some((bits, node)) = open.pop_first() {
+        let length = best[&node].0;
+        // Lengths are not negative, so that their bits are in their order.
+        if f64::from_bits(bits) > length {
+            continue;
+        }
+        for row in inner {
+            let Some(next) = across(branches, *row, node) else { continue };
+            let on = length + branches.inner[*row].length;
+            if best.get(&next).is_none_or(|(known, _)| on < *known) {
+                best.insert(next, (on, Some(*row)));
+                open.insert((on.to_bits(), next));
+            }
+        }
+    }
+    best
+}
+
+/// The node at the other end of an inner branch; `None` where it does not begin here.
+fn across(branches: &Branches, inner: usize, node: usize) -> Option<usize> {
+    match branches.inner[inner].ends {
+        [a, b] if a == node => Some(b),
+        [a, b] if b == node => Some(a),
+        _ => None,
+    }
+}
+
+/// The inner branches on the way from where `ways` began to a junction, the last first, each with the node it is left by.
+fn way_to(branches: &Branches, ways: &BTreeMap<usize, (f64, Option<usize>)>, to: usize) -> Vec<(usize, usize)> {
+    let (mut way, mut node) = (Vec::new(), to);
+    while let Some((_, Some(inner))) = ways.get(&node) {
+        way.push((*inner, node));
+        let Some(before) = across(branches, *inner, node) else { break };
+        node = before;
+    }
+    way
+}
+
+/// Plans the copies of one cluster.
+fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, taken: &mut BTreeSet<String>, plan: &mut Plan) {
+    let cluster = &branches.clusters[row];
+    // Per block the junctions of its ends, and the one that is nearest to all of them.
+    let hub_of = |block: usize| {
+        let ends = cluster.ends.iter().zip(&blocks.of_end).filter(|(_, of)| **of == block);
+        let nodes: Vec<usize> = ends.map(|(end, _)| branches.node(*end)).collect();
+        let apart = |node: usize| nodes.iter().map(|other| apart(graph, node, *other)).sum::<f64>();
+        let hub = nodes.iter().copied().min_by(|a, b| apart(*a).total_cmp(&apart(*b)).then(a.cmp(b)));
+        (hub.unwrap_or(cluster.nodes[0]), nodes)
+    };
+    let hubs: Vec<(usize, Vec<usize>)> = (0..blocks.count()).map(hub_of).collect();
+    for inner in &cluster.inner {
+        for (vessel, _) in &branches.inner[*inner].vessels {
+            plan.copies.entry(*vessel).or_default();
+        }
+    }
+    // Per block its own junctions; the first block that needs one keeps it.
+    let mut used: BTreeSet<usize> = BTreeSet::new();
+    let mut own: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); hubs.len()];
+    for (block, (hub, nodes)) in hubs.iter().enumerate() {
+        let from_hub = ways(branches, row, *hub);
+        let mut needed: BTreeSet<usize> = BTreeSet::new();
+        for node in nodes {
+            needed.extend(way_to(branches, &from_hub, *node).into_iter().map(|(inner, _)| inner));
+        }
+        let mut node_of = |graph: &mut Network, node: usize| {
+            *own[block].entry(node).or_insert_with(|| {
+                if used.insert(node) {
+                    return node;
+                }
+                let copy = copied(graph.node(node), block, taken);
+                graph.add_node(copy)
+            })
+        };
+        node_of(graph, *hub);
+        for inner in needed {
+            let inner = &branches.inner[inner];
+            let nodes: Vec<usize> = inner.nodes.iter().map(|node| node_of(graph, *node)).collect();
+            for ((vessel, backwards), pair) in inner.vessels.iter().zip(nodes.windows(2)) {
+                let ends = if *backwards { [pair[1], pair[0]] } else { [pair[0], pair[1]] };
+                plan.copies.entry(*vessel).or_default().push(ends);
+            }
+        }
+    }
+    for (end, block) in cluster.ends.iter().zip(&blocks.of_end) {
+        let node = branches.node(*end);
+        plan.node_of_end.insert(*end, own[*block].get(&node).copied().unwrap_or(node));
+    }
+    // A candidate at a junction that no block has goes to the nearest hub.
+    let inside = cluster.inner.iter().flat_map(|inner| branches.inner[*inner].nodes.iter().copied());
+    for node in cluster.nodes.iter().copied().chain(inside).filter(|node| !used.contains(node)) {
+        let nearest = hubs.iter().map(|(hub, _)| *hub);
+        let nearest = nearest.min_by(|a, b| apart(graph, *a, node).total_cmp(&apart(graph, *b, node)).then(a.cmp(b)));
+        plan.node_of_candidate.extend(nearest.map(|hub| (node, hub)));
+    }
+    for ([a, b], p) in &blocks.joined {
+        let ends = [*a, *b].map(|block| own[block][&hubs[block].0]);
+        plan.contacts.push((ends, contact(graph, branches, row, [hubs[*a].0, hubs[*b].0], *p)));
+    }
+}
+
+/// The distance of two nodes.
+fn apart(graph: &Network, a: usize, b: usize) -> f64 {
+    distance(position(graph, a), position(graph, b))
+}
+
+fn position(graph: &Network, node: usize) -> Point {
+    graph.node(node).position.unwrap_or_default()
+}
+
+/// Another junction at the place of a node, for a block.
+fn copied(node: &Node, block: usize, taken: &mut BTreeSet<String>) -> Node {
+    let mut id = format!("{}:{block}", node.id);
+    while !taken.insert(id.clone()) {
+        id = format!("{id}:{block}");
+    }
+    Node { id, position: node.position, radius: node.radius, ..Node::default() }
+}
+
+/// The contact of two blocks: the way through the core from one hub to the other.
+fn contact(graph: &Network, branches: &Branches, row: usize, [from, to]: [usize; 2], p: f64) -> Vessel {
+    let cluster = &branches.clusters[row];
+    let mut path = vec![PathPoint { position: position(graph, to), radius: cluster.radius, id: None }];
+    for (inner, node) in way_to(branches, &ways(branches, row, from), to) {
+        let inner = &branches.inner[inner];
+        let reversed = inner.ends[1] == node;
+        let points: Vec<PathPoint> = if reversed { inner.points.iter().rev().copied().collect() } else { inner.points.clone() };
+        path.extend(points.into_iter().skip(1));
+    }
+    path.reverse();
+    let length: f64 = path.windows(2).map(|w| norm(sub(w[0].position, w[1].position))).sum();
+    let length = as_stored(length.max(SHORTEST * cluster.radius));
+    if path.len() < 2 {
+        // Both hubs are one place.
+        path.clear();
+    }
+    for point in &mut path {
+        point.radius = as_stored(point.radius);
+        point.position = point.position.map(as_stored);
+    }
+    let vessel = Vessel::new(length, as_stored(cluster.radius), Origin::Contact);
+    Vessel { prior: p, evidence: Some(Evidence::undirected(p)), path, ..vessel }
+}

@@ -1,0 +1,157 @@
+//! The depth of every place below the wall of a mask's lumen: a signed distance, between voxels by trilinear interpolation.
+
+use super::distance::distances;
+use super::foreground::{Foreground, neighbours};
+use super::mask::{Affine, Mask};
+use crate::network::units::{metres, millimetres};
+use crate::support::geometry::{Point, cross, dot, norm_squared};
+
+/// Further outside than the neighbours of the lumen every place has this depth, in voxels.
+const OUTSIDE: f64 = -1.5;
+/// No depth is larger, in voxels: where the image shows no wall.
+const DEEPEST: f64 = 1e3;
+
+/// The wall of a mask as a signed distance: inside the distance of a voxel to the nearest one outside less half a voxel, outside the
+/// opposite.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// The box's lengths.
+    shape: [usize; 3],
+    /// The indices in the image of the box's first voxel.
+    origin: [f64; 3],
+    /// From mm to indices: rows of three, after subtracting `at`.
+    inverse: [Point; 3],
+    /// The position of the image's first voxel, mm.
+    at: Point,
+    /// The least side of a voxel, mm.
+    voxel: f64,
+    /// The depth of each voxel of the box, mm.
+    depth: Vec<f32>,
+    /// The steps of one voxel, mm.
+    steps: [Point; 3],
+    vessels: Foreground,
+}
+
+impl Field {
+    /// The field of a mask; `None` for a mask without vessels, or one too large to index.
+    pub fn of(mask: &Mask) -> Option<Self> {
+        let vessels = Foreground::of(mask)?;
+        let spacing = mask.spacing();
+        let voxel = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut depth = vec![(OUTSIDE * voxel) as f32; vessels.box_size()];
+        let inside = distances(&vessels, spacing);
+        let steps = [0, 1, 2].map(|axis| mask.column(axis));
+        let around = neighbours(vessels.strides()).map(|(step, by)| {
+            let apart = [0, 1, 2].map(|row| (0..3).map(|axis| steps[axis][row] * f64::from(by[axis])).sum());
+            (step, (0.5 * voxel - norm_squared(apart).sqrt()) as f32)
+        });
+        for place in vessels.places() {
+            for (step, value) in around {
+                let next = &mut depth[(place as isize + step) as usize];
+                *next = next.max(value);
+            }
+        }
+        for (place, distance) in vessels.places().zip(inside) {
+            depth[place] = (distance.min(DEEPEST * voxel) - 0.5 * voxel) as f32;
+        }
+        let columns = steps;
+        let volume = dot(columns[0], cross(columns[1], columns[2]));
+        let inverse = [
+            cross(columns[1], columns[2]).map(|x| x / volume),
+            cross(columns[2], columns[0]).map(|x| x / volume),
+            cross(columns[0], columns[1]).map(|x| x / volume),
+        ];
+        Some(Self {
+            shape: vessels.box_shape(),
+            origin: vessels.box_origin(),
+            inverse,
+            at: position(&mask.affine),
+            voxel,
+            depth,
+            steps,
+            vessels,
+        })
+    }
+
+    /// The least side of a voxel, m.
+    pub fn voxel(&self) -> f64 {
+        metres(self.voxel)
+    }
+
+    /// The volume of a voxel, m³.
+    pub fn voxel_volume(&self) -> f64 {
+        dot(self.steps[0], cross(self.steps[1], self.steps[2])).abs() * metres(1.0).powi(3)
+    }
+
+    /// The depth (m) of a place (m) below the wall; negative outside.
+    pub fn signed(&self, place: Point) -> f64 {
+        let at = self.index(place);
+        let low = at.map(f64::floor);
+        let share = [0, 1, 2].map(|k| at[k] - low[k]);
+        let mut sum = 0.0;
+        for corner in 0..8_u8 {
+            let by = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight: f64 = (0..3).map(|k| if by[k] == 1 { share[k] } else { 1.0 - share[k] }).product();
+            if weight > 0.0 {
+                sum += weight * self.at([0, 1, 2].map(|k| low[k] + f64::from(by[k])));
+            }
+        }
+        metres(sum)
+    }
+
+    /// The depth (m) of a place (m) in the lumen; zero outside.
+    pub fn depth(&self, place: Point) -> f64 {
+        self.signed(place).max(0.0)
+    }
+
+    /// The positions (m) of the lumen's voxels within a distance (m) of a place (m).
+    pub fn voxels_around(&self, place: Point, reach: f64) -> Vec<Point> {
+        let (centre, reach) = (self.index(place), millimetres(reach));
+        // A box of indices that holds the ball.
+        let half = self.inverse.map(|row| norm_squared(row).sqrt() * reach);
+        let range = |k: usize| {
+            let low = (centre[k] - half[k]).floor().max(0.0);
+            let high = (centre[k] + half[k]).ceil().min((self.shape[k] - 1) as f64);
+            (low as usize, high.max(-1.0) as isize)
+        };
+        let ranges = [0, 1, 2].map(range);
+        let strides = self.vessels.strides();
+        let mut out = Vec::new();
+        let span = |k: usize| (ranges[k].0 as isize..=ranges[k].1).map(|x| x as usize);
+        for z in span(2) {
+            for y in span(1) {
+                for x in span(0) {
+                    if self.vessels.contains(z * strides[2] + y * strides[1] + x) {
+                        let index = [x, y, z].map(|x| x as f64);
+                        let to = [0, 1, 2].map(|k| index[k] - centre[k]);
+                        let apart: Point = [0, 1, 2].map(|row| (0..3).map(|axis| self.steps[axis][row] * to[axis]).sum());
+                        if norm_squared(apart) <= reach * reach {
+                            out.push([0, 1, 2].map(|k| place[k] + metres(apart[k])));
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Indices in the box of a place (m).
+    fn index(&self, place: Point) -> [f64; 3] {
+        let from = [0, 1, 2].map(|k| millimetres(place[k]) - self.at[k]);
+        [0, 1, 2].map(|k| dot(self.inverse[k], from) - self.origin[k])
+    }
+
+    /// The depth at whole indices, mm.
+    fn at(&self, index: [f64; 3]) -> f64 {
+        if (0..3).any(|k| index[k] < 0.0 || index[k] >= self.shape[k] as f64) {
+            return OUTSIDE * self.voxel;
+        }
+        let [x, y, z] = index.map(|x| x as usize);
+        f64::from(self.depth[(z * self.shape[1] + y) * self.shape[0] + x])
+    }
+}
+
+/// The position of the first voxel, mm.
+fn position(affine: &Affine) -> Point {
+    affine.map(|row| row[3])
+}

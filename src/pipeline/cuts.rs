@@ -1,0 +1,131 @@
+//! Where contacts of observed vessels are opened: by which model, with which mask.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::Input;
+use super::options::SourceFile;
+use crate::contacts::model::ContactModel;
+use crate::contacts::with_contacts;
+use crate::error::{Error, Fault, Result};
+use crate::io::{Format, ReadOptions, bytes_of, checksum, read_mask};
+use crate::masks::Field;
+use crate::network::Network;
+use crate::support::suggestions::did_you_mean;
+
+/// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Cut {
+    /// On automatic skeletons where there is a mask.
+    #[default]
+    Auto,
+    /// On any centerlines.
+    Always,
+    /// Nowhere.
+    Never,
+    /// As `always`, by a model of one's own (`.toml`, from `willis train --model contacts`).
+    File(PathBuf),
+}
+
+const WORDS: [(&str, Cut); 3] = [("auto", Cut::Auto), ("always", Cut::Always), ("never", Cut::Never)];
+
+impl fmt::Display for Cut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, WORDS.iter().find(|(_, cut)| cut == self)) {
+            (_, Some((word, _))) => f.write_str(word),
+            (Self::File(path), _) => write!(f, "{}", path.display()),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl From<Cut> for String {
+    fn from(cut: Cut) -> Self {
+        cut.to_string()
+    }
+}
+
+impl TryFrom<String> for Cut {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl FromStr for Cut {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if let Some((_, cut)) = WORDS.into_iter().find(|(word, _)| *word == text) {
+            return Ok(cut);
+        }
+        if Path::new(text).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+            return Ok(Self::File(text.into()));
+        }
+        let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
+        Err(Error::parameter("cut", format!("\"{text}\""), format!("{meant}expected auto, always, never, or a file .toml")))
+    }
+}
+
+/// The model and the mask by which contacts are opened.
+pub(crate) struct Cuts {
+    model: Arc<ContactModel>,
+    source: Option<SourceFile>,
+    field: Option<Field>,
+}
+
+impl Cuts {
+    /// What an input is cut by; `None` where it is not.
+    ///
+    /// # Errors
+    ///
+    /// A model or a mask that cannot be read.
+    pub(crate) fn load(cut: &Cut, mask: Option<&Path>, input: &Input, is_skeleton: bool) -> Result<Option<Self>> {
+        let own = input.format.is_some_and(Format::is_mask);
+        let path = mask.map(Path::to_owned).or_else(|| own.then(|| PathBuf::from(&input.provenance.input)));
+        let wanted = match cut {
+            Cut::Never => false,
+            Cut::Auto => is_skeleton && path.is_some(),
+            Cut::Always | Cut::File(_) => true,
+        };
+        if !wanted || !input.is_fragments || !input.network.has_positions() {
+            return Ok(None);
+        }
+        let options = if own && mask.is_none() { input.options.clone() } else { ReadOptions::default() };
+        let mask = path.map(|path| read_mask(&path, &options)).transpose()?;
+        let (model, source) = match cut {
+            Cut::File(path) => {
+                let bytes = bytes_of(path)?;
+                let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train --model contacts` writes it");
+                let text = std::str::from_utf8(&bytes).map_err(not_utf8).map_err(|fault| fault.in_file(path))?;
+                let model = ContactModel::read(text).map_err(|fault| fault.in_file(path))?;
+                (Arc::new(model), Some(SourceFile { path: path.clone(), sha256: checksum(&bytes) }))
+            }
+            _ => (ContactModel::shipped()?, None),
+        };
+        Ok(Some(Self { model, source, field: mask.as_ref().and_then(Field::of) }))
+    }
+
+    /// The graph with its contacts opened.
+    pub(crate) fn open(&self, graph: &Network) -> Network {
+        with_contacts(graph, self.field.as_ref(), &self.model)
+    }
+
+    /// Whether there is a mask.
+    pub(crate) fn has_mask(&self) -> bool {
+        self.field.is_some()
+    }
+
+    /// The record in run.json.
+    pub(crate) fn record(&self) -> Value {
+        let model = self.source.as_ref().map_or(json!("shipped"), |source| json!(source));
+        json!({ "model": model, "mask": self.field.is_some() })
+    }
+}

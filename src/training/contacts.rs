@@ -1,0 +1,288 @@
+//! Fits the contact model to skeletons whose true vessels are known: boosted trees over pairs of branch ends, then the weights of
+//! partitions on scores of trees that never saw the subject.
+
+use std::collections::BTreeSet;
+
+use super::boosting::boost;
+use super::cross_validation::fold_of;
+use super::example::Case;
+use super::minimise::minimise;
+use crate::contacts::model::{ContactModel, ContactPart, ContactProvenance, ContactScores};
+use crate::contacts::partition::{
+    MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
+};
+use crate::contacts::{ContactTable, feature_names};
+use crate::error::{Error, Result};
+use crate::io::{ReadOptions, read_mask};
+use crate::masks::Field;
+use crate::support::boosted_trees::Boosted;
+use crate::support::in_order;
+
+/// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
+const INNER: usize = 3;
+/// The penalty of the weights of partitions, and the evaluations of their fit.
+const L2: f64 = 1e-3;
+const ITERATIONS: usize = 200;
+
+/// A skeleton with its contacts measured and what is true of them.
+pub struct ContactExample<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Its contacts, with the features of the mask.
+    pub table: ContactTable,
+    /// Whether there was a mask.
+    pub has_mask: bool,
+    /// Per pair whether its ends are one vessel; `None` where that is not known.
+    pub joined: Vec<Option<bool>>,
+    /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
+    pub classes: Vec<Vec<Option<usize>>>,
+}
+
+impl<'a> ContactExample<'a> {
+    /// Measures the contacts of a case.
+    ///
+    /// # Errors
+    ///
+    /// A mask that cannot be read.
+    pub fn new(case: &'a Case) -> Result<Self> {
+        let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
+        let field = mask.as_ref().and_then(Field::of);
+        let table = ContactTable::new(&case.network, field.as_ref());
+        let classes = case.contacts.as_ref().map(|truth| truth.classes(&table.branches)).unwrap_or_default();
+        let joined = table.pairs.iter().map(|pair| {
+            let [a, b] = pair.ends.map(|end| classes.get(pair.cluster).and_then(|of| of[end]));
+            Some(a? == b?)
+        });
+        let joined: Vec<Option<bool>> = joined.collect();
+        Ok(Self { case, table, has_mask: field.is_some(), joined, classes })
+    }
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// As [`ContactExample::new`].
+    pub fn measure(cases: &[&'a Case]) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case)).into_iter().collect()
+    }
+
+    fn ends(&self, pair: usize) -> usize {
+        self.table.branches.clusters[self.table.pairs[pair].cluster].ends.len()
+    }
+
+    /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
+    fn designs(&self, scores: &[f64]) -> Vec<Design> {
+        let tables = self.table.by_cluster(scores);
+        let mut out = Vec::new();
+        for (table, classes) in tables.iter().zip(&self.classes) {
+            let (Some(table), Some(classes)) = (table, classes.iter().copied().collect::<Option<Vec<usize>>>()) else { continue };
+            let ends = classes.len();
+            if !(2..=MOST_ENDS).contains(&ends) {
+                continue;
+            }
+            let all = partitions(ends);
+            let mut numbers = Vec::new();
+            let blocks: Vec<usize> = classes
+                .iter()
+                .map(|class| {
+                    numbers.iter().position(|c| c == class).unwrap_or_else(|| {
+                        numbers.push(*class);
+                        numbers.len() - 1
+                    })
+                })
+                .collect();
+            let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
+            out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
+        }
+        out
+    }
+}
+
+struct Design {
+    size: usize,
+    rows: Vec<[f64; PARTITION_FEATURES]>,
+    truth: usize,
+}
+
+/// Fits the contact model to measured cases. The same cases give the same bits at any number of threads.
+///
+/// # Errors
+///
+/// No case with a mask, fewer subjects than inner folds, no pair of which anything is known.
+pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
+    let skeleton = fit_part(examples, false)?;
+    progress("without mask");
+    let with_mask: Vec<&ContactExample> = examples.iter().copied().filter(|e| e.has_mask).collect();
+    let mask = fit_part(&with_mask, true)?;
+    progress("with mask");
+    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+    let provenance = ContactProvenance { cases: examples.len(), subjects: subjects.len(), ..ContactProvenance::default() };
+    Ok(ContactModel { skeleton, mask, provenance })
+}
+
+fn fit_part(examples: &[&ContactExample], with_mask: bool) -> Result<ContactPart> {
+    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+    if subjects.len() < INNER {
+        let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
+        return Err(Error::parameter("cases", format!("{} of {} subjects", examples.len(), subjects.len()), accepted));
+    }
+    let order: Vec<&str> = subjects.iter().copied().collect();
+    let fold = |e: &ContactExample| order.iter().position(|s| *s == e.case.subject).unwrap_or(0) % INNER;
+    let trees = fit_trees(examples, with_mask)?;
+    let mut designs = Vec::new();
+    for held in 0..INNER {
+        let inner: Vec<&ContactExample> = examples.iter().copied().filter(|e| fold(e) != held).collect();
+        let trees = fit_trees(&inner, with_mask)?;
+        for e in examples.iter().filter(|e| fold(e) == held) {
+            designs.extend(e.designs(&trees.scores(&e.table.features)));
+        }
+    }
+    Ok(ContactPart { trees, weights: fit_weights(&designs) })
+}
+
+/// Boosted trees over the pairs whose answer is known. Without a mask they see the first columns alone.
+fn fit_trees(examples: &[&ContactExample], with_mask: bool) -> Result<Boosted> {
+    let columns = feature_names(with_mask).len();
+    let (mut rows, mut right) = (Vec::new(), Vec::new());
+    for (at, e) in examples.iter().enumerate() {
+        for (row, joined) in e.joined.iter().enumerate() {
+            if let Some(joined) = joined {
+                rows.push((at, row));
+                right.push(*joined);
+            }
+        }
+    }
+    boost(rows.len(), columns, |row, column| examples[rows[row].0].table.features[[rows[row].1, column]], &right)
+}
+
+/// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
+fn fit_weights(designs: &[Design]) -> PartitionWeights {
+    let at = |size: usize| size * PARTITION_FEATURES;
+    let loss = |theta: &[f64]| {
+        let mut value = L2 * theta.iter().map(|t| t * t).sum::<f64>();
+        let mut slope: Vec<f64> = theta.iter().map(|t| 2.0 * L2 * t).collect();
+        let n = designs.len().max(1) as f64;
+        for design in designs {
+            let own = &theta[at(design.size)..at(design.size + 1)];
+            let log: Vec<f64> = design.rows.iter().map(|f| f.iter().zip(own).map(|(f, t)| f * t).sum()).collect();
+            let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
+            let total: f64 = weight.iter().sum();
+            value -= (log[design.truth] - most - total.ln()) / n;
+            for k in 0..PARTITION_FEATURES {
+                let mean = design.rows.iter().zip(&weight).map(|(f, w)| f[k] * w).sum::<f64>() / total;
+                slope[at(design.size) + k] += (mean - design.rows[design.truth][k]) / n;
+            }
+        }
+        (value, slope)
+    };
+    let mut start = vec![0.0; SIZES * PARTITION_FEATURES];
+    (0..SIZES).for_each(|size| start[at(size)] = 0.5);
+    let found = minimise(start, ITERATIONS, &loss).point;
+    let mut weights = PartitionWeights::default();
+    for (size, own) in weights.iter_mut().enumerate() {
+        own.copy_from_slice(&found[at(size)..at(size + 1)]);
+    }
+    weights
+}
+
+/// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
+type Judged = (f64, f64, bool);
+
+fn judge(e: &ContactExample, part: &ContactPart) -> Vec<Judged> {
+    // The features of the skeleton are the first columns, so that its trees look at no other.
+    let scores = part.trees.scores(&e.table.features);
+    let tables = e.table.by_cluster(&scores);
+    let mut probability = Vec::with_capacity(scores.len());
+    for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
+        let ends = cluster.ends.len();
+        if let Some(table) = table {
+            let pairs = ends * (ends - 1) / 2;
+            if ends <= MOST_ENDS {
+                probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
+            } else {
+                probability.extend(std::iter::repeat_n(None, pairs));
+            }
+        }
+    }
+    let rows = (0..scores.len()).filter(|pair| e.ends(*pair) <= MOST_ENDS);
+    rows.filter_map(|pair| Some((scores[pair], probability[pair]?, e.joined[pair]?))).collect()
+}
+
+/// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
+/// all cases by data set and folder.
+///
+/// # Errors
+///
+/// Those of [`fit_contacts`].
+pub fn cross_validate_contacts(
+    examples: &[ContactExample],
+    folds: usize,
+    progress: &mut dyn FnMut(usize, &str),
+) -> Result<(Vec<ContactModel>, Vec<ContactScores>)> {
+    let (mut models, mut judged) = (Vec::new(), Vec::new());
+    for fold in 0..folds {
+        let held = |e: &&ContactExample| fold_of(&e.case.subject, folds) == fold;
+        let inner: Vec<&ContactExample> = examples.iter().filter(|e| !held(e)).collect();
+        let mut model = fit_contacts(&inner, &mut |step| progress(fold + 1, step))?;
+        let outer: Vec<&ContactExample> = examples.iter().filter(held).collect();
+        let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
+        model.provenance.held_out = subjects.into_iter().cloned().collect();
+        for e in outer {
+            judged.push((e, false, judge(e, &model.skeleton)));
+            if e.has_mask {
+                judged.push((e, true, judge(e, &model.mask)));
+            }
+        }
+        models.push(model);
+    }
+    let mut groups: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
+    for (e, with_mask, _) in &judged {
+        groups.insert((&e.case.data_set, &e.case.group, *with_mask));
+    }
+    let figures = groups.into_iter().map(|(data_set, group, with_mask)| {
+        let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
+        let of: Vec<&[Judged]> =
+            judged.iter().filter(|(e, mask, _)| own(e) && *mask == with_mask).map(|(.., j)| &j[..]).collect();
+        let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
+        scores_of(name, with_mask, &of)
+    });
+    let figures = figures.collect();
+    Ok((models, figures))
+}
+
+const BINS: usize = 10;
+const LEAST_IN_BIN: f64 = 50.0;
+
+fn scores_of(of: String, with_mask: bool, cases: &[&[Judged]]) -> ContactScores {
+    let mut all: Vec<Judged> = cases.iter().flat_map(|case| case.iter().copied()).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let pairs = all.len();
+    let joined = all.iter().filter(|(.., joined)| *joined).count();
+    let mut bins = [[0.0; 3]; BINS];
+    for (_, p, joined) in &all {
+        let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
+        *bin = [bin[0] + 1.0, bin[1] + p, bin[2] + f64::from(u8::from(*joined))];
+    }
+    let errors = bins.iter().filter(|bin| bin[0] >= LEAST_IN_BIN).map(|bin| ((bin[1] - bin[2]) / bin[0]).abs());
+    // Of pairs in rising order of their scores: how many false ones come before each true one.
+    let (mut apart, mut before, mut precision) = (0.0, 0.0, 0.0);
+    for (row, (.., joined)) in all.iter().enumerate() {
+        if *joined {
+            before += apart;
+        } else {
+            apart += 1.0;
+            precision += apart / (row + 1) as f64;
+        }
+    }
+    ContactScores {
+        of,
+        with_mask,
+        cases: cases.len(),
+        pairs,
+        joined: joined as f64 / pairs.max(1) as f64,
+        auc: before / (apart * joined as f64).max(1.0),
+        average_precision: precision / apart.max(1.0),
+        largest_bin_error: errors.fold(0.0, f64::max),
+    }
+}

@@ -1,0 +1,210 @@
+//! Contacts: clusters of junctions, what the mask tells of two ends, and what becomes of a crossing.
+
+use std::f64::consts::PI;
+
+use crate::command::{data, folder, stderr, willis};
+use crate::refused::refused;
+use willis::internals::contacts::branches::Branches;
+use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
+use willis::internals::contacts::partition::Blocks;
+use willis::internals::contacts::sections::section;
+use willis::internals::contacts::split::split;
+use willis::internals::contacts::{ContactTable, feature_names};
+use willis::internals::masks::{Field, Mask};
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
+use willis::internals::support::geometry::{Point, distance};
+
+/// A network of nodes (mm) and straight vessels between them, of 1 mm radius.
+fn network(nodes: &[Point], vessels: &[[usize; 2]]) -> Network {
+    let mut network = Network::new();
+    for (row, at) in nodes.iter().enumerate() {
+        network.add_node(Node {
+            id: row.to_string(),
+            position: Some(at.map(|x| x / 1e3)),
+            radius: Some(1e-3),
+            ..Node::default()
+        });
+    }
+    for [a, b] in vessels {
+        let at = |share: f64| [0, 1, 2].map(|k| (nodes[*a][k] + share * (nodes[*b][k] - nodes[*a][k])) / 1e3);
+        let path = (0..=20).map(|n| PathPoint { position: at(f64::from(n) / 20.0), radius: 1e-3, id: None }).collect();
+        network.add_vessel([*a, *b], Vessel::along(path, RadiusRule::Mean));
+    }
+    network
+}
+
+/// Two vessels along x and along y that cross, with junctions 1 mm apart where they share a stretch.
+fn crossing() -> Network {
+    let nodes = [[0.0; 3], [1.0, 0.0, 0.0], [-20.0, 0.0, 0.0], [0.0, -20.0, 0.0], [21.0, 0.0, 0.0], [1.0, 20.0, 0.0]];
+    network(&nodes, &[[2, 0], [3, 0], [0, 1], [1, 4], [1, 5]])
+}
+
+#[test]
+fn junctions_within_each_others_lumen_are_one_cluster() {
+    let branches = Branches::new(&crossing());
+    assert_eq!(branches.clusters.len(), 1);
+    let cluster = &branches.clusters[0];
+    assert_eq!((cluster.nodes.as_slice(), cluster.inner.len(), cluster.ends.len()), (&[0, 1][..], 1, 4));
+    // Three millimetres apart they are two: the sum of the radii is two.
+    let nodes = [[0.0; 3], [3.0, 0.0, 0.0], [-20.0, 0.0, 0.0], [0.0, -20.0, 0.0], [23.0, 0.0, 0.0], [3.0, 20.0, 0.0]];
+    let apart = Branches::new(&network(&nodes, &[[2, 0], [3, 0], [0, 1], [1, 4], [1, 5]]));
+    assert_eq!(apart.clusters.iter().map(|c| c.ends.len()).collect::<Vec<usize>>(), [3, 3]);
+}
+
+#[test]
+fn a_vessel_that_a_candidate_splits_is_one_branch() {
+    let nodes = [[0.0; 3], [10.0, 0.0, 0.0], [20.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, -9.0, 0.0]];
+    let branches = Branches::new(&network(&nodes, &[[0, 1], [2, 1], [0, 3], [0, 4]]));
+    let long = branches.branches.iter().find(|b| b.vessels.len() == 2).expect("a branch of two vessels");
+    assert_eq!((long.nodes.as_slice(), &long.vessels[1]), (&[0, 1, 2][..], &(1, true)));
+    assert!((long.length - 20e-3).abs() < 1e-12);
+}
+
+#[test]
+fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
+    let table = ContactTable::new(&crossing(), None);
+    let row = |i, j| table.pairs.iter().position(|p| p.ends == [i, j]).expect("a pair");
+    let ends = &table.branches.clusters[0].ends;
+    let end_of =
+        |vessel: usize| ends.iter().position(|end| table.branches.branches[end.branch].vessels[0].0 == vessel).expect("an end");
+    let straight = skeleton_feature_names().iter().position(|name| name == "straight_far").expect("a feature");
+    let pair = |a, b| {
+        let (i, j) = (end_of(a), end_of(b));
+        table.features[[row(i.min(j), i.max(j)), straight]]
+    };
+    assert!(pair(0, 3) > 0.99 && pair(1, 4) > 0.99, "{} {}", pair(0, 3), pair(1, 4));
+    assert!(pair(0, 1).abs() < 0.1 && pair(0, 4).abs() < 0.1);
+    assert_eq!(pairs_of(&table.branches).len(), 6);
+    assert_eq!(table.features.ncols(), feature_names(false).len());
+}
+
+#[test]
+fn a_crossing_becomes_two_vessels_and_a_contact() {
+    let network = crossing();
+    let branches = Branches::new(&network);
+    let ends = &branches.clusters[0].ends;
+    // Vessels 0 and 3 are one, 1 and 4 the other.
+    let of_end: Vec<usize> =
+        ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
+    let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
+    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)] }]);
+    let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
+    let through = |a: usize, b: usize| {
+        let vessel = |at: Point| {
+            let near = |row: &usize| graph.node(*row).position.is_some_and(|p| distance(p, at.map(|x| x / 1e3)) < 1e-9);
+            (0..graph.node_count()).find(near).map(|row| observed.of_node[row])
+        };
+        let place = |row: usize| network.node(row).position.unwrap_or_default().map(|x| x * 1e3);
+        vessel(place(a)) == vessel(place(b))
+    };
+    assert!(through(2, 4) && through(3, 5) && !through(2, 3) && !through(2, 5));
+    let contacts: Vec<&Vessel> = graph.vessels().map(|(_, v)| v).filter(|v| v.origin == Origin::Contact).collect();
+    assert_eq!(contacts.len(), 1);
+    assert_eq!((contacts[0].prior, contacts[0].evidence.map(|e| e.probability)), (0.25, Some(0.25)));
+    assert!(contacts[0].length > 0.0);
+    // Each vessel has the shared stretch, and the contact joins them again: nothing is lost.
+    let length = |n: &Network| n.vessels().filter(|(_, v)| v.origin == Origin::Observed).map(|(_, v)| v.length).sum::<f64>();
+    assert!((length(&graph) - length(&network) - 1e-3).abs() < 1e-9);
+    assert_eq!(fragments(&graph, |_, _| true).of_node.iter().filter(|part| **part == 0).count(), graph.node_count());
+    assert_eq!(cycles(&graph), 0);
+}
+
+#[test]
+fn margins_and_pairings_of_a_table_are_those_by_hand() {
+    let table = Table::of(4, -9.0, |i, j| [[0.0, 5.0, 1.0, 2.0], [0.0, 0.0, 3.0, 0.5], [0.0, 0.0, 0.0, 4.0], [0.0; 4]][i][j]);
+    // Of 0 the best other partner gives 2, of 1 it gives 3.
+    assert_eq!(table.margins([0, 1], -1.0), [2.0, 3.0]);
+    // 0-1 and 2-3 give 9; apart, 0-2 and 1-3 give 1.5, 0-3 and 1-2 give 5.
+    assert_eq!(table.pairing_gain([0, 1]), 4.0);
+}
+
+/// A tube along x of a radius in voxels of 0.5 mm, its wall cut at the middle of voxels.
+fn tube(radius: f64) -> Mask {
+    let shape = [60, 40, 40];
+    let is = |row: usize| {
+        let [y, z] = [row / 60 % 40, row / 2400].map(|x| x as f64 - 19.5);
+        (y * y + z * z).sqrt() <= radius
+    };
+    let classes = (0..shape.iter().product()).map(|row| u8::from(is(row))).collect();
+    Mask { shape, classes, affine: [[0.5, 0.0, 0.0, -15.0], [0.0, 0.5, 0.0, -9.75], [0.0, 0.0, 0.5, -9.75]], walls: None }
+}
+
+#[test]
+fn the_section_of_a_tube_is_its_circle() {
+    for radius in [4.0, 8.0] {
+        let field = Field::of(&tube(radius)).expect("a tube");
+        for direction in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]] {
+            // Nineteen samples over so much: six to a radius.
+            let found = section(&field, [0.0; 3], direction, 1.6 * radius * 0.5e-3);
+            // Oblique sections are ellipses, longer by the cosine.
+            let lengthening = if direction[1] > 0.0 { 2.0_f64.sqrt() } else { 1.0 };
+            let truth = PI * (radius * 0.5e-3).powi(2) * lengthening;
+            assert!((found.area / truth - 1.0).abs() < 0.12, "{radius} {direction:?}: {} of {truth}", found.area);
+            assert!((found.elongation() / lengthening - 1.0).abs() < 0.12, "{}", found.elongation());
+            // Depth falls from the axis to the wall, so 1.2 radii along the ellipse 1 - 1.2/√2 of it is left, up to a voxel; across the
+            // circle nothing.
+            assert!(distance(found.shift, [0.0; 3]) < 0.1e-3, "{:?}", found.shift);
+            let left = (1.0 - 1.2 / lengthening).max(0.0);
+            assert!((found.second - left).abs() < 1.0 / radius, "{} of {left}", found.second);
+        }
+        // On the axis, which lies between voxels, the wall is a radius away up to a voxel; outside it is on the other side.
+        assert!((field.signed([0.0; 3]) - radius * 0.5e-3).abs() < 0.5e-3);
+        assert!(field.signed([0.0, (radius + 1.0) * 0.5e-3, 0.0]) < 0.0);
+        assert_eq!(field.depth([0.0, 9e-3, 0.0]), 0.0);
+    }
+}
+
+/// Rows of edges.csv as maps from column to text.
+fn rows(out: &std::path::Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(out.join("edges.csv")).expect("edges.csv");
+    let mut lines = text.lines();
+    let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
+    lines.map(|line| names.iter().cloned().zip(line.split(',').map(str::to_owned)).collect()).collect()
+}
+
+#[test]
+fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
+    let at = folder();
+    let scan = data("scan.nii.gz");
+    let components = |name: &str, more: &[&str]| {
+        let out = at.path().join(name);
+        let ran = willis(at.path(), &[&["infer", &scan, "-o", name, "-n", "1", "--json", "--quiet"], more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        let run: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
+        (run["counts"]["topology"]["components"].as_u64().expect("a count"), rows(&out))
+    };
+    let (uncut, all) = components("uncut", &["--cut", "never"]);
+    assert!(all.iter().all(|row| row["origin"] != "contact"));
+    // Everything that a cut sets apart is joined again, and doubtful joins may join more.
+    let (joined, rows) = components("cut", &["--keep", "reconnect=0"]);
+    assert!(joined <= uncut, "{joined} of {uncut}");
+    let contacts: Vec<_> = rows.iter().filter(|row| row["origin"] == "contact").collect();
+    assert!(!contacts.is_empty());
+    for row in contacts {
+        let p: f64 = row["probability"].parse().expect("a probability");
+        assert!((0.0..=1.0).contains(&p) && ["0", "1"].contains(&row["kept"].as_str()));
+    }
+    // The graph holds its contacts: handed back it gives the same answer.
+    let ran = willis(
+        at.path(),
+        &["infer", "cut/candidates.graphml", "-o", "again", "--keep", "reconnect=0", "-n", "1", "--json", "--quiet"],
+    );
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
+    assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
+}
+
+#[test]
+fn what_is_no_model_of_contacts_is_refused() {
+    refused(
+        &[("own.toml", b"kind = \"skeleton\"")],
+        &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", "own.toml"],
+        &["own.toml"],
+    );
+    refused(&[], &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", "alwais"], &["alwais", "did you mean", "always"]);
+    refused(
+        &[("lines.swc", b"1 0 0 0 0 1 -1\n2 0 9 0 0 1 1\n")],
+        &["infer", "lines.swc", "-o", "out", "--cut", "always", "--mask", "lines.swc"],
+        &["lines.swc", "not a mask"],
+    );
+}
