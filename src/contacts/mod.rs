@@ -4,7 +4,7 @@
 //! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
 //! ([`features`], and [`evidence`] where there is a mask), and a log-linear model makes of the scores a probability for every set
 //! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
-//! ([`split`]), vessels of origin contact whose probability a decision goes by.
+//! ([`split()`]), vessels of origin contact whose probability a decision goes by.
 
 pub mod branches;
 pub mod courses;
