@@ -152,7 +152,12 @@ fn fit_trees(examples: &[&ContactExample], with_mask: bool) -> Result<Boosted> {
             }
         }
     }
-    boost(rows.len(), columns, |row, column| examples[rows[row].0].table.features[[rows[row].1, column]], &right)
+    // With a mask the lines' own features are left out: on manual masks they mislead.
+    let first = if with_mask { feature_names(false).len() } else { 0 };
+    let feature = |row: usize, column: usize| {
+        if column < first { 0.0 } else { examples[rows[row].0].table.features[[rows[row].1, column]] }
+    };
+    boost(rows.len(), columns, feature, &right)
 }
 
 /// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.

@@ -254,7 +254,7 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
         }
         Step::Cut { graph, with_mask } => {
             let contacts = graph.vessels().filter(|(_, v)| v.origin == Origin::Contact).count();
-            let how = if *with_mask { "the mask and the lines" } else { "the lines alone" };
+            let how = if *with_mask { "the mask" } else { "the lines alone" };
             terminal.say("cut", format!("{} between vessels that may only touch (by {how})", plural(contacts, "contact")));
         }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
