@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::features::extraction::Extraction;
-use super::resample::{PathPlace, Resampled};
+use super::resample::Resampled;
 use super::search::Candidate;
 use super::{CandidateOptions, CandidateRadius, NetworkPoint};
+use crate::network::path_places::PathPlace;
 use crate::network::units::as_stored;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::distance;

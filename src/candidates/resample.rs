@@ -1,7 +1,8 @@
 //! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
 
+use crate::network::path_places::{PathPlace, at_even_steps, length_of};
 use crate::network::{Network, Origin, PathPoint, Vessel};
-use crate::support::geometry::{distance, lerp};
+use crate::support::geometry::distance;
 
 use super::features::smoothing::steady;
 
@@ -21,30 +22,6 @@ pub struct Resampled {
     pub step: f64,
     /// Per vessel and point of its path the place of that point on the original path.
     places: Vec<Vec<PathPlace>>,
-}
-
-/// A place on a path: a share of the way from one of its points to the next.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct PathPlace {
-    /// The point before it.
-    pub point: usize,
-    /// The share of the way to the next point, in [0, 1).
-    pub share: f64,
-}
-
-impl PathPlace {
-    /// Position (m) and radius (m) there; the number is that of the point, if it is one.
-    pub fn on(self, path: &[PathPoint]) -> PathPoint {
-        let from = path[self.point];
-        match path.get(self.point + 1) {
-            Some(to) if self.share > 0.0 => PathPoint {
-                position: lerp(from.position, to.position, self.share),
-                radius: from.radius + self.share * (to.radius - from.radius),
-                id: None,
-            },
-            _ => from,
-        }
-    }
 }
 
 impl Resampled {
@@ -104,27 +81,11 @@ pub fn step_of(network: &Network) -> f64 {
 
 /// Points at equal distances along a path, about one step apart, with their places on it.
 fn at_step(path: &[PathPoint], step: f64) -> (Vec<PathPoint>, Vec<PathPlace>) {
-    let mut arc = vec![0.0];
-    for w in path.windows(2) {
-        arc.push(arc[arc.len() - 1] + distance(w[0].position, w[1].position));
-    }
-    let length = arc[arc.len() - 1];
+    let length = length_of(path);
     if path.len() < 2 || length <= 0.0 {
         return (path.to_vec(), (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect());
     }
     let steps = (steady(length / step).round() as usize).max(1);
-    let mut at = 0;
-    let place = |number: usize| {
-        if number == steps {
-            return PathPlace { point: path.len() - 1, share: 0.0 };
-        }
-        let s = length * number as f64 / steps as f64;
-        while at + 2 < arc.len() && arc[at + 1] <= s {
-            at += 1;
-        }
-        let share = if arc[at + 1] > arc[at] { ((s - arc[at]) / (arc[at + 1] - arc[at])).clamp(0.0, 1.0) } else { 0.0 };
-        PathPlace { point: at, share }
-    };
-    let places: Vec<PathPlace> = (0..=steps).map(place).collect();
+    let places = at_even_steps(path, steps);
     (places.iter().map(|place| place.on(path)).collect(), places)
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use petgraph::unionfind::UnionFind;
 
+use crate::network::path_places::length_of;
 use crate::network::{Network, Origin, PathPoint};
-use crate::support::geometry::{Point, distance};
+use crate::support::geometry::Point;
 use crate::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
@@ -149,6 +150,15 @@ impl Branches {
         self.branches[end.branch].ends[usize::from(end.last)]
     }
 
+    /// The branches inside a cluster at one of its nodes: row of [`Branches::inner`], node at the other end, length (m).
+    pub fn inside(&self, cluster: usize, node: usize) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.clusters[cluster].inner.iter().filter_map(move |row| {
+            let inner = &self.inner[*row];
+            let next = inner.ends.iter().position(|end| *end == node).map(|end| inner.ends[1 - end])?;
+            Some((*row, next, inner.length))
+        })
+    }
+
     /// The cluster at an end; `None` where it is free.
     pub fn cluster(&self, end: BranchEnd) -> Option<usize> {
         self.branches[end.branch].clusters[usize::from(end.last)]
@@ -225,7 +235,7 @@ fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> 
         points.extend_from_slice(&path[usize::from(!points.is_empty())..]);
     }
     let ends = [nodes[0], nodes[nodes.len() - 1]];
-    let length: f64 = points.windows(2).map(|w| distance(w[0].position, w[1].position)).sum();
+    let length = length_of(&points);
     let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
     let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
     (length > 0.0 && radius > 0.0).then_some(Branch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })

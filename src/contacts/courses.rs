@@ -1,14 +1,15 @@
 //! The courses of branches from the clusters they leave: smooth lines at even steps, and directions over a reach of the cluster's own size.
 
-use super::branches::{BranchEnd, Branches};
+use super::branches::{Branch, BranchEnd, Branches};
 use crate::network::PathPoint;
-use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+use crate::network::path_places::{at_even_steps, length_of};
+use crate::support::geometry::{Point, dot, lerp, sub, unit};
 
 /// Points of a course are a quarter of the branch's radius apart, ...
 const STEP_RADII: f64 = 0.25;
-const LEAST_POINTS: usize = 3;
+const LEAST_STEPS: usize = 2;
 /// ... no more than this many, and smoothed in so many rounds of (1/4, 1/2, 1/4).
-const MOST_POINTS: usize = 20_000;
+const MOST_STEPS: usize = 20_000;
 const ROUNDS: usize = 8;
 /// A walk passes no more than this many branches, and goes on in the direction of so many last points.
 const HOPS: usize = 4;
@@ -78,22 +79,14 @@ pub fn smooth_course(path: &[PathPoint], step: f64) -> Course {
 
 /// A line through points at even steps of about `step`.
 pub fn even_course(path: &[PathPoint], step: f64) -> Course {
-    let mut arc = vec![0.0];
-    for w in path.windows(2) {
-        arc.push(arc[arc.len() - 1] + distance(w[0].position, w[1].position));
-    }
-    let length = arc[arc.len() - 1];
-    let count = ((length / step).ceil() as usize + 1).clamp(LEAST_POINTS, MOST_POINTS);
-    let (mut at, mut course) = (0, Course::default());
-    for n in 0..count {
-        let s = length * n as f64 / (count - 1) as f64;
-        while at + 2 < arc.len() && arc[at + 1] < s {
-            at += 1;
-        }
-        let share = ((s - arc[at]) / (arc[at + 1] - arc[at]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        course.arc.push(s);
-        course.points.push(lerp(path[at].position, path[at + 1].position, share));
-        course.radii.push(path[at].radius + share * (path[at + 1].radius - path[at].radius));
+    let length = length_of(path);
+    let steps = ((length / step).ceil() as usize).clamp(LEAST_STEPS, MOST_STEPS);
+    let mut course = Course::default();
+    for (n, place) in at_even_steps(path, steps).into_iter().enumerate() {
+        let point = place.on(path);
+        course.arc.push(length * n as f64 / steps as f64);
+        course.points.push(point.position);
+        course.radii.push(point.radius);
     }
     course
 }
@@ -118,8 +111,7 @@ pub struct Courses {
 impl Courses {
     /// Courses of the branches.
     pub fn new(branches: &Branches) -> Self {
-        let course =
-            |b: &super::branches::Branch| smooth_course(&b.points, (STEP_RADII * b.radius).max(b.length / MOST_POINTS as f64));
+        let course = |b: &Branch| smooth_course(&b.points, STEP_RADII * b.radius);
         Self { of_branch: branches.branches.iter().map(course).collect() }
     }
 
@@ -163,9 +155,4 @@ impl Courses {
         }
         course
     }
-}
-
-/// |a| of a vector.
-pub fn norm(a: Point) -> f64 {
-    norm_squared(a).sqrt()
 }

@@ -3,11 +3,11 @@
 //! All features are ratios of lengths or areas, or cosines. R is the radius of the cluster's core, ρ = 1.5 R.
 
 use super::branches::Branches;
-use super::courses::{Courses, norm};
+use super::courses::Courses;
 use super::features::{Pair, Table};
 use super::sections::{Section, across, axis_of, principal, section};
 use crate::masks::Field;
-use crate::support::geometry::{Point, area_of, cross, dot, lerp, radius_of, sub, unit};
+use crate::support::geometry::{Point, area_of, cross, distance, dot, lerp, norm, radius_of, sub, unit};
 use crate::support::in_order;
 use crate::support::statistics::median;
 
@@ -155,7 +155,7 @@ fn arm(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, en
 
 /// A curve from `p` to `q` that leaves p against `u` and arrives at q along `v`, both away from the core; with its tangents.
 fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
-    let l = norm(sub(q, p));
+    let l = distance(q, p);
     let at = |n: usize| {
         let s = n as f64 / (INNER + 1) as f64;
         let (s2, s3) = (s * s, s * s * s);
@@ -184,7 +184,7 @@ impl Tube {
             radii: inner.clone().map(|n| a.radius + (b.radius - a.radius) * n as f64 / (INNER + 1) as f64).collect(),
             points: curve[inner.clone()].to_vec(),
             far: far[inner].to_vec(),
-            length: curve.windows(2).map(|w| norm(sub(w[1], w[0]))).sum(),
+            length: curve.windows(2).map(|w| distance(w[1], w[0])).sum(),
         }
     }
 }
@@ -246,7 +246,7 @@ impl OfTube {
         Self {
             miss: sorted((miss_a / sum + 0.1).ln(), (miss_b / sum + 0.1).ln()),
             skew: (skew / sum + 0.1).ln(),
-            bend: ((tube.length + 1e-3 * sum) / (norm(sub(b.root, a.root)) + 0.1 * sum)).ln(),
+            bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
             rings: RINGS.map(ring),
             signed: mean_least(&signed),
             depth: mean_least(&depth),
@@ -307,7 +307,7 @@ impl Around {
     fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[Arm]) -> Self {
         let c = &branches.clusters[cluster];
         let (centre, rho) = (c.centre(), 1.5 * c.radius);
-        let span = c.core.iter().map(|p| norm(sub(p.position, centre))).fold(0.0, f64::max);
+        let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
         let reach = (1.6 * rho).max(span + 0.8 * rho);
         let places = field.voxels_around(centre, reach);
         let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
@@ -326,7 +326,7 @@ impl Around {
 
     /// Per place whether a tube covers it.
     fn covered(&self, tube: &Tube, voxel: f64) -> Vec<bool> {
-        let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| norm(sub(*p, *q)) <= r + 0.4 * voxel);
+        let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
         self.places.iter().map(near).collect()
     }
 }
@@ -462,7 +462,7 @@ fn of_cluster(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pa
 fn way_through(core: &[Point], from: Point, to: Point) -> Vec<Point> {
     let near = |n: u32| {
         let at = lerp(from, to, f64::from(n) / 4.0);
-        core.iter().copied().min_by(|a, b| norm(sub(*a, at)).total_cmp(&norm(sub(*b, at))))
+        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
     };
     let mut way: Vec<Point> = (1..4).filter_map(near).collect();
     way.dedup();

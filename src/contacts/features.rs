@@ -6,9 +6,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{BranchEnd, Branches};
-use super::courses::{Courses, norm};
+use super::courses::Courses;
+use crate::network::paths::ShortestPaths;
 
-use crate::support::geometry::{Point, dot, sub, unit};
+use crate::support::geometry::{Point, distance, dot, sub, unit};
 use crate::support::statistics::median;
 
 /// Directions are taken between these multiples of ρ, near and far.
@@ -130,8 +131,8 @@ fn ends_of(branches: &Branches, courses: &Courses, cluster: usize) -> Ends {
 struct Coarse {
     /// Per branch its two nodes: clusters, then free ends.
     nodes: Vec<[usize; 2]>,
-    /// Per node its branches: the node at the other end, the length, the branch.
-    next: Vec<Vec<(usize, f64, usize)>>,
+    /// Per node its branches: the branch, the node at the other end, the length.
+    next: Vec<Vec<(usize, usize, f64)>>,
 }
 
 impl Coarse {
@@ -149,69 +150,27 @@ impl Coarse {
         let mut next = vec![Vec::new(); count];
         for (row, [a, b]) in nodes.iter().enumerate() {
             let length = branches.branches[row].length;
-            next[*a].push((*b, length, row));
-            next[*b].push((*a, length, row));
+            next[*a].push((row, *b, length));
+            next[*b].push((row, *a, length));
         }
         Self { nodes, next }
     }
 
-    /// Way lengths from the far end of a branch without passing a cluster, and the length of all branches met.
-    fn beyond(&self, cluster: usize, end: BranchEnd, length: f64) -> (BTreeMap<usize, f64>, f64) {
+    /// Way lengths (m) from the far end of a branch without passing a cluster, and the length of all branches met, m.
+    fn beyond(&self, paths: &mut ShortestPaths, cluster: usize, end: BranchEnd, length: f64) -> (BTreeMap<usize, f64>, f64) {
         let from = self.nodes[end.branch][usize::from(!end.last)];
-        let (mut best, mut met, mut used) = (BTreeMap::new(), length, BTreeSet::from([end.branch]));
         if from == cluster {
-            return (best, met);
+            return (BTreeMap::new(), length);
         }
-        best.insert(from, 0.0);
-        let mut open = BTreeSet::from([(0_u64, from)]);
-        while let Some((bits, node)) = open.pop_first() {
-            let d = f64::from_bits(bits);
-            if d > best[&node] {
-                continue;
-            }
-            if best.len() > MOST_PASSED {
-                break;
-            }
-            for (next, length, branch) in &self.next[node] {
-                if used.insert(*branch) {
-                    met += length;
-                }
-                if *next != cluster && best.get(next).is_none_or(|known| d + length < *known) {
-                    best.insert(*next, d + length);
-                    // Lengths are not negative, so that their bits are in their order.
-                    open.insert(((d + length).to_bits(), *next));
-                }
-            }
-        }
-        (best, met)
+        let (mut met, mut used, mut found) = (length, BTreeSet::from([end.branch]), BTreeMap::new());
+        let around = |node: usize| self.next[node].iter().copied().filter(|(_, next, _)| *next != cluster);
+        paths.search(&[from], f64::INFINITY, around, |lengths, node| {
+            found.insert(node, lengths[node]);
+            met += self.next[node].iter().filter(|(branch, ..)| used.insert(*branch)).map(|(.., length)| length).sum::<f64>();
+            found.len() <= MOST_PASSED
+        });
+        (found, met)
     }
-}
-
-/// Ways inside a cluster from one of its junctions: per junction the length (m) and the least radius on the way.
-fn inside(branches: &Branches, cluster: usize, from: usize) -> BTreeMap<usize, (f64, f64)> {
-    let c = &branches.clusters[cluster];
-    let mut best = BTreeMap::from([(from, (0.0, f64::INFINITY))]);
-    let mut open = BTreeSet::from([(0_u64, from)]);
-    while let Some((bits, node)) = open.pop_first() {
-        let (d, low) = best[&node];
-        if f64::from_bits(bits) > d {
-            continue;
-        }
-        for row in &c.inner {
-            let inner = &branches.inner[*row];
-            let next = match inner.ends {
-                [a, b] if a == node => b,
-                [a, b] if b == node => a,
-                _ => continue,
-            };
-            let through = inner.points.iter().map(|p| p.radius).fold(low, f64::min);
-            if best.get(&next).is_none_or(|(known, _)| d + inner.length < *known) {
-                best.insert(next, (d + inner.length, through));
-                open.insert(((d + inner.length).to_bits(), next));
-            }
-        }
-    }
-    best
 }
 
 /// The features of every branch as seen from each of its ends: first, last.
@@ -271,7 +230,7 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
             _ => -0.3,
         };
         let line = &course.points;
-        let chord = norm(sub(line[line.len() - 1], line[0]));
+        let chord = distance(line[line.len() - 1], line[0]);
         let winding = ((branch.length + 1e-3 * typical) / (chord + 0.1 * typical)).ln();
         let least = course.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let most = course.radii.iter().copied().fold(0.0, f64::max);
@@ -355,12 +314,15 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
     let of_branch = branch_features(branches, courses);
     let all: Vec<f64> = branches.branches.iter().flat_map(|b| b.points.iter().map(|p| p.radius)).collect();
     let typical = median_or(&all, 1.0);
+    let mut paths = ShortestPaths::new(coarse.next.len());
+    let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
+    let mut inside = ShortestPaths::new(nodes);
     let mut out = Vec::with_capacity(pairs.len());
     let mut from = 0;
     while from < pairs.len() {
         let cluster = pairs[from].cluster;
         let to = from + pairs[from..].iter().take_while(|p| p.cluster == cluster).count();
-        let here = Here::new(branches, courses, &coarse, cluster, typical);
+        let here = Here::new(branches, courses, &coarse, [&mut paths, &mut inside], cluster, typical);
         for pair in &pairs[from..to] {
             let [i, j] = pair.ends;
             let [a, b] = [i, j].map(|end| {
@@ -395,7 +357,14 @@ struct Here {
 }
 
 impl Here {
-    fn new(branches: &Branches, courses: &Courses, coarse: &Coarse, cluster: usize, typical: f64) -> Self {
+    fn new(
+        branches: &Branches,
+        courses: &Courses,
+        coarse: &Coarse,
+        [paths, inside]: [&mut ShortestPaths; 2],
+        cluster: usize,
+        typical: f64,
+    ) -> Self {
         let c = &branches.clusters[cluster];
         let ends = ends_of(branches, courses, cluster);
         let count = c.ends.len();
@@ -403,7 +372,7 @@ impl Here {
         let far = Table::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
         let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
         let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
-            c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(cluster, *end, *length)).collect();
+            c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
         let around = Table::of(count, f64::INFINITY, |i, j| {
             if c.ends[i].branch == c.ends[j].branch {
                 return length[i];
@@ -421,18 +390,21 @@ impl Here {
             let points = &branches.branches[end.branch].points;
             points[if end.last { points.len() - 1 } else { 0 }].radius
         };
-        let within = c.ends.iter().map(|from| {
-            let ways = inside(branches, cluster, branches.node(*from));
+        let mut within = Vec::new();
+        for from in &c.ends {
+            inside.search(&[branches.node(*from)], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
             let to = |end: &BranchEnd| {
-                let (d, low) = ways.get(&branches.node(*end)).copied().unwrap_or((0.0, c.radius));
-                (d, low.min(entry_radius(from)).min(entry_radius(end)))
+                let (_, way) = inside.path_to(branches.node(*end));
+                let narrowest = way.iter().flat_map(|row| branches.inner[*row].points.iter().map(|p| p.radius));
+                let low = narrowest.chain([entry_radius(from), entry_radius(end)]).fold(f64::INFINITY, f64::min);
+                (inside.lengths()[branches.node(*end)], low)
             };
-            c.ends.iter().map(to).collect()
-        });
+            within.push(c.ends.iter().map(to).collect());
+        }
         Self {
             core: c.radius,
             typical,
-            within: within.collect(),
+            within,
             free: c.ends.iter().map(|end| branches.cluster(end.other()).is_none()).collect(),
             beyond: beyond.into_iter().map(|(_, met)| met).collect(),
             radius: ends.radius,

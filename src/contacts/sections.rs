@@ -2,9 +2,8 @@
 
 use faer::{Mat, Side};
 
-use super::courses::norm;
 use crate::masks::Field;
-use crate::support::geometry::{Point, cross, dot, lerp, sub, unit};
+use crate::support::geometry::{Point, cross, distance, dot, lerp, sub, unit};
 
 /// Samples across a section.
 const PIXELS: usize = 19;
@@ -93,7 +92,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     let place_of = |n: usize| at(n / PIXELS, n % PIXELS);
     let limit = APART * depth[first].max(field.voxel());
     let (mut second, mut saddle) = (0.0, 1.0);
-    if let Some(other) = deepest(&|n| norm(sub(place_of(n), place_of(first))) > limit) {
+    if let Some(other) = deepest(&|n| distance(place_of(n), place_of(first)) > limit) {
         let steps = (0..BETWEEN).map(|n| n as f64 / (BETWEEN - 1) as f64);
         let low = steps.map(|s| field.depth(lerp(place_of(first), place_of(other), s))).fold(f64::INFINITY, f64::min);
         second = depth[other] / (depth[first] + 0.1 * field.voxel());

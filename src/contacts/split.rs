@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{BranchEnd, Branches};
-use super::courses::norm;
 use super::partition::Blocks;
+use crate::network::path_places::length_of;
+use crate::network::paths::ShortestPaths;
 use crate::network::units::as_stored;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, Vessel};
-use crate::support::geometry::{Point, distance, sub};
+use crate::support::geometry::{Point, distance};
 
 /// A contact is no shorter than this share of the core's radius: where two vessels share one junction, its length would be nothing, and
 /// a resistance must not be.
@@ -16,6 +17,8 @@ const SHORTEST: f64 = 0.05;
 /// What becomes of the nodes and vessels of the clusters that fall apart.
 #[derive(Default)]
 struct Plan {
+    /// The ids that nodes have.
+    taken: BTreeSet<String>,
     /// Per branch end at such a cluster its node.
     node_of_end: BTreeMap<BranchEnd, usize>,
     /// Per vessel inside such a cluster its copies, each by its nodes.
@@ -34,10 +37,10 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Netwo
     for node in network.nodes() {
         graph.add_node(node.clone());
     }
-    let mut taken: BTreeSet<String> = network.nodes().map(|n| n.id.clone()).collect();
-    let mut plan = Plan::default();
+    let mut plan = Plan { taken: network.nodes().map(|n| n.id.clone()).collect(), ..Plan::default() };
+    let mut paths = ShortestPaths::new(network.node_count());
     for (row, blocks) in blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1) {
-        part(&mut graph, branches, row, blocks, &mut taken, &mut plan);
+        part(&mut graph, branches, row, blocks, &mut paths, &mut plan);
     }
     // Per vessel at an end of a branch the node that this end has now.
     let mut node_of_vessel: BTreeMap<(usize, usize), usize> = BTreeMap::new();
@@ -67,51 +70,14 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Netwo
     graph
 }
 
-/// The shortest ways inside a cluster from one of its junctions: per junction the inner branch that it is reached by.
-fn ways(branches: &Branches, cluster: usize, from: usize) -> BTreeMap<usize, (f64, Option<usize>)> {
-    let inner = &branches.clusters[cluster].inner;
-    let mut best: BTreeMap<usize, (f64, Option<usize>)> = BTreeMap::from([(from, (0.0, None))]);
-    let mut open = BTreeSet::from([(0_u64, from)]);
-    while let Some((bits, node)) = open.pop_first() {
-        let length = best[&node].0;
-        // Lengths are not negative, so that their bits are in their order.
-        if f64::from_bits(bits) > length {
-            continue;
-        }
-        for row in inner {
-            let Some(next) = across(branches, *row, node) else { continue };
-            let on = length + branches.inner[*row].length;
-            if best.get(&next).is_none_or(|(known, _)| on < *known) {
-                best.insert(next, (on, Some(*row)));
-                open.insert((on.to_bits(), next));
-            }
-        }
-    }
-    best
-}
-
-/// The node at the other end of an inner branch; `None` where it does not begin here.
-fn across(branches: &Branches, inner: usize, node: usize) -> Option<usize> {
-    match branches.inner[inner].ends {
-        [a, b] if a == node => Some(b),
-        [a, b] if b == node => Some(a),
-        _ => None,
-    }
-}
-
-/// The inner branches on the way from where `ways` began to a junction, the last first, each with the node it is left by.
-fn way_to(branches: &Branches, ways: &BTreeMap<usize, (f64, Option<usize>)>, to: usize) -> Vec<(usize, usize)> {
-    let (mut way, mut node) = (Vec::new(), to);
-    while let Some((_, Some(inner))) = ways.get(&node) {
-        way.push((*inner, node));
-        let Some(before) = across(branches, *inner, node) else { break };
-        node = before;
-    }
-    way
+/// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.
+fn ways(branches: &Branches, cluster: usize, paths: &mut ShortestPaths, from: usize, to: &[usize]) -> Vec<Vec<usize>> {
+    paths.search(&[from], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
+    to.iter().map(|node| paths.path_to(*node).1).collect()
 }
 
 /// Plans the copies of one cluster.
-fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, taken: &mut BTreeSet<String>, plan: &mut Plan) {
+fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, paths: &mut ShortestPaths, plan: &mut Plan) {
     let cluster = &branches.clusters[row];
     // Per block the junctions of its ends, and the one that is nearest to all of them.
     let hub_of = |block: usize| {
@@ -131,17 +97,13 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, t
     let mut used: BTreeSet<usize> = BTreeSet::new();
     let mut own: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); hubs.len()];
     for (block, (hub, nodes)) in hubs.iter().enumerate() {
-        let from_hub = ways(branches, row, *hub);
-        let mut needed: BTreeSet<usize> = BTreeSet::new();
-        for node in nodes {
-            needed.extend(way_to(branches, &from_hub, *node).into_iter().map(|(inner, _)| inner));
-        }
+        let needed: BTreeSet<usize> = ways(branches, row, paths, *hub, nodes).into_iter().flatten().collect();
         let mut node_of = |graph: &mut Network, node: usize| {
             *own[block].entry(node).or_insert_with(|| {
                 if used.insert(node) {
                     return node;
                 }
-                let copy = copied(graph.node(node), block, taken);
+                let copy = copied(graph.node(node), block, &mut plan.taken);
                 graph.add_node(copy)
             })
         };
@@ -168,7 +130,7 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, t
     }
     for ([a, b], p) in &blocks.joined {
         let ends = [*a, *b].map(|block| own[block][&hubs[block].0]);
-        plan.contacts.push((ends, contact(graph, branches, row, [hubs[*a].0, hubs[*b].0], *p)));
+        plan.contacts.push((ends, contact(graph, branches, row, paths, [hubs[*a].0, hubs[*b].0], *p)));
     }
 }
 
@@ -191,17 +153,29 @@ fn copied(node: &Node, block: usize, taken: &mut BTreeSet<String>) -> Node {
 }
 
 /// The contact of two blocks: the way through the core from one hub to the other.
-fn contact(graph: &Network, branches: &Branches, row: usize, [from, to]: [usize; 2], p: f64) -> Vessel {
+fn contact(
+    graph: &Network,
+    branches: &Branches,
+    row: usize,
+    paths: &mut ShortestPaths,
+    [from, to]: [usize; 2],
+    p: f64,
+) -> Vessel {
     let cluster = &branches.clusters[row];
-    let mut path = vec![PathPoint { position: position(graph, to), radius: cluster.radius, id: None }];
-    for (inner, node) in way_to(branches, &ways(branches, row, from), to) {
+    let mut path = vec![PathPoint { position: position(graph, from), radius: cluster.radius, id: None }];
+    let mut node = from;
+    for inner in ways(branches, row, paths, from, &[to]).concat() {
         let inner = &branches.inner[inner];
-        let reversed = inner.ends[1] == node;
-        let points: Vec<PathPoint> = if reversed { inner.points.iter().rev().copied().collect() } else { inner.points.clone() };
-        path.extend(points.into_iter().skip(1));
+        let mut points = inner.points.clone();
+        if inner.ends[0] == node {
+            node = inner.ends[1];
+        } else {
+            node = inner.ends[0];
+            points.reverse();
+        }
+        path.extend_from_slice(&points[1..]);
     }
-    path.reverse();
-    let length: f64 = path.windows(2).map(|w| norm(sub(w[0].position, w[1].position))).sum();
+    let length = length_of(&path);
     let length = as_stored(length.max(SHORTEST * cluster.radius));
     if path.len() < 2 {
         // Both hubs are one place.

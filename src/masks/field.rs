@@ -29,7 +29,6 @@ pub struct Field {
     depth: Vec<f32>,
     /// The steps of one voxel, mm.
     steps: [Point; 3],
-    vessels: Foreground,
 }
 
 impl Field {
@@ -54,12 +53,11 @@ impl Field {
         for (place, distance) in vessels.places().zip(inside) {
             depth[place] = (distance.min(DEEPEST * voxel) - 0.5 * voxel) as f32;
         }
-        let columns = steps;
-        let volume = dot(columns[0], cross(columns[1], columns[2]));
+        let volume = dot(steps[0], cross(steps[1], steps[2]));
         let inverse = [
-            cross(columns[1], columns[2]).map(|x| x / volume),
-            cross(columns[2], columns[0]).map(|x| x / volume),
-            cross(columns[0], columns[1]).map(|x| x / volume),
+            cross(steps[1], steps[2]).map(|x| x / volume),
+            cross(steps[2], steps[0]).map(|x| x / volume),
+            cross(steps[0], steps[1]).map(|x| x / volume),
         ];
         Some(Self {
             shape: vessels.box_shape(),
@@ -69,7 +67,6 @@ impl Field {
             voxel,
             depth,
             steps,
-            vessels,
         })
     }
 
@@ -115,14 +112,14 @@ impl Field {
             (low as usize, high.max(-1.0) as isize)
         };
         let ranges = [0, 1, 2].map(range);
-        let strides = self.vessels.strides();
         let mut out = Vec::new();
         let span = |k: usize| (ranges[k].0 as isize..=ranges[k].1).map(|x| x as usize);
         for z in span(2) {
             for y in span(1) {
                 for x in span(0) {
-                    if self.vessels.contains(z * strides[2] + y * strides[1] + x) {
-                        let index = [x, y, z].map(|x| x as f64);
+                    let index = [x, y, z].map(|x| x as f64);
+                    // Inside the depth is half a voxel at least, outside at most half a voxel the other way.
+                    if self.at(index) > 0.0 {
                         let to = [0, 1, 2].map(|k| index[k] - centre[k]);
                         let apart: Point = [0, 1, 2].map(|row| (0..3).map(|axis| self.steps[axis][row] * to[axis]).sum());
                         if norm_squared(apart) <= reach * reach {

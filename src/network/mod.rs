@@ -5,6 +5,7 @@ mod coincident_points;
 pub(crate) mod find_by_name;
 mod frame;
 mod node;
+pub(crate) mod path_places;
 pub(crate) mod paths;
 pub mod quantity;
 pub mod units;

@@ -28,9 +28,14 @@ pub fn norm_squared(a: Point) -> f64 {
     dot(a, a)
 }
 
+/// |a|.
+pub fn norm(a: Point) -> f64 {
+    norm_squared(a).sqrt()
+}
+
 /// |a - b|.
 pub fn distance(a: Point, b: Point) -> f64 {
-    norm_squared(sub(a, b)).sqrt()
+    norm(sub(a, b))
 }
 
 /// a / |a|; zero stays zero.

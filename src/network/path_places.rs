@@ -1,0 +1,55 @@
+//! Places along a path, between its points too, and paths at even steps.
+
+use super::PathPoint;
+use crate::support::geometry::{distance, lerp};
+
+/// A place on a path: a share of the way from one of its points to the next.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct PathPlace {
+    /// The point before it.
+    pub point: usize,
+    /// The share of the way to the next point, in [0, 1).
+    pub share: f64,
+}
+
+impl PathPlace {
+    /// Position (m) and radius (m) there; the number is that of the point, if it is one.
+    pub fn on(self, path: &[PathPoint]) -> PathPoint {
+        let from = path[self.point];
+        match path.get(self.point + 1) {
+            Some(to) if self.share > 0.0 => PathPoint {
+                position: lerp(from.position, to.position, self.share),
+                radius: from.radius + self.share * (to.radius - from.radius),
+                id: None,
+            },
+            _ => from,
+        }
+    }
+}
+
+/// The length of a path, m.
+pub fn length_of(path: &[PathPoint]) -> f64 {
+    path.windows(2).map(|w| distance(w[0].position, w[1].position)).sum()
+}
+
+/// The ends of so many equally long stretches of a path of at least two points, the first and the last point among them.
+pub fn at_even_steps(path: &[PathPoint], steps: usize) -> Vec<PathPlace> {
+    let mut arc = vec![0.0];
+    for w in path.windows(2) {
+        arc.push(arc[arc.len() - 1] + distance(w[0].position, w[1].position));
+    }
+    let length = arc[arc.len() - 1];
+    let mut at = 0;
+    let place = |number: usize| {
+        if number == steps {
+            return PathPlace { point: path.len() - 1, share: 0.0 };
+        }
+        let s = length * number as f64 / steps as f64;
+        while at + 2 < arc.len() && arc[at + 1] <= s {
+            at += 1;
+        }
+        let share = if arc[at + 1] > arc[at] { ((s - arc[at]) / (arc[at + 1] - arc[at])).clamp(0.0, 1.0) } else { 0.0 };
+        PathPlace { point: at, share }
+    };
+    (0..=steps).map(place).collect()
+}
