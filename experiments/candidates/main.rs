@@ -6,7 +6,9 @@ use std::io::{BufReader, Error, ErrorKind, Result};
 use std::time::Instant;
 
 use willis::error::Fault;
-use willis::internals::candidates::features::{Extraction, features};
+use willis::internals::candidates::features::features;
+use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::resample::Resampled;
 use willis::internals::candidates::search::{MeetingPoints, SearchOptions, search};
 use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, RadiusRule, contract, nearest_node, parse_position};
@@ -57,7 +59,7 @@ fn main() -> Result<()> {
     let inlets: Vec<usize> =
         inlets.lines().filter_map(|l| nearest_node(&network, parse_position(l)?, |_| true)).map(|found| found.node).collect();
     let began = Instant::now();
-    let extraction = Extraction::new(&network, &inlets).map_err(Error::other)?;
+    let extraction = Resampled::new(&network, Kind::Tracing).extraction(&inlets).map_err(Error::other)?;
     let bridges = search(&extraction, &params).map_err(Error::other)?;
     let columns = features(&extraction, &bridges);
     let took = began.elapsed();

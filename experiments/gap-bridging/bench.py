@@ -64,10 +64,20 @@ def broken(draws):
         root, data, seed = job
         folder, options = (SETS | DRAWS)[data]
         command = [sys.executable, GAPBENCH / "make_cases.py", SHARED / folder, root / data, "--seed", seed, *options]
-        return subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL).returncode
+        failed = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL).returncode
+        for table in (root / data).rglob("inlets.csv"):
+            state_inlets(table)
+        return failed
 
     if any(common.everywhere(draw, draws)):
         raise SystemExit("make_cases.py failed")
+
+
+def state_inlets(table):
+    """Writes what --bc takes, conditions.csv, beside a table of inlets."""
+    heading, *rows = table.read_text().split()
+    lines = [f"{heading},kind", *(f"{row},inlet" for row in rows)]
+    table.with_name("conditions.csv").write_text("\n".join(lines) + "\n")
 
 
 def listed(root, sets, every=1):

@@ -53,7 +53,7 @@ def infer(job):
     kept = case.within(out) / "edges.csv"
     if kept.exists():
         return kept
-    arguments = ["--bc", source / "inlets.csv"] if inlets else []
+    arguments = ["--bc", source / "conditions.csv"] if inlets else []
     arguments += ["--loops", source / "loops.csv"] if (source / "loops.csv").exists() else []
     scratch = case.within(out).with_suffix(".scratch")
     common.willis("infer", source / "fragments.swc", "-o", scratch, *arguments, "--prior", prior, "--dpi", 72)

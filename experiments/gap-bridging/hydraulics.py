@@ -41,7 +41,7 @@ def edges(case, seed, weights, work, kind):
         kept.parent.mkdir(parents=True, exist_ok=True)
         graph, scratch = kept.with_suffix(".graphml"), kept.with_suffix(".scratch")
         loops = ["--loops", case.folder / "loops.csv"] if (case.folder / "loops.csv").exists() else []
-        common.willis("candidates", case.folder / "fragments.swc", "-o", graph, "--bc", case.folder / "inlets.csv", *loops, "--prior", weights)
+        common.willis("candidates", case.folder / "fragments.swc", "-o", graph, "--bc", case.folder / "conditions.csv", *loops, "--prior", weights)
         if kind == KINDS[1]:
             equal(graph)
         common.willis("infer", graph, "-o", scratch, "--dpi", 72)

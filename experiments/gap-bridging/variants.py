@@ -24,6 +24,7 @@ def write(folder, points, parents, inlets, loops):
     lines = [f"{i + 1} 0 {number(p)} {parent + 1 if parent >= 0 else -1}" for i, (p, parent) in enumerate(zip(points, parents))]
     (folder / "fragments.swc").write_text("# id type x_mm y_mm z_mm r_mm parent\n" + "\n".join(lines) + "\n")
     (folder / "inlets.csv").write_text("x_mm,y_mm,z_mm\n" + "".join(number(p).replace(" ", ",") + "\n" for p in inlets))
+    bench.state_inlets(folder / "inlets.csv")
     if len(loops):
         (folder / "loops.csv").write_text("id_a,id_b\n" + "".join(f"{a + 1},{b + 1}\n" for a, b in loops))
 

@@ -2,6 +2,7 @@
 
 pub mod features;
 pub mod joins;
+pub mod kind;
 pub mod model;
 mod over_connected;
 pub mod resample;
@@ -13,12 +14,13 @@ use crate::error::{Error, Result};
 use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
-use features::extraction::Extraction;
 use joins::JoinTable;
 use joins::model::JoinModel;
+use kind::Kind;
 use model::posterior::{Posterior, posterior};
 use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
+use resample::Resampled;
 use search::{Candidate, SearchOptions, search, search_nearest};
 
 /// Connections between fragments that are less probable than this are left out ...
@@ -117,12 +119,13 @@ pub enum NetworkPoint {
 /// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
 pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
     options.validate()?;
-    let e = Extraction::new(network, &[])?;
+    let resampled = Resampled::new(network, Kind::Tracing);
+    let e = resampled.extraction(&[])?;
     let found = search_nearest(&e, options)?.into_iter().map(|candidate| {
         let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
         NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None }
     });
-    Ok(over_connected(network, None, &e, found.collect(), options).0)
+    Ok(over_connected(network, &resampled, &e, found.collect(), options).0)
 }
 
 /// Joins the fragments of the observed vessels by the candidates that the evidence allows.
@@ -140,7 +143,8 @@ pub fn build_with_evidence(
     weights: &Weights,
 ) -> Result<Network> {
     options.validate()?;
-    let e = Extraction::new(network, inlets)?;
+    let resampled = Resampled::new(network, Kind::Tracing);
+    let e = resampled.extraction(inlets)?;
     let mut candidates = search(
         &e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
@@ -160,7 +164,7 @@ pub fn build_with_evidence(
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence) }
     };
-    let (mut graph, node_at) = over_connected(network, None, &e, found.into_iter().map(new_vessel).collect(), options);
+    let (mut graph, node_at) = over_connected(network, &resampled, &e, found.into_iter().map(new_vessel).collect(), options);
     for (place, fragment) in e.place.iter().zip(&e.fragment) {
         let node = match place {
             NetworkPoint::Node(node) => Some(node),
@@ -199,7 +203,7 @@ pub fn build_joins(network: &Network, options: &CandidateOptions, model: &JoinMo
             evidence: Some(Evidence::undirected(probability)),
         })
     });
-    Ok(over_connected(network, Some(&table.resampled), e, found.collect(), options).0)
+    Ok(over_connected(network, &table.resampled, e, found.collect(), options).0)
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

@@ -22,10 +22,10 @@ pub struct NewVessel {
 }
 
 /// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
-/// a vessel is split. The extraction is that of the network, or of the same network with other points along its vessels.
+/// a vessel is split. The extraction is that of the resampled network.
 pub fn over_connected(
     network: &Network,
-    resampled: Option<&Resampled>,
+    resampled: &Resampled,
     extraction: &Extraction,
     mut found: Vec<NewVessel>,
     options: &CandidateOptions,
@@ -38,8 +38,7 @@ pub fn over_connected(
     let mut cuts: BTreeMap<usize, BTreeMap<usize, PathPlace>> = BTreeMap::new();
     for place in found.iter().flat_map(places) {
         if let NetworkPoint::Along { vessel, point } = place {
-            let on_path = resampled.map_or(PathPlace { point, share: 0.0 }, |resampled| resampled.place(vessel, point));
-            cuts.entry(vessel).or_default().insert(point, on_path);
+            cuts.entry(vessel).or_default().insert(point, resampled.place(vessel, point));
         }
     }
     let (mut graph, node_at) = split(network, &cuts, options.radius_rule);

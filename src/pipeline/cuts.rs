@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::Input;
 use super::options::SourceFile;
+use crate::candidates::kind::Kind;
 use crate::contacts::model::ContactModel;
 use crate::contacts::with_contacts;
 use crate::error::{Error, Fault, Result};
@@ -87,12 +88,12 @@ impl Cuts {
     /// # Errors
     ///
     /// A model or a mask that cannot be read.
-    pub(crate) fn load(cut: &Cut, mask: Option<&Path>, input: &Input, is_skeleton: bool) -> Result<Option<Self>> {
+    pub(crate) fn load(cut: &Cut, mask: Option<&Path>, input: &Input, kind: Kind) -> Result<Option<Self>> {
         let own = input.format.is_some_and(Format::is_mask);
         let path = mask.map(Path::to_owned).or_else(|| own.then(|| PathBuf::from(&input.provenance.input)));
         let wanted = match cut {
             Cut::Never => false,
-            Cut::Auto => is_skeleton && path.is_some(),
+            Cut::Auto => kind == Kind::Skeleton && path.is_some(),
             Cut::Always | Cut::File(_) => true,
         };
         if !wanted || !input.is_fragments || !input.network.has_positions() {

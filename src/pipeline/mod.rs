@@ -33,6 +33,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::candidates::CandidateOptions;
+use crate::candidates::kind::Kind;
 use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
@@ -42,7 +43,6 @@ use crate::report::Provenance;
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
 use cuts::Cuts;
-use prior::is_skeleton;
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -112,7 +112,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let by_labels = options.arteries.as_ref().filter(|source| !source.is_landmarks());
 
     let from_mask = input.format.is_some_and(Format::is_mask);
-    let cuts = Cuts::load(&options.cut, options.mask.as_deref(), &input, is_skeleton(&input.network, from_mask))?;
+    let kind = Kind::of(&input.network, from_mask);
+    let cuts = Cuts::load(&options.cut, options.mask.as_deref(), &input, kind)?;
 
     // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
     let mut network = if by_labels.is_some() && is_fragments { input.divided_by_labels() } else { input.network };
@@ -123,7 +124,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
 
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
-    let prior = options.prior.as_ref().unwrap_or(&usual).load(is_skeleton(&network, from_mask))?;
+    let prior = options.prior.as_ref().unwrap_or(&usual).load(kind)?;
     if prior.is_evidence() && !is_fragments {
         let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
         return Err(Error::parameter("prior", options.prior.as_ref().unwrap_or(&usual).to_string(), accepted));

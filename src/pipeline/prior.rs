@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::options::SourceFile;
 use crate::candidates::joins::model::JoinModel;
+use crate::candidates::kind::Kind;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
 use crate::candidates::{CandidateOptions, NEAREST, build, build_joins, build_with_evidence};
@@ -18,19 +19,20 @@ use crate::decision::{BEST_FIRST, Keep, RECONNECT, ROOT_FACTOR, has_evidence, kn
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
-use crate::network::{Network, Origin, Role, cycles};
+use crate::network::{Network, Origin, Role};
 use crate::support::suggestions::did_you_mean;
 
-/// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:skeleton`, `none`, `uniform`, or the path of a
-/// file.
+/// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
+/// or the path of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Prior {
-    /// The model that ships with willis for such an input: that of skeletons for a mask, and for centerlines with more loops than arteries
-    /// have; else that of tracings. Also `weights:auto`.
+    /// The model that ships with willis for such an input, as [`Kind::of`] tells them apart. Also `weights:auto`.
     Evidence,
     /// The model of tracings that ships with willis: fragments form a forest.
     Tracing,
+    /// The model of tubes that ships with willis: the same, of vessels that were drawn one by one.
+    Tubes,
     /// The model of automatic skeletons that ships with willis: candidates are judged one by one.
     Skeleton,
     /// What the file of the graph states.
@@ -42,9 +44,10 @@ pub enum Prior {
     File(PathBuf),
 }
 
-const WORDS: [(&str, Prior); 5] = [
+const WORDS: [(&str, Prior); 6] = [
     ("evidence", Prior::Evidence),
     ("weights:tracing", Prior::Tracing),
+    ("weights:tubes", Prior::Tubes),
     ("weights:skeleton", Prior::Skeleton),
     ("none", Prior::None),
     ("uniform", Prior::Uniform),
@@ -90,8 +93,9 @@ impl FromStr for Prior {
             return Ok(Self::File(text.into()));
         }
         let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
-        let accepted =
-            format!("{meant}expected evidence, weights:tracing, weights:skeleton, none, uniform, or a file .toml, .npy or .csv");
+        let accepted = format!(
+            "{meant}expected evidence, weights:tracing, weights:tubes, weights:skeleton, none, uniform, or a file .toml, .npy or .csv"
+        );
         Err(Error::parameter("prior", format!("\"{text}\""), accepted))
     }
 }
@@ -101,18 +105,28 @@ fn ending(path: &Path) -> String {
 }
 
 impl Prior {
-    /// Reads the files of the prior, for an input that is an automatic skeleton or not.
+    /// Reads the files of the prior, for an input of some kind.
     ///
     /// # Errors
     ///
     /// A file that cannot be read, or weights with a fault.
-    pub(crate) fn load(&self, is_skeleton: bool) -> Result<LoadedPrior> {
+    pub(crate) fn load(&self, kind: Kind) -> Result<LoadedPrior> {
         let path = match self {
-            Self::Evidence if is_skeleton => return Self::Skeleton.load(true),
-            Self::Evidence | Self::Tracing => {
-                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), source: None });
+            Self::Evidence => {
+                return match kind {
+                    Kind::Tracing => Self::Tracing,
+                    Kind::Tubes => Self::Tubes,
+                    Kind::Skeleton => Self::Skeleton,
+                }
+                .load(kind);
             }
-            Self::Skeleton => return Ok(LoadedPrior::Joins { model: JoinModel::shipped()?, source: None }),
+            Self::Tracing => {
+                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), record: json!(self) });
+            }
+            Self::Tubes => {
+                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped_for_tubes()?), record: json!(self) });
+            }
+            Self::Skeleton => return Ok(LoadedPrior::Joins { model: JoinModel::shipped()?, record: json!(self) }),
             Self::None => return Ok(LoadedPrior::None),
             Self::Uniform => return Ok(LoadedPrior::Uniform),
             Self::File(path) => path,
@@ -126,19 +140,19 @@ impl Prior {
         let text = std::str::from_utf8(&bytes).map_err(fault)?;
         if JoinModel::is_one(text) {
             let model = Arc::new(JoinModel::read(text).map_err(|fault| fault.in_file(path))?);
-            return Ok(LoadedPrior::Joins { model, source: Some(source) });
+            return Ok(LoadedPrior::Joins { model, record: json!(source) });
         }
         let weights = Box::new(Weights::read(text).map_err(|fault| fault.in_file(path))?);
-        Ok(LoadedPrior::Evidence { weights, source: Some(source) })
+        Ok(LoadedPrior::Evidence { weights, record: json!(source) })
     }
 }
 
 /// A prior whose files have been read.
 pub(crate) enum LoadedPrior {
-    /// A model of the evidence, with its file where it is not the one that ships.
-    Evidence { weights: Box<Weights>, source: Option<SourceFile> },
+    /// A model of the evidence, and how run.json names it.
+    Evidence { weights: Box<Weights>, record: Value },
     /// A model of joins on skeletons, likewise.
-    Joins { model: Arc<JoinModel>, source: Option<SourceFile> },
+    Joins { model: Arc<JoinModel>, record: Value },
     /// What the file of the graph states.
     None,
     /// One everywhere.
@@ -166,13 +180,10 @@ impl LoadedPrior {
     /// The record in run.json: the word, or the file with its checksum.
     pub(crate) fn record(&self) -> Value {
         match self {
-            Self::Evidence { source: None, .. } => json!("weights:tracing"),
-            Self::Joins { source: None, .. } => json!("weights:skeleton"),
             Self::None => json!("none"),
             Self::Uniform => json!("uniform"),
-            Self::Evidence { source: Some(source), .. }
-            | Self::Joins { source: Some(source), .. }
-            | Self::Table { source, .. } => json!(source),
+            Self::Evidence { record, .. } | Self::Joins { record, .. } => record.clone(),
+            Self::Table { source, .. } => json!(source),
         }
     }
 
@@ -206,12 +217,4 @@ impl LoadedPrior {
         }
         Ok(graph)
     }
-}
-
-/// Arteries have no more independent loops than this, those of the circle and some to spare.
-const MOST_LOOPS: usize = 4;
-
-/// Whether vessels are an automatic skeleton: thinned from a mask, or with more loops than arteries have, which come where vessels touch.
-pub(crate) fn is_skeleton(network: &Network, from_mask: bool) -> bool {
-    from_mask || cycles(network) > MOST_LOOPS
 }

@@ -9,6 +9,7 @@ use super::example::Case;
 use super::known_connections::KnownConnections;
 use super::truth_file;
 use crate::candidates::features::Extraction;
+use crate::candidates::kind::Kind;
 use crate::candidates::resample::Resampled;
 use crate::error::{Error, Fault, Result};
 use crate::io::tables::conditions::read_inlets;
@@ -179,18 +180,22 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         contacts: None,
         mask: MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| path.is_file()),
     };
-    if model == Model::Contacts {
+    let kind = match model {
+        Model::Tracing => Some(Kind::Tracing),
+        Model::Skeleton => Some(Kind::Skeleton),
+        Model::Contacts => None,
+    };
+    let Some(kind) = kind else {
         let mut truth = ContactTruth::read(&bytes).map_err(here)?;
         let subject = truth.subject.take().unwrap_or(case.subject);
         return Ok((Case { subject, network, contacts: Some(truth), ..case }, notes));
-    }
+    };
     let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
     // The truth is about the points that the model sees.
-    let resampled = (model == Model::Skeleton).then(|| Resampled::new(&network));
-    let seen = resampled.as_ref().map_or(&network, |resampled| &resampled.network);
-    let extraction = Extraction::with_spacing(seen, &inlets, resampled.as_ref().map(|resampled| resampled.step))?;
+    let resampled = Resampled::new(&network, kind);
+    let extraction = resampled.extraction(&inlets)?;
     let (truth, subject) = if folder.truth.extension().is_some_and(|ending| ending == "json") {
-        truth_file::read(&bytes, seen, &extraction).map_err(here)?
+        truth_file::read(&bytes, &network, &extraction).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
     };

@@ -8,7 +8,9 @@ use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match};
 use super::scores::found;
 use crate::candidates::features::Extraction;
+use crate::candidates::kind::Kind;
 use crate::candidates::model::feature_table::CandidateTable;
+use crate::candidates::resample::Resampled;
 use crate::candidates::search::{SearchOptions, search};
 use crate::error::Result;
 use crate::network::Network;
@@ -58,7 +60,7 @@ impl<'a> Example<'a> {
     ///
     /// A node without a position.
     pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
-        let extraction = Extraction::new(&case.network, if with_inlets { &case.inlets } else { &[] })?;
+        let extraction = Resampled::new(&case.network, Kind::Tracing).extraction(if with_inlets { &case.inlets } else { &[] })?;
         let table = CandidateTable::new(&extraction, &search(&extraction, &SearchOptions::default())?);
         let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
         let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();

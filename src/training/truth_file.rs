@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::known_connections::{KnownConnection, KnownConnections, Side};
-use crate::candidates::NetworkPoint;
 use crate::candidates::features::Extraction;
 use crate::error::Fault;
 use crate::network::Network;
 use crate::network::units::metres;
+use crate::support::geometry::distance;
 
 #[derive(Deserialize)]
 struct File {
@@ -46,7 +46,7 @@ struct Gap {
     ids: [u64; 2],
 }
 
-/// The true connections of an extraction, and the subject where it is named.
+/// The true connections of an extraction of a network, and the subject where it is named.
 ///
 /// # Errors
 ///
@@ -116,14 +116,15 @@ fn of_breaks(
     network: &Network,
     extraction: &Extraction,
 ) -> Result<KnownConnections, Fault> {
+    // A point of a vessel stands for the nearest that the model sees there; nodes are the same.
     let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
-    for (point, place) in extraction.place.iter().enumerate() {
-        let id = match place {
-            NetworkPoint::Node(row) => network.node(*row).id.parse().ok(),
-            NetworkPoint::Along { vessel, point } => network.vessel(*vessel).path[*point].id,
-        };
-        point_of.extend(id.map(|id| (id, point)));
+    for (line, (_, vessel)) in extraction.lines.iter().zip(network.vessels()) {
+        for (id, position) in vessel.path.iter().filter_map(|at| Some((at.id?, at.position))) {
+            let away = line.iter().map(|point| (distance(extraction.position[*point], position), *point));
+            point_of.extend(away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| (id, point)));
+        }
     }
+    point_of.extend(network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row))));
     let find = |place: String, id: u64| {
         let accepted = "expected the id of a point of the fragments";
         point_of.get(&id).copied().ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))

@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 
 use crate::draw::Draw;
 use crate::vessels;
+use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::resample::Resampled;
 use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 use willis::internals::support::geometry::{Point, distance};
-use willis::internals::support::statistics::median;
 
 /// Winding fragments in a box of 30 mm, points about 0.7 mm apart; every third has a side branch. Lengths in m.
 fn fragments(draw: &mut Draw, count: usize) -> Vec<Vec<[f64; 4]>> {
@@ -70,9 +71,9 @@ fn end_radius(network: &Network, end: usize) -> f64 {
     radii.iter().sum::<f64>() / radii.len() as f64
 }
 
-fn spacing(network: &Network) -> f64 {
-    let steps = network.vessels().flat_map(|(_, v)| v.path.windows(2).map(|p| distance(p[0].position, p[1].position)));
-    median(&steps.collect::<Vec<_>>()).unwrap()
+/// What candidates are looked for on: the same vessels, with points at one step.
+fn seen(network: &Network) -> Resampled {
+    Resampled::new(network, Kind::Tracing)
 }
 
 fn position(network: &Network, node: usize) -> Point {
@@ -129,15 +130,16 @@ fn excluded_pairs_are_not_joined() {
     });
 }
 
-/// A straight gap, no longer than the reach of 20 point spacings and 5 end diameters, nor than `max_gap`. 1e-12 for what a
+/// A straight gap, no longer than the reach of 20 steps and 5 end diameters, nor than `max_gap`. 1e-12 for what a
 /// figure in millimetres rounds.
 #[test]
 fn a_candidate_is_as_long_as_its_gap_and_within_reach() {
     each(|network, params, graph| {
+        let seen = seen(network);
         for (end, other, vessel) in candidates(graph) {
             let gap = distance(position(graph, end), position(graph, other));
             assert!((vessel.length - gap).abs() <= 1e-12 * gap);
-            let reach = 20.0 * spacing(network) + 10.0 * end_radius(network, end);
+            let reach = 20.0 * seen.step + 10.0 * end_radius(&seen.network, end);
             let reach = params.max_gap.map_or(reach, |most| reach.min(most));
             assert!(gap <= reach * (1.0 + 1e-9), "{params:?}: {end} to {other}: {gap} of {reach}");
         }
@@ -148,11 +150,11 @@ fn a_candidate_is_as_long_as_its_gap_and_within_reach() {
 #[test]
 fn a_candidate_is_as_wide_as_its_ends_allow() {
     each(|network, params, graph| {
-        let is_free = free(network);
+        let (is_free, seen) = (free(network), seen(network).network);
         for (end, other, vessel) in candidates(graph) {
-            let a = end_radius(network, end);
+            let a = end_radius(&seen, end);
             let b = if other < network.node_count() && is_free[other] {
-                end_radius(network, other)
+                end_radius(&seen, other)
             } else {
                 graph.node(other).radius.unwrap()
             };
@@ -199,11 +201,11 @@ fn ends_are_joined_to_their_nearest_neighbours() {
         if params.attach == Attach::Centerline {
             return;
         }
-        let is_free = free(network);
+        let (is_free, seen) = (free(network), seen(network));
         let ends: Vec<usize> = (0..network.node_count()).filter(|n| is_free[*n]).collect();
         let mut expected = BTreeSet::new();
         for end in &ends {
-            let reach = 20.0 * spacing(network) + 10.0 * end_radius(network, *end);
+            let reach = 20.0 * seen.step + 10.0 * end_radius(&seen.network, *end);
             let reach = params.max_gap.map_or(reach, |most| reach.min(most));
             let others = ends.iter().filter(|o| !network.ends(own(network, *end)).contains(o));
             let mut near: Vec<(f64, usize)> =

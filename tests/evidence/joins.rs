@@ -11,6 +11,7 @@ use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::course::Course;
 use willis::internals::candidates::joins::features::join_feature_names;
 use willis::internals::candidates::joins::model::JoinModel;
+use willis::internals::candidates::kind::Kind;
 use willis::internals::candidates::resample::{Resampled, step_of};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::geometry::{Point, distance};
@@ -42,12 +43,24 @@ fn the_step_is_set_by_the_thin_quarter_of_the_length_and_not_by_the_points() {
             (straight([0.0; 3], [30.0, 0.0, 0.0], steps), 0.5),
             (straight([0.0, 9.0, 0.0], [70.0, 9.0, 0.0], 3 * steps), 2.0),
         ]);
-        assert!((step_of(&network) / (0.5e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{steps}");
+        assert!((step_of(&network, Kind::Skeleton) / (0.5e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{steps}");
     }
     // With 20 mm of the thin one a quarter reaches into the wide one.
     let network =
         vessels(&[(straight([0.0; 3], [20.0, 0.0, 0.0], 9), 0.5), (straight([0.0, 9.0, 0.0], [80.0, 9.0, 0.0], 9), 2.0)]);
-    assert!((step_of(&network) / (2e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9);
+    assert!((step_of(&network, Kind::Skeleton) / (2e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_step_of_a_tracing_is_set_by_the_volume_of_its_vessels() {
+    // π 2² 70 mm³ and π 0.5² 30 mm³ are 903.2 mm³, a cube of 9.666 mm.
+    let [thin, wide] = [(straight([0.0; 3], [30.0, 0.0, 0.0], 3), 0.5), (straight([0.0, 9.0, 0.0], [70.0, 9.0, 0.0], 3), 2.0)];
+    let side = (std::f64::consts::PI * (4.0 * 70.0 + 0.25 * 30.0)).cbrt();
+    let step = |lines: &[(Vec<Point>, f64)]| step_of(&vessels(lines), Kind::Tracing);
+    assert!((step(&[thin.clone(), wide.clone()]) / (side / 30.0 * 1e-3) - 1.0).abs() < 1e-9);
+    // One short wide vessel: a quarter of its radius. A long thin one: twice its radius.
+    assert!((step(&[(straight([0.0; 3], [6.0, 0.0, 0.0], 3), 3.0)]) / 0.75e-3 - 1.0).abs() < 1e-9);
+    assert!((step(&[(straight([0.0; 3], [2000.0, 0.0, 0.0], 3), 0.02)]) / 0.04e-3 - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -55,7 +68,7 @@ fn points_lie_on_the_path_at_equal_distances_and_know_their_places() {
     // A right angle: 3 mm along x, 4 mm along y, of radius 1: five steps of 1.4 mm.
     let corner = vec![[0.0; 3], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]];
     let network = vessels(&[(corner, 1.0)]);
-    let resampled = Resampled::new(&network);
+    let resampled = Resampled::new(&network, Kind::Skeleton);
     let path = &resampled.network.vessel(0).path;
     let truth = [[0.0, 0.0], [1.4, 0.0], [2.8, 0.0], [3.0, 1.2], [3.0, 2.6], [3.0, 4.0]];
     assert_eq!(path.len(), truth.len());
@@ -73,7 +86,7 @@ fn a_course_knows_direction_and_curvature() {
     // A quarter of a circle of 20 mm in the plane, from (20, 0) to (0, 20), and of radius 0.5; its free end is left along -y.
     let arc: Vec<Point> =
         (0..=200).map(|i| f64::from(i) / 200.0 * FRAC_PI_2).map(|a| [20.0 * a.cos(), 20.0 * a.sin(), 0.0]).collect();
-    let resampled = Resampled::new(&vessels(&[(arc, 0.5)]));
+    let resampled = Resampled::new(&vessels(&[(arc, 0.5)]), Kind::Skeleton);
     let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step)).expect("positions");
     let course = Course::new(&extraction, 0);
     // It is fitted over 16 spacings and 6 radii; the chord of so long an arc turns by half of its angle from the tangent at the end.
@@ -171,19 +184,21 @@ fn the_spacing_of_points_changes_no_decision() {
         assert!(done.status.success(), "{}", stderr(&done));
     };
     run(&["phantom", "tree", "--break", "--seed", "3", "-o", "tree.swc"]);
-    let infer = |input: &str, output: &str| {
-        run(&["infer", input, "-o", output, "--prior", "weights:skeleton", "-n", "1"]);
+    let infer = |input: &str, output: &str, prior: &str| {
+        run(&["infer", input, "-o", output, "--prior", prior, "-n", "1", "--force"]);
         kept(&here.path().join(output))
     };
-    let truth = infer("tree.swc", "whole");
-    assert!(truth.len() > 3, "{truth:?}");
     let text = fs::read_to_string(here.path().join("tree.swc")).expect("a file");
-    for (name, step) in [("dense", 0.05), ("finer", 0.2)] {
-        fs::write(here.path().join(format!("{name}.swc")), respaced(&text, step)).expect("a file");
-        let found = infer(&format!("{name}.swc"), name);
-        assert_eq!(found.len(), truth.len(), "{name}");
-        for (a, b) in found.iter().zip(&truth) {
-            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1), "{name}: {a:?} {b:?}");
+    for prior in ["weights:skeleton", "weights:tracing", "weights:tubes"] {
+        let truth = infer("tree.swc", "whole", prior);
+        assert!(truth.len() > 3, "{prior}: {truth:?}");
+        for (name, step) in [("dense", 0.05), ("finer", 0.2)] {
+            fs::write(here.path().join(format!("{name}.swc")), respaced(&text, step)).expect("a file");
+            let found = infer(&format!("{name}.swc"), name, prior);
+            assert_eq!(found.len(), truth.len(), "{prior}, {name}");
+            for (a, b) in found.iter().zip(&truth) {
+                assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1), "{prior}, {name}: {a:?} {b:?}");
+            }
         }
     }
 }
@@ -234,6 +249,48 @@ fn what_the_input_is_chooses_the_model() {
     let swc = fs::read(here.path().join("fragments.swc")).expect("a file");
     let misspelt = ["infer", "fragments.swc", "-o", "no", "--prior", "weights:skelton"];
     refused(&[("fragments.swc", &swc)], &misspelt, &["weights:skeleton"]);
+}
+
+/// A vessel along x and branches along y, each from so many mm beside its axis, as separate lines.
+fn drawn(offset: f64) -> String {
+    let mut swc = String::new();
+    let mut id = 0;
+    let mut line = |from: [f64; 2], to: [f64; 2], radius: f64| {
+        for step in 0..=40 {
+            let [x, y] = [0, 1].map(|k| from[k] + (to[k] - from[k]) * f64::from(step) / 40.0);
+            id += 1;
+            writeln!(swc, "{id} 0 {x} {y} 0 {radius} {}", if step > 0 { id - 1 } else { -1 }).expect("memory");
+        }
+    };
+    line([0.0, 0.0], [60.0, 0.0], 1.5);
+    for branch in 0..5 {
+        let (x, side) = (10.0 + 9.0 * f64::from(branch), f64::from(1 - 2 * (branch % 2)));
+        line([x, side * offset], [x, side * 20.0], 0.8);
+    }
+    swc
+}
+
+#[test]
+fn vessels_that_begin_inside_another_are_attached_to_its_axis() {
+    let here = folder();
+    let prior_of = |offset: f64| {
+        fs::write(here.path().join("tubes.swc"), drawn(offset)).expect("a file");
+        let done = willis(here.path(), &["infer", "tubes.swc", "-o", "out", "--force", "-n", "1"]);
+        assert!(done.status.success(), "{}", stderr(&done));
+        let run = fs::read_to_string(here.path().join("out/run.json")).expect("a record");
+        let run: serde_json::Value = serde_json::from_str(&run).expect("JSON");
+        run["parameters"]["prior"].as_str().expect("a word").to_owned()
+    };
+    // 0.7 mm from the axis of a vessel of 1.5 mm.
+    assert_eq!(prior_of(0.7), "weights:tubes");
+    let middles = kept(&here.path().join("out"));
+    assert_eq!(middles.len(), 5, "{middles:?}");
+    for (branch, middle) in middles.iter().enumerate() {
+        let x = 100 + 90 * branch as i64;
+        assert!((middle[0] - x).abs() <= 5 && middle[1].abs() <= 5, "{middles:?}");
+    }
+    // Outside it is a gap, as in a tracing.
+    assert_eq!(prior_of(2.0), "weights:tracing");
 }
 
 #[test]

@@ -13,6 +13,7 @@ pub mod search;
 use ndarray::{Array2, Axis, concatenate};
 
 use super::features::Extraction;
+use super::kind::Kind;
 use super::resample::Resampled;
 use super::search::Candidate;
 use crate::error::Result;
@@ -45,8 +46,8 @@ impl JoinTable {
     ///
     /// A node without position or with more than 1000 vessels, or points that are crowded.
     pub fn new(network: &Network, branches: usize) -> Result<Self> {
-        let resampled = Resampled::new(network);
-        let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step))?;
+        let resampled = Resampled::new(network, Kind::Skeleton);
+        let extraction = resampled.extraction(&[])?;
         let courses: Vec<Course> = (0..extraction.ends.len()).map(|end| Course::new(&extraction, end)).collect();
         let candidates = search_joins(&extraction, &courses, branches)?;
         let features = join_features(&extraction, &courses, &candidates).mapv(stored);

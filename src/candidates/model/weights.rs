@@ -10,6 +10,8 @@ use crate::error::{Error, Result};
 
 /// The weights that come with the program.
 const SHIPPED: &str = include_str!("weights.toml");
+/// Those for tubes.
+const TUBES: &str = include_str!("tubes.toml");
 
 /// One pass over the candidates.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -105,6 +107,15 @@ impl Weights {
     /// None in a released program: they are tested.
     pub fn shipped() -> Result<Self> {
         Self::read(SHIPPED).map_err(|fault| fault.in_file("weights.toml".as_ref()))
+    }
+
+    /// The weights for tubes, drawn one by one, that come with the program.
+    ///
+    /// # Errors
+    ///
+    /// None in a released program: they are tested.
+    pub fn shipped_for_tubes() -> Result<Self> {
+        Self::read(TUBES).map_err(|fault| fault.in_file("tubes.toml".as_ref()))
     }
 
     /// Checks numbers of weights and their ranges.
