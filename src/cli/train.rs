@@ -175,7 +175,7 @@ impl TrainArgs {
         for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
             let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
             let cases = plural(of_set.len(), "case");
-            let masks = plural(sum(&|e| usize::from(e.has_mask)), "mask");
+            let masks = plural(sum(&|e| usize::from(e.has_mask())), "mask");
             let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
             let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
             terminal.say(

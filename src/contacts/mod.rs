@@ -2,7 +2,7 @@
 //!
 //! Thinning makes one skeleton of vessels that touch in the mask. Junctions within each other's lumen are a cluster ([`branches`]), and the
 //! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
-//! ([`features`], and [`evidence`] where there is a mask), and a log-linear model makes of the scores a probability for every set
+//! ([`features`], or [`evidence`] where there is a mask), and a log-linear model makes of the scores a probability for every set
 //! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
 //! ([`split()`]), vessels of origin contact whose probability a decision goes by.
 
@@ -28,37 +28,37 @@ use model::ContactModel;
 use partition::{Blocks, most_probable};
 use split::split;
 
-/// The contacts of a network with the features of all pairs of ends.
+/// The contacts of a network.
 pub struct ContactTable {
     /// Branches and clusters.
     pub branches: Branches,
     /// Pairs of ends, cluster by cluster.
     pub pairs: Vec<Pair>,
-    /// Features: a row a pair, a column one of [`feature_names`]; those of the mask only where there is one.
-    pub features: Array2<f32>,
+    courses: Courses,
 }
 
-/// The names of the features, with or without those of a mask.
+/// The names of the features: of the mask where there is one, else of the skeleton.
 pub fn feature_names(with_mask: bool) -> Vec<String> {
-    let mut names = skeleton_feature_names();
-    names.extend(if with_mask { mask_feature_names() } else { Vec::new() });
-    names
+    if with_mask { mask_feature_names() } else { skeleton_feature_names() }
 }
 
 impl ContactTable {
-    /// Measures the contacts of the observed vessels of a network, whose nodes have positions.
-    pub fn new(network: &Network, mask: Option<&Field>) -> Self {
+    /// The contacts of the observed vessels of a network, whose nodes have positions.
+    pub fn new(network: &Network) -> Self {
         let branches = Branches::new(network);
-        let courses = Courses::new(&branches);
-        let pairs = pairs_of(&branches);
-        let mut rows = skeleton_features(&branches, &courses, &pairs);
-        if let Some(field) = mask {
-            let more = mask_features(field, &branches, &courses, &pairs);
-            rows.iter_mut().zip(more).for_each(|(row, more)| row.extend(more));
-        }
+        let (courses, pairs) = (Courses::new(&branches), pairs_of(&branches));
+        Self { branches, pairs, courses }
+    }
+
+    /// What is measured of the pairs, a row each, a column one of [`feature_names`]. Where there is a mask the skeleton's own features
+    /// are left out: on manual masks they mislead.
+    pub fn features(&self, mask: Option<&Field>) -> Array2<f32> {
+        let rows = match mask {
+            Some(field) => mask_features(field, &self.branches, &self.courses, &self.pairs),
+            None => skeleton_features(&self.branches, &self.courses, &self.pairs),
+        };
         let columns = feature_names(mask.is_some()).len();
-        let features = Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]));
-        Self { branches, pairs, features }
+        Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
     }
 
     /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
@@ -81,9 +81,9 @@ impl ContactTable {
     }
 
     /// The most probable blocks of each cluster.
-    pub fn blocks(&self, model: &ContactModel, with_mask: bool) -> Vec<Blocks> {
-        let part = model.part(with_mask);
-        let tables = self.by_cluster(&part.trees.scores(&self.features));
+    pub fn blocks(&self, model: &ContactModel, mask: Option<&Field>) -> Vec<Blocks> {
+        let part = model.part(mask.is_some());
+        let tables = self.by_cluster(&part.trees.scores(&self.features(mask)));
         let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
             Some(table) => most_probable(&table, cluster.ends.len(), &part.weights),
             None => Blocks { of_end: vec![0; cluster.ends.len()], joined: Vec::new() },
@@ -95,7 +95,7 @@ impl ContactTable {
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
 /// was one junction. The nodes of `network` keep their rows.
 pub fn with_contacts(network: &Network, mask: Option<&Field>, model: &ContactModel) -> Network {
-    let table = ContactTable::new(network, mask);
-    let blocks = table.blocks(model, mask.is_some());
+    let table = ContactTable::new(network);
+    let blocks = table.blocks(model, mask);
     split(network, &table.branches, &blocks)
 }

@@ -12,7 +12,7 @@ use crate::flow::{Boundary, Circuit, pressures};
 use crate::io::{
     Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
-use crate::network::{Condition, Network, Role, fragments};
+use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
 use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
@@ -75,6 +75,19 @@ pub struct Outcome<'a> {
     pub method: Method,
     /// Blood viscosity, Pa s.
     pub viscosity: f64,
+}
+
+impl Outcome<'_> {
+    /// How many contacts there are: places where observed vessels may only touch.
+    pub fn contacts(&self) -> usize {
+        self.network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).count()
+    }
+
+    /// How many of the contacts are cut.
+    pub fn cut(&self) -> usize {
+        let decided = self.network.vessels().zip(&self.answer.kept);
+        decided.filter(|((_, vessel), kept)| vessel.origin == Origin::Contact && !**kept).count()
+    }
 }
 
 /// Writes every file of an inference into a folder and returns what a person should know about files left out.

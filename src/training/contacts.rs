@@ -3,6 +3,8 @@
 
 use std::collections::BTreeSet;
 
+use ndarray::Array2;
+
 use super::boosting::boost;
 use super::cross_validation::fold_of;
 use super::example::Case;
@@ -28,10 +30,12 @@ const ITERATIONS: usize = 200;
 pub struct ContactExample<'a> {
     /// The case.
     pub case: &'a Case,
-    /// Its contacts, with the features of the mask.
+    /// Its contacts.
     pub table: ContactTable,
-    /// Whether there was a mask.
-    pub has_mask: bool,
+    /// What the skeleton tells of its pairs, shape (pairs, features).
+    of_skeleton: Array2<f32>,
+    /// What the mask tells of them, where there is one.
+    of_mask: Option<Array2<f32>>,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
@@ -47,14 +51,29 @@ impl<'a> ContactExample<'a> {
     pub fn new(case: &'a Case) -> Result<Self> {
         let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
         let field = mask.as_ref().and_then(Field::of);
-        let table = ContactTable::new(&case.network, field.as_ref());
+        let table = ContactTable::new(&case.network);
         let classes = case.contacts.as_ref().map(|truth| truth.classes(&table.branches)).unwrap_or_default();
         let joined = table.pairs.iter().map(|pair| {
             let [a, b] = pair.ends.map(|end| classes.get(pair.cluster).and_then(|of| of[end]));
             Some(a? == b?)
         });
         let joined: Vec<Option<bool>> = joined.collect();
-        Ok(Self { case, table, has_mask: field.is_some(), joined, classes })
+        let of_mask = field.as_ref().map(|field| table.features(Some(field)));
+        Ok(Self { case, of_skeleton: table.features(None), of_mask, table, joined, classes })
+    }
+
+    /// Whether there is a mask.
+    pub fn has_mask(&self) -> bool {
+        self.of_mask.is_some()
+    }
+
+    /// The scores of the pairs by trees over the features of the mask, or of the skeleton.
+    fn scores(&self, trees: &Boosted, with_mask: bool) -> Vec<f64> {
+        trees.scores(self.features(with_mask))
+    }
+
+    fn features(&self, with_mask: bool) -> &Array2<f32> {
+        self.of_mask.as_ref().filter(|_| with_mask).unwrap_or(&self.of_skeleton)
     }
 
     /// Measures several cases.
@@ -112,7 +131,7 @@ struct Design {
 pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
     let skeleton = fit_part(examples, false)?;
     progress("without mask");
-    let with_mask: Vec<&ContactExample> = examples.iter().copied().filter(|e| e.has_mask).collect();
+    let with_mask: Vec<&ContactExample> = examples.iter().copied().filter(|e| e.has_mask()).collect();
     let mask = fit_part(&with_mask, true)?;
     progress("with mask");
     let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
@@ -134,15 +153,15 @@ fn fit_part(examples: &[&ContactExample], with_mask: bool) -> Result<ContactPart
         let inner: Vec<&ContactExample> = examples.iter().copied().filter(|e| fold(e) != held).collect();
         let trees = fit_trees(&inner, with_mask)?;
         for e in examples.iter().filter(|e| fold(e) == held) {
-            designs.extend(e.designs(&trees.scores(&e.table.features)));
+            designs.extend(e.designs(&e.scores(&trees, with_mask)));
         }
     }
     Ok(ContactPart { trees, weights: fit_weights(&designs) })
 }
 
-/// Boosted trees over the pairs whose answer is known. Without a mask they see the first columns alone.
+/// Boosted trees over the pairs whose answer is known.
 fn fit_trees(examples: &[&ContactExample], with_mask: bool) -> Result<Boosted> {
-    let columns = feature_names(with_mask).len();
+    let features: Vec<&Array2<f32>> = examples.iter().map(|e| e.features(with_mask)).collect();
     let (mut rows, mut right) = (Vec::new(), Vec::new());
     for (at, e) in examples.iter().enumerate() {
         for (row, joined) in e.joined.iter().enumerate() {
@@ -152,12 +171,7 @@ fn fit_trees(examples: &[&ContactExample], with_mask: bool) -> Result<Boosted> {
             }
         }
     }
-    // With a mask the lines' own features are left out: on manual masks they mislead.
-    let first = if with_mask { feature_names(false).len() } else { 0 };
-    let feature = |row: usize, column: usize| {
-        if column < first { 0.0 } else { examples[rows[row].0].table.features[[rows[row].1, column]] }
-    };
-    boost(rows.len(), columns, feature, &right)
+    boost(rows.len(), feature_names(with_mask).len(), |row, column| features[rows[row].0][[rows[row].1, column]], &right)
 }
 
 /// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
@@ -194,9 +208,8 @@ fn fit_weights(designs: &[Design]) -> PartitionWeights {
 /// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
 type Judged = (f64, f64, bool);
 
-fn judge(e: &ContactExample, part: &ContactPart) -> Vec<Judged> {
-    // The features of the skeleton are the first columns, so that its trees look at no other.
-    let scores = part.trees.scores(&e.table.features);
+fn judge(e: &ContactExample, part: &ContactPart, with_mask: bool) -> Vec<Judged> {
+    let scores = e.scores(&part.trees, with_mask);
     let tables = e.table.by_cluster(&scores);
     let mut probability = Vec::with_capacity(scores.len());
     for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
@@ -234,9 +247,9 @@ pub fn cross_validate_contacts(
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
         for e in outer {
-            judged.push((e, false, judge(e, &model.skeleton)));
-            if e.has_mask {
-                judged.push((e, true, judge(e, &model.mask)));
+            judged.push((e, false, judge(e, &model.skeleton, false)));
+            if e.has_mask() {
+                judged.push((e, true, judge(e, &model.mask, true)));
             }
         }
         models.push(model);

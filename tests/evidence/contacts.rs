@@ -62,7 +62,8 @@ fn a_vessel_that_a_candidate_splits_is_one_branch() {
 
 #[test]
 fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
-    let table = ContactTable::new(&crossing(), None);
+    let table = ContactTable::new(&crossing());
+    let features = table.features(None);
     let row = |i, j| table.pairs.iter().position(|p| p.ends == [i, j]).expect("a pair");
     let ends = &table.branches.clusters[0].ends;
     let end_of =
@@ -70,12 +71,12 @@ fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
     let straight = skeleton_feature_names().iter().position(|name| name == "straight_far").expect("a feature");
     let pair = |a, b| {
         let (i, j) = (end_of(a), end_of(b));
-        table.features[[row(i.min(j), i.max(j)), straight]]
+        features[[row(i.min(j), i.max(j)), straight]]
     };
     assert!(pair(0, 3) > 0.99 && pair(1, 4) > 0.99, "{} {}", pair(0, 3), pair(1, 4));
     assert!(pair(0, 1).abs() < 0.1 && pair(0, 4).abs() < 0.1);
     assert_eq!(pairs_of(&table.branches).len(), 6);
-    assert_eq!(table.features.ncols(), feature_names(false).len());
+    assert_eq!(features.ncols(), feature_names(false).len());
 }
 
 #[test]

@@ -35,6 +35,10 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
             if outcome.rule.asks_evidence() { "" } else { " within two standard errors" }
         ),
     );
+    if outcome.contacts() > 0 {
+        let contacts = plural(outcome.contacts(), "contact");
+        terminal.say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cut() as u64)));
+    }
     if let Some(expected) = outcome.expected {
         let [wrong, missed] = [expected.wrong, expected.missed].map(brief);
         terminal.say("expected", format!("{wrong} wrong and {missed} missed connections, by the probabilities"));

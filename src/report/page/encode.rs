@@ -56,7 +56,7 @@ fn scene(scene: &Scene) -> Value {
         "steps": steps,
         "points": STANDARD.encode(&bytes),
         "counts": integers(&counts),
-        "markers": scene.markers.iter().map(|m| json!([m.role.name(), m.name])).collect::<Vec<_>>(),
+        "markers": scene.markers.iter().map(|m| json!([m.kind, m.name])).collect::<Vec<_>>(),
     })
 }
 

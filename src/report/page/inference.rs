@@ -1,6 +1,6 @@
 //! The page of an inference: vessels by likelihood, and a threshold that the reader can move.
 
-use super::scene::scene;
+use super::scene::{cuts, scene};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
@@ -37,15 +37,23 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
+    if outcome.contacts() > 0 {
+        names.push(("contacts of vessels", "/counts/contacts", ""));
+        names.push(("cut of these", "/counts/cut", ""));
+    }
     if evidence {
         names.push(("expected wrong connections", "/expected_errors/wrong", ""));
         names.push(("expected missed connections", "/expected_errors/missed", ""));
     }
+    let scene = scene(outcome.network, outcome.boundary).map(|mut scene| {
+        scene.markers.extend(cuts(outcome.network, &outcome.answer.kept));
+        scene
+    });
     Page {
         title: title("infer", &record),
         facts: facts(&record, &names),
         record,
-        scene: scene(outcome.network, outcome.boundary),
+        scene,
         colourings: colourings(unit, evidence),
         threshold: Some(threshold(outcome, unit)),
         figures,

@@ -2,8 +2,8 @@
 
 use crate::flow::Boundary;
 use crate::network::units::millimetres;
-use crate::network::{Network, Role};
-use crate::support::geometry::box_diagonal;
+use crate::network::{Network, Origin, Role, Vessel};
+use crate::support::geometry::{box_diagonal, lerp};
 
 /// x, y, z and radius, mm.
 pub type Place = [f64; 4];
@@ -16,18 +16,18 @@ const INVISIBLE: f64 = 1.0 / 4000.0;
 pub struct Scene {
     /// The centerline of each vessel, at least two points.
     pub vessels: Vec<Vec<Place>>,
-    /// Where blood enters and leaves.
+    /// Where blood enters and leaves, and what is cut.
     pub markers: Vec<Marker>,
 }
 
-/// A node that the page marks.
+/// A place that the page marks: a node with a condition, or a contact that is cut.
 #[derive(Debug, Clone)]
 pub struct Marker {
-    /// Its position, and the radius of its widest vessel.
+    /// The position of the node and the radius of its widest vessel, or the middle of the contact and its radius.
     pub place: Place,
-    /// Whether it is an inlet or an outlet.
-    pub role: Role,
-    /// Its label, or its id.
+    /// What is there: `inlet`, `outlet` or `cut`.
+    pub kind: &'static str,
+    /// The node's label or id, or the probability of the contact.
     pub name: String,
 }
 
@@ -58,9 +58,23 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
     let markers = markers.map(|(row, role)| {
         let node = network.node(row);
         let name = if node.label.is_empty() { node.id.clone() } else { node.label.clone() };
-        Marker { place: place(position(row), widest[row]), role: *role, name }
+        Marker { place: place(position(row), widest[row]), kind: role.name(), name }
     });
     Ok(Scene { vessels, markers: markers.collect() })
+}
+
+/// A mark at each contact that is not kept: two vessels that only touch.
+pub fn cuts(network: &Network, kept: &[bool]) -> Vec<Marker> {
+    let cut = network.vessels().zip(kept).filter(|((_, vessel), kept)| vessel.origin == Origin::Contact && !**kept);
+    let mark = |((ends, vessel), _): (([usize; 2], &Vessel), &bool)| {
+        let [a, b] = ends.map(|node| network.node(node).position.unwrap_or_default());
+        let path = &vessel.path;
+        let middle = path.get(path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position);
+        let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
+        let [x, y, z] = middle.map(millimetres);
+        Marker { place: [x, y, z, millimetres(vessel.radius)], kind: "cut", name: format!("P = {probability:.3}") }
+    };
+    cut.map(mark).collect()
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).

@@ -196,10 +196,14 @@ function showScene() {
   scene = new SceneView(data.scene);
   listen(scene, row => pick(row), by => pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows));
   colourOf = colouring();
-  const markers = byId("markers");
-  byId("markers-label").hidden = data.scene.markers.length === 0;
-  markers.checked = scene.markersShown;
-  markers.addEventListener("change", () => { scene.markersShown = markers.checked; dress(); });
+  const toggle = (id, shown, isOne) => {
+    const box = byId(id);
+    byId(`${id}-label`).hidden = !data.scene.markers.some(([kind]) => isOne(kind));
+    box.checked = scene[shown];
+    box.addEventListener("change", () => { scene[shown] = box.checked; dress(); });
+  };
+  toggle("markers", "markersShown", kind => kind !== "cut");
+  toggle("cuts", "cutsShown", kind => kind === "cut");
   byId("picture").addEventListener("click", () => make("a", { href: scene.canvas.toDataURL(), download: "vessels.png" }).click());
   dress();
 }

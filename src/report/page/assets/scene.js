@@ -1,7 +1,7 @@
 // The view of the vessels: it paints after changes, and finds the vessel at a place.
 // More markers than this would hide the vessels, so they are off at first.
 const MANY = 200;
-const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90] };
+const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90], cut: [205, 30, 40] };
 
 class SceneView {
   constructor(source) {
@@ -9,10 +9,11 @@ class SceneView {
     this.canvas = byId("canvas");
     this.camera = new Camera(this.geometry.points);
     this.looks = new Uint8Array(4 * (this.geometry.starts.length - 1));
-    this.markersShown = this.geometry.markers.length <= MANY;
+    this.markersShown = this.geometry.markers.filter(([kind]) => kind !== "cut").length <= MANY;
+    this.cutsShown = true;
     this.picked = -1;
     this.begin();
-    this.geometry.markers.forEach(([role], i) => this.looks.set(MARKERS[role], 4 * (this.geometry.vessels + i)));
+    this.geometry.markers.forEach(([kind], i) => this.looks.set(MARKERS[kind], 4 * (this.geometry.vessels + i)));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     // A lost graphics context is restored automatically, but empty.
     this.canvas.addEventListener("webglcontextlost", event => event.preventDefault());
@@ -55,8 +56,9 @@ class SceneView {
       this.looks[4 * row + 3] = this.state(row) | (row === this.picked ? LOOK.picked : 0);
     }
     for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) {
-      const inlet = this.geometry.markers[i - this.geometry.vessels][0] === "inlet" ? LOOK.inlet : 0;
-      this.looks[4 * i + 3] = LOOK.marker | inlet | (this.markersShown ? 0 : LOOK.hidden);
+      const kind = this.geometry.markers[i - this.geometry.vessels][0];
+      const shown = kind === "cut" ? this.cutsShown : this.markersShown;
+      this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (shown ? 0 : LOOK.hidden);
     }
     this.painter.dress(this.looks);
     this.paint();
