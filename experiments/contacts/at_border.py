@@ -1,0 +1,21 @@
+"""How many kept joins end within a voxel of the border of a cropped image. at_border.py FOLDER, as unseen.sh leaves it."""
+import csv
+import json
+import sys
+from pathlib import Path
+
+work = Path(sys.argv[1])
+for name in ("mask-cut", "fragments"):
+    for level in ("good-crop", "fair-crop"):
+        joins = at = 0
+        for case in sorted((work / "cases" / level).iterdir()):
+            box = json.loads((case / "box.json").read_text())
+            low, high = box["box_mm"]
+            for row in csv.DictReader(open(work / name / level / case.name / "edges.csv")):
+                if row["origin"] != "candidate" or row["kept"] != "1":
+                    continue
+                joins += 1
+                ends = [[float(row[f"{end}{axis}_mm"]) for axis in "xyz"] for end in "ab"]
+                away = min(min(x - a, b - x) for end in ends for x, a, b in zip(end, low, high))
+                at += away <= box["voxel_mm"]
+        print(f"{name}, {level}: {joins} kept joins, {at} of them end at the border of the image")

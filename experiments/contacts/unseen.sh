@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Answers to simulated scans of eight brains that no model of masks was fitted to, by what ships: whole and cropped, cut and not cut.
+#
+#   willis infer mask.nii.gz -o OUT [--cut never]
+#   willis infer fragments.npz -o OUT --box BOX
+#
+# Argument: a folder for cases and answers, which is kept and gone on from (about ten minutes on two cores). The environment is that of weights.sh.
+set -euo pipefail
+work=$(mkdir -p "$1" && cd "$1" && pwd)
+cd "$(dirname "$0")/../.."
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+bench=${WILLIS_SKELBENCH:-../shared/skelbench}
+data=${WILLIS_SHARED_DATA:-../shared/data}
+python=${WILLIS_PYTHON:-python3}
+if [ ! -d "$bench" ] || [ ! -d "$data/brava" ]; then
+    echo "skipped: $bench or $data/brava is not there" >&2
+    exit 0
+fi
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
+WILLIS=${WILLIS:-$PWD/target/release/willis}
+subjects=BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
+for level in good fair; do
+    make=("$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask)
+    [ -d "$work/cases/$level" ] || "${make[@]}" --subjects $subjects
+    [ -d "$work/cases/$level-crop" ] || "${make[@]}" --subjects ${subjects%,BH0018*} --crop .6
+done
+answer() { # name, level/subject, input, options
+    local out="$work/$1/$2"
+    [ -e "$out/run.json" ] || "$WILLIS" infer "$work/cases/$2/$3" -o "$out" --force --quiet --dpi 36 -n 1 "${@:4}"
+}
+for case in "$work"/cases/*/*/; do
+    case=${case%/}
+    case=${case#"$work"/cases/}
+    box=$("$python" -c 'import json, sys; print(*sum(json.load(open(sys.argv[1]))["box_mm"], []), sep=",")' "$work/cases/$case/box.json")
+    answer mask-cut "$case" mask.nii.gz
+    answer mask-uncut "$case" mask.nii.gz --cut never
+    answer fragments "$case" fragments.npz --box="$box"
+done
+for name in mask-cut mask-uncut fragments; do
+    echo "== $name"
+    "$python" "$bench/score.py" --all "$work/cases" "$work/$name" --json "$work/$name.json"
+done
+"$python" experiments/contacts/at_border.py "$work"
