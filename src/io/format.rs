@@ -125,7 +125,6 @@ impl Format {
         let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
         let vessels = |(vessels, notes): (Network, Vec<String>)| (Content::Vessels(vessels), notes);
         let here = |fault: Fault| fault.in_file(path);
-        let mask = |mask: Mask| centerlines_of(mask, options).map(lines).map_err(here);
         let (content, notes) = match self {
             Self::Swc => return read_tracing(path, bytes, options),
             Self::ICafe => read_table_of_vessels(path, bytes, options)?,
@@ -140,14 +139,23 @@ impl Format {
             Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
-            Self::Nifti => mask(read_nifti(bytes, options.level, options.max_input).map_err(here)?)?,
-            Self::MetaImage => mask(read_metaimage(path, bytes, options.level, options.max_input)?)?,
-            Self::Npy => {
-                let spacing = options.scale.spacing;
-                mask(read_npy_mask(bytes, spacing, options.level, options.max_input).map_err(here)?)?
+            Self::Nifti | Self::MetaImage | Self::Npy => {
+                centerlines_of(self.read_voxels(path, bytes, options)?, options).map(lines).map_err(here)?
             }
         };
         Ok((self, content, notes))
+    }
+
+    /// Reads the mask in a file of this format.
+    fn read_voxels(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Mask> {
+        let (level, most) = (options.level, options.max_input);
+        match self {
+            Self::Nifti => read_nifti(bytes, level, most),
+            Self::MetaImage => return read_metaimage(path, bytes, level, most),
+            Self::Npy => read_npy_mask(bytes, options.scale.spacing, level, most),
+            _ => Err(Fault::file(format!("{}, not a mask", self.name()), "expected NIfTI, MetaImage or NumPy voxels")),
+        }
+        .map_err(|fault| fault.in_file(path))
     }
 
     /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the
@@ -189,13 +197,8 @@ impl Format {
 /// A file that cannot be read, holds no mask, or has a fault in its content.
 pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
-    let here = |fault: Fault| fault.in_file(path);
-    match format_of(path, &bytes).map_err(here)? {
-        Format::Nifti => read_nifti(&bytes, options.level, options.max_input).map_err(here),
-        Format::MetaImage => read_metaimage(path, &bytes, options.level, options.max_input),
-        Format::Npy => read_npy_mask(&bytes, options.scale.spacing, options.level, options.max_input).map_err(here),
-        other => Err(here(Fault::file(format!("{}, not a mask", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
-    }
+    let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
+    format.read_voxels(path, &bytes, options)
 }
 
 /// The centerlines of a mask, with what a person should know about them.

@@ -12,7 +12,7 @@ use crate::error::Fault;
 use crate::support::boosted_trees::{Boosted, BoostedEntry};
 use crate::support::statistics::sigmoid;
 use crate::support::suggestions::did_you_mean;
-use crate::support::toml_text::{list, text};
+use crate::support::toml_text::{list, parse, text};
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("skeleton.toml");
@@ -124,10 +124,7 @@ impl JoinModel {
     /// Not TOML, a feature that this program does not measure, a tree that is none, a number that is not finite: the line or the name.
     pub fn read(toml_text: &str) -> Result<Self, Fault> {
         const ACCEPTED: &str = "expected a model as `willis train --model skeleton` writes it";
-        let file: File = toml::from_str(toml_text).map_err(|e| {
-            let line = e.span().map_or(1, |s| toml_text[..s.start.min(toml_text.len())].matches('\n').count() + 1);
-            Fault::line(line, e.message().replace('\n', " "), ACCEPTED)
-        })?;
+        let file: File = parse(toml_text, ACCEPTED)?;
         if file.kind != "skeleton" {
             return Err(Fault::item("kind", file.kind, "expected skeleton"));
         }

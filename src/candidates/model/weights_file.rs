@@ -9,7 +9,7 @@ use super::loop_closures::CLOSURE_FEATURES;
 use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;
-use crate::support::toml_text::{list, text};
+use crate::support::toml_text::{list, parse, text};
 
 const HEADING: &str = "\
 # Weights of the evidence model, fitted by `willis train`; read by `willis infer --prior FILE`.
@@ -45,10 +45,7 @@ impl Weights {
     ///
     /// Not TOML, a name that is unknown, missing or comes twice, a number that is not finite: the line or the name.
     pub fn read(text: &str) -> Result<Self, Fault> {
-        let file: File = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-            Fault::line(line, e.message().replace('\n', " "), "expected weights as `willis train` writes them")
-        })?;
+        let file: File = parse(text, "expected weights as `willis train` writes them")?;
         let mut passes = Vec::new();
         for (number, entry) in file.pass.into_iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);

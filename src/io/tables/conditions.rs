@@ -9,6 +9,7 @@ use crate::network::quantity::Dimension;
 use crate::network::units::pascals;
 use crate::network::{Condition, Role};
 use crate::support::suggestions::did_you_mean;
+use crate::support::toml_text::parse;
 
 /// The column of the pressure behind a terminal resistance.
 pub(crate) const VENOUS: &str = "venous_pressure_mmHg";
@@ -73,15 +74,9 @@ struct File {
 ///
 /// The line or the number of the condition, and what is accepted.
 pub fn read_toml(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
+    const ACCEPTED: &str = "expected [[condition]] tables with node, label or at, kind, value, unit, venous_pressure_mmHg";
     let text = std::str::from_utf8(without_mark(bytes)).map_err(|_| Fault::file("the text is not UTF-8", "expected UTF-8"))?;
-    let file: File = toml::from_str(text).map_err(|e| {
-        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].lines().count().max(1));
-        Fault::line(
-            line,
-            e.message().replace('\n', " "),
-            "expected [[condition]] tables with node, label or at, kind, value, unit, venous_pressure_mmHg",
-        )
-    })?;
+    let file: File = parse(text, ACCEPTED)?;
     let place = |n: usize| Place::Item(format!("condition {}", n + 1));
     file.condition.into_iter().enumerate().map(|(n, entry)| statement(entry, place(n))).collect()
 }
