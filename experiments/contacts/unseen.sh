@@ -4,25 +4,16 @@
 #   willis infer mask.nii.gz -o OUT [--cut never]
 #   willis infer fragments.npz -o OUT --box BOX
 #
-# Argument: a folder for cases and answers, which is kept and gone on from (about ten minutes on two cores). The environment is that of weights.sh.
+# Argument: a folder for cases and answers, which is kept and gone on from (about ten minutes on two cores). LEVELS names other levels than "good
+# fair"; those two are cropped too. ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
-cd "$(dirname "$0")/../.."
-export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-bench=${WILLIS_SKELBENCH:-../shared/skelbench}
-data=${WILLIS_SHARED_DATA:-../shared/data}
-python=${WILLIS_PYTHON:-python3}
-if [ ! -d "$bench" ] || [ ! -d "$data/brava" ]; then
-    echo "skipped: $bench or $data/brava is not there" >&2
-    exit 0
-fi
-[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
-WILLIS=${WILLIS:-$PWD/target/release/willis}
+. "$(dirname "$0")/../skelbench.sh"
 subjects=BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
-for level in good fair; do
+for level in ${LEVELS:-good fair}; do
     make=("$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask)
     [ -d "$work/cases/$level" ] || "${make[@]}" --subjects $subjects
-    [ -d "$work/cases/$level-crop" ] || "${make[@]}" --subjects ${subjects%,BH0018*} --crop .6
+    [[ $level != good && $level != fair || -d "$work/cases/$level-crop" ]] || "${make[@]}" --subjects ${subjects%,BH0018*} --crop .6
 done
 answer() { # name, level/subject, input, options
     local out="$work/$1/$2"

@@ -3,22 +3,11 @@
 #
 #   willis train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds
 #
-# Argument: a folder for the cases, which is kept and gone on from (about two hours on two cores). WILLIS_SKELBENCH names the benchmark
-# (../shared/skelbench), WILLIS_SHARED_DATA the tracings (../shared/data), WILLIS_PYTHON a Python with the packages of the benchmark.
+# Argument: a folder for the cases, which is kept and gone on from (about two hours on two cores). ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
-cd "$(dirname "$0")/../.."
-export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-bench=${WILLIS_SKELBENCH:-../shared/skelbench}
-data=${WILLIS_SHARED_DATA:-../shared/data}
-python=${WILLIS_PYTHON:-python3}
+. "$(dirname "$0")/../skelbench.sh"
 subjects=BG0002,BG0014,BG0020,BG0021,BG0022,BG06,BG07,BG12,BG13,BH0002,BH0003,BH0006,BH0008,BH0009,BH0013,BH0017,BH0019,BH0022,BH0023,BH0029,BH0030,BH0033,BH0035,Set9
-if [ ! -d "$bench" ] || [ ! -d "$data/brava" ]; then
-    echo "skipped: $bench or $data/brava is not there" >&2
-    exit 0
-fi
-[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
-export WILLIS=${WILLIS:-$PWD/target/release/willis}
 for level in fine near good fair poor; do
     [ -d "$work/scikit-image/$level" ] ||
         "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/scikit-image" --level $level --seed 1 --subjects $subjects --save-mask

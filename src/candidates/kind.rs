@@ -63,7 +63,7 @@ fn begin_in_lumens(network: &Network) -> bool {
         let of_piece = inside[piece[end]].get_or_insert(false);
         *of_piece |= found;
     }
-    let count = |what: &dyn Fn(bool) -> bool| inside.iter().flatten().filter(|inside| what(**inside)).count();
-    let all = count(&|_| true);
-    all >= LEAST_VESSELS && count(&|inside| inside) as f64 >= INSIDE * all as f64
+    let known: Vec<bool> = inside.into_iter().flatten().collect();
+    let begun_inside = known.iter().filter(|inside| **inside).count();
+    known.len() >= LEAST_VESSELS && begun_inside as f64 >= INSIDE * known.len() as f64
 }

@@ -8,7 +8,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::branches::{BranchEnd, Branches};
 use super::courses::Courses;
 use crate::network::paths::ShortestPaths;
-
 use crate::support::geometry::{Point, distance, dot, sub, unit};
 use crate::support::statistics::median;
 

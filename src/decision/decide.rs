@@ -1,6 +1,6 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
-use super::best_first::{BEST_FIRST, best_first_of, reconnected};
+use super::best_first::{best_first_of, reconnected};
 use super::most_probable_forest::{has_evidence, probabilities, probable};
 use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
@@ -59,19 +59,19 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     let (mut kept, close) = match rule {
         Keep::Probability(least) => {
             let probability = evidence("probability", network)?;
-            (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, least))
+            (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, rule))
         }
         Keep::Probable(root_factor) => {
             let probability = evidence("probable", network)?;
-            (probable(network, root_factor)?, near(&probability, 0.5))
+            (probable(network, root_factor)?, near(&probability, rule))
         }
         Keep::BestFirst(least) => {
             let probability = evidence_if_asked("best-first", network)?;
-            (best_first_of(network, least), near(&probability, least))
+            (best_first_of(network, least), near(&probability, rule))
         }
         Keep::Reconnect(least) => {
             let probability = evidence_if_asked("reconnect", network)?;
-            (reconnected(network, least), near(&probability, BEST_FIRST))
+            (reconnected(network, least), near(&probability, rule))
         }
         _ => by_samples(rule, cut, result),
     };
@@ -107,9 +107,10 @@ fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
     Err(Error::parameter("keep", rule, accepted))
 }
 
-/// Per vessel whether its probability is near the cut.
-fn near(probability: &[Option<f64>], cut: f64) -> Vec<bool> {
-    probability.iter().map(|p| p.is_some_and(|p| (p - cut).abs() < UNDECIDED_BAND)).collect()
+/// Per vessel whether its probability is near the turning point of a rule.
+fn near(probability: &[Option<f64>], rule: Keep) -> Vec<bool> {
+    let is_near = |p: f64| rule.turning_point().is_some_and(|turn| (p - turn).abs() < UNDECIDED_BAND);
+    probability.iter().map(|p| p.is_some_and(is_near)).collect()
 }
 
 /// Per vessel whether it passes, and whether its figure is within chance of the threshold.

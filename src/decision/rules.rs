@@ -144,6 +144,16 @@ impl Keep {
         }
     }
 
+    /// The probability near which a vessel is undecided, where the evidence decides.
+    pub fn turning_point(self) -> Option<f64> {
+        match self {
+            Self::Probability(least) | Self::BestFirst(least) => Some(least),
+            Self::Probable(_) => Some(0.5),
+            Self::Reconnect(_) => Some(BEST_FIRST),
+            _ => None,
+        }
+    }
+
     /// Whether the evidence decides, not the samples.
     pub fn asks_evidence(self) -> bool {
         matches!(self, Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_) | Self::Reconnect(_))

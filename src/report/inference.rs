@@ -83,10 +83,10 @@ impl Outcome<'_> {
         self.network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).count()
     }
 
-    /// How many of the contacts are cut.
-    pub fn cut(&self) -> usize {
-        let decided = self.network.vessels().zip(&self.answer.kept);
-        decided.filter(|((_, vessel), kept)| vessel.origin == Origin::Contact && !**kept).count()
+    /// The contacts that are cut, by row.
+    pub fn cuts(&self) -> impl Iterator<Item = usize> {
+        let decided = self.network.vessels().zip(&self.answer.kept).enumerate();
+        decided.filter(|(_, ((_, vessel), kept))| vessel.origin == Origin::Contact && !**kept).map(|(row, _)| row)
     }
 }
 

@@ -195,7 +195,7 @@ impl Summary {
                 "observed": count(Origin::Observed),
                 "candidates": count(Origin::Candidate),
                 "contacts": outcome.contacts(),
-                "cut": outcome.cut(),
+                "cut": outcome.cuts().count(),
                 "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),

@@ -181,14 +181,13 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         mask: MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| path.is_file()),
     };
     let kind = match model {
-        Model::Tracing => Some(Kind::Tracing),
-        Model::Skeleton => Some(Kind::Skeleton),
-        Model::Contacts => None,
-    };
-    let Some(kind) = kind else {
-        let mut truth = ContactTruth::read(&bytes).map_err(here)?;
-        let subject = truth.subject.take().unwrap_or(case.subject);
-        return Ok((Case { subject, network, contacts: Some(truth), ..case }, notes));
+        Model::Tracing => Kind::Tracing,
+        Model::Skeleton => Kind::Skeleton,
+        Model::Contacts => {
+            let mut truth = ContactTruth::read(&bytes).map_err(here)?;
+            let subject = truth.subject.take().unwrap_or(case.subject);
+            return Ok((Case { subject, network, contacts: Some(truth), ..case }, notes));
+        }
     };
     let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
     // The truth is about the points that the model sees.

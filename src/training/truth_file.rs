@@ -9,7 +9,7 @@ use crate::candidates::features::Extraction;
 use crate::error::Fault;
 use crate::network::Network;
 use crate::network::units::metres;
-use crate::support::geometry::distance;
+use crate::support::geometry::{Point, distance};
 
 #[derive(Deserialize)]
 struct File {
@@ -116,18 +116,23 @@ fn of_breaks(
     network: &Network,
     extraction: &Extraction,
 ) -> Result<KnownConnections, Fault> {
-    // A point of a vessel stands for the nearest that the model sees there; nodes are the same.
-    let mut point_of: BTreeMap<u64, usize> = BTreeMap::new();
-    for (line, (_, vessel)) in extraction.lines.iter().zip(network.vessels()) {
-        for (id, position) in vessel.path.iter().filter_map(|at| Some((at.id?, at.position))) {
-            let away = line.iter().map(|point| (distance(extraction.position[*point], position), *point));
-            point_of.extend(away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| (id, point)));
-        }
+    // Where each id is: a node, or a point of a vessel, which stands for the nearest that the model sees there.
+    let nodes_by_id = network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row)));
+    let nodes_by_id: BTreeMap<u64, usize> = nodes_by_id.collect();
+    let mut along: BTreeMap<u64, (usize, Point)> = BTreeMap::new();
+    for (row, (_, vessel)) in network.vessels().enumerate() {
+        along.extend(vessel.path.iter().filter_map(|at| Some((at.id?, (row, at.position)))));
     }
-    point_of.extend(network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row))));
+    let point_of = |id: u64| {
+        nodes_by_id.get(&id).copied().or_else(|| {
+            let (row, position) = along.get(&id)?;
+            let away = extraction.lines[*row].iter().map(|point| (distance(extraction.position[*point], *position), *point));
+            away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+        })
+    };
     let find = |place: String, id: u64| {
         let accepted = "expected the id of a point of the fragments";
-        point_of.get(&id).copied().ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
+        point_of(id).ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
     };
     let mut pairs = Vec::new();
     for (row, gap) in gaps.iter().enumerate() {

@@ -31,13 +31,15 @@ fn pages_work_in_chromium() {
     }
     let small = "graph500/edges.csv";
     run(here.path(), &["phantom", "tree", "--break", "--seed", "3", "-o", "tree.swc", "-q"]);
-    let runs: [(&str, &[&str]); 9] = [
+    let scan = data("scan.nii.gz");
+    let runs: [(&str, &[&str]); 10] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
         ("all", &["infer", small, "-n", "300", "--uncertain", "all", "--keep", "value=1e6"]),
         ("probable", &["infer", "tree.swc", "-n", "64"]),
         ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
+        ("contacts", &["infer", &scan, "-n", "64"]),
         ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
         ("simulate", &["simulate", small, "--occlude", "</script>"]),
         ("modulate", &["modulate", &data("circle-of-willis/complete.graphml"), "-n", "64"]),

@@ -37,7 +37,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     );
     if outcome.contacts() > 0 {
         let contacts = plural(outcome.contacts(), "contact");
-        terminal.say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cut() as u64)));
+        terminal.say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cuts().count() as u64)));
     }
     if let Some(expected) = outcome.expected {
         let [wrong, missed] = [expected.wrong, expected.missed].map(brief);

@@ -46,7 +46,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         names.push(("expected missed connections", "/expected_errors/missed", ""));
     }
     let scene = scene(outcome.network, outcome.boundary).map(|mut scene| {
-        scene.markers.extend(cuts(outcome.network, &outcome.answer.kept));
+        scene.markers.extend(cuts(outcome.network, outcome.cuts()));
         scene
     });
     Page {
@@ -104,7 +104,7 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
         cut: outcome.answer.threshold,
         median: outcome.answer.median.filter(|_| of_likelihood),
         kept: no_threshold.then_some("kept"),
-        middle: no_threshold.then_some(0.5),
+        middle: rule.turning_point().filter(|_| no_threshold),
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         uncertain: UNCERTAIN,
         nodes: outcome.network.node_count(),

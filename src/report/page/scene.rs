@@ -2,7 +2,7 @@
 
 use crate::flow::Boundary;
 use crate::network::units::millimetres;
-use crate::network::{Network, Origin, Role, Vessel};
+use crate::network::{Network, Role};
 use crate::support::geometry::{box_diagonal, lerp};
 
 /// x, y, z and radius, mm.
@@ -63,18 +63,16 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
     Ok(Scene { vessels, markers: markers.collect() })
 }
 
-/// A mark at each contact that is not kept: two vessels that only touch.
-pub fn cuts(network: &Network, kept: &[bool]) -> Vec<Marker> {
-    let cut = network.vessels().zip(kept).filter(|((_, vessel), kept)| vessel.origin == Origin::Contact && !**kept);
-    let mark = |((ends, vessel), _): (([usize; 2], &Vessel), &bool)| {
-        let [a, b] = ends.map(|node| network.node(node).position.unwrap_or_default());
-        let path = &vessel.path;
-        let middle = path.get(path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position);
+/// A mark at each of some contacts, where two vessels only touch.
+pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> Vec<Marker> {
+    let mark = |row: usize| {
+        let ([a, b], vessel) = (network.ends(row).map(|node| network.node(node).position.unwrap_or_default()), network.vessel(row));
+        let middle = vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position);
         let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
         let [x, y, z] = middle.map(millimetres);
         Marker { place: [x, y, z, millimetres(vessel.radius)], kind: "cut", name: format!("P = {probability:.3}") }
     };
-    cut.map(mark).collect()
+    contacts.map(mark).collect()
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
