@@ -66,7 +66,8 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
 /// A mark at each of some contacts, where two vessels only touch.
 pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> Vec<Marker> {
     let mark = |row: usize| {
-        let ([a, b], vessel) = (network.ends(row).map(|node| network.node(node).position.unwrap_or_default()), network.vessel(row));
+        let ([a, b], vessel) =
+            (network.ends(row).map(|node| network.node(node).position.unwrap_or_default()), network.vessel(row));
         let middle = vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position);
         let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
         let [x, y, z] = middle.map(millimetres);
