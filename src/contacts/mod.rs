@@ -26,7 +26,7 @@ use evidence::{mask_feature_names, mask_features};
 use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
 use model::ContactModel;
 use partition::{Blocks, most_probable};
-use split::split;
+use split::{Opened, split};
 
 /// The contacts of a network.
 pub struct ContactTable {
@@ -94,7 +94,7 @@ impl ContactTable {
 
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
 /// was one junction. The nodes of `network` keep their rows.
-pub fn with_contacts(network: &Network, mask: Option<&Field>, model: &ContactModel) -> Network {
+pub fn with_contacts(network: &Network, mask: Option<&Field>, model: &ContactModel) -> Opened {
     let table = ContactTable::new(network);
     let blocks = table.blocks(model, mask);
     split(network, &table.branches, &blocks)

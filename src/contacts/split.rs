@@ -25,13 +25,22 @@ struct Plan {
     copies: BTreeMap<usize, Vec<[usize; 2]>>,
     /// Per node of such a cluster the node that a candidate there goes to.
     node_of_candidate: BTreeMap<usize, usize>,
-    /// The contacts.
+    /// The contacts, each with its nodes, and the junctions that it joined.
     contacts: Vec<([usize; 2], Vessel)>,
+    junctions: Vec<[usize; 2]>,
+}
+
+/// A network whose contacts are opened.
+pub struct Opened {
+    /// The network; its last vessels are the contacts.
+    pub graph: Network,
+    /// Per contact the two junctions that were one vessel, rows of the network as it was.
+    pub junctions: Vec<[usize; 2]>,
 }
 
 /// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
 /// keep their rows, new ones follow; contacts are the last vessels.
-pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Network {
+pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opened {
     let mut graph = Network::new();
     graph.frame = network.frame;
     for node in network.nodes() {
@@ -67,7 +76,7 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Netwo
     for (ends, contact) in plan.contacts {
         graph.add_vessel(ends, contact);
     }
-    graph
+    Opened { graph, junctions: plan.junctions }
 }
 
 /// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.
@@ -130,7 +139,9 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
     }
     for ([a, b], p) in &blocks.joined {
         let ends = [*a, *b].map(|block| own[block][&hubs[block].0]);
-        plan.contacts.push((ends, contact(graph, branches, row, paths, [hubs[*a].0, hubs[*b].0], *p)));
+        let junctions = [hubs[*a].0, hubs[*b].0];
+        plan.contacts.push((ends, contact(graph, branches, row, paths, junctions, *p)));
+        plan.junctions.push(junctions);
     }
 }
 

@@ -4,6 +4,7 @@ pub mod best_first;
 pub mod decide;
 pub mod most_probable_forest;
 pub mod rules;
+pub mod suggested_cuts;
 pub mod whole_topologies;
 
 pub use best_first::{BEST_FIRST, RECONNECT, best_first, best_first_of, reconnected};
@@ -12,4 +13,5 @@ pub use most_probable_forest::{
     ExpectedErrors, ROOT_FACTOR, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
 pub use rules::{Keep, threshold};
+pub use suggested_cuts::{SuggestedCut, suggested_cuts};
 pub use whole_topologies::{KnownEnds, Topologies, TopologySource};

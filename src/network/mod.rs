@@ -27,6 +27,8 @@ use petgraph::unionfind::UnionFind;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::support::geometry::{Point, lerp};
+
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
@@ -39,6 +41,12 @@ impl Network {
     /// An empty network.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The middle point of the path of a vessel, or the middle between the two nodes it would join, m.
+    pub fn middle_of(&self, ends: [usize; 2], vessel: &Vessel) -> Point {
+        let [a, b] = ends.map(|node| self.node(node).position.unwrap_or_default());
+        vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position)
     }
 
     /// Adds a node and returns its row.

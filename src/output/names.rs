@@ -4,6 +4,8 @@
 pub const RECORD: &str = "run.json";
 /// The vessels.
 pub const EDGES: &str = "edges.csv";
+/// Cuts that are suggested and not made.
+pub const SUGGESTED_CUTS: &str = "suggested-cuts.csv";
 /// The nodes.
 pub const NODES: &str = "nodes.csv";
 /// The page to open in a browser.

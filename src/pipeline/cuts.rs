@@ -13,6 +13,7 @@ use super::options::SourceFile;
 use crate::candidates::kind::Kind;
 use crate::contacts::model::ContactModel;
 use crate::contacts::with_contacts;
+use crate::decision::{SuggestedCut, suggested_cuts};
 use crate::error::{Error, Fault, Result};
 use crate::io::{Format, ReadOptions, bytes_of, checksum, read_mask};
 use crate::masks::Field;
@@ -23,7 +24,7 @@ use crate::support::suggestions::did_you_mean;
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Cut {
-    /// On automatic skeletons where there is a mask.
+    /// On automatic skeletons where there is a mask; without one cuts are suggested.
     #[default]
     Auto,
     /// On any centerlines.
@@ -80,6 +81,8 @@ pub(crate) struct Cuts {
     model: Arc<ContactModel>,
     source: Option<SourceFile>,
     field: Option<Field>,
+    /// Whether cuts are suggested and not made.
+    only_suggests: bool,
 }
 
 impl Cuts {
@@ -93,9 +96,10 @@ impl Cuts {
         let path = mask.map(Path::to_owned).or_else(|| own.then(|| PathBuf::from(&input.provenance.input)));
         let wanted = match cut {
             Cut::Never => false,
-            Cut::Auto => kind == Kind::Skeleton && path.is_some(),
+            Cut::Auto => kind == Kind::Skeleton,
             Cut::Always | Cut::File(_) => true,
         };
+        let only_suggests = *cut == Cut::Auto && path.is_none();
         if !wanted || !input.is_fragments || !input.network.has_positions() {
             return Ok(None);
         }
@@ -111,12 +115,22 @@ impl Cuts {
             }
             _ => (ContactModel::shipped()?, None),
         };
-        Ok(Some(Self { model, source, field: mask.as_ref().and_then(Field::of) }))
+        Ok(Some(Self { model, source, field: mask.as_ref().and_then(Field::of), only_suggests }))
     }
 
-    /// The graph with its contacts opened.
-    pub(crate) fn open(&self, graph: &Network) -> Network {
-        with_contacts(graph, self.field.as_ref(), &self.model)
+    /// The graph with its contacts opened, and the cuts that are only suggested: one of the two.
+    pub(crate) fn open(&self, graph: Network) -> (Network, Vec<SuggestedCut>) {
+        let opened = with_contacts(&graph, self.field.as_ref(), &self.model);
+        if !self.only_suggests {
+            return (opened.graph, Vec::new());
+        }
+        let suggested = suggested_cuts(&graph, &opened);
+        (graph, suggested)
+    }
+
+    /// Whether cuts are suggested and not made.
+    pub(crate) fn only_suggests(&self) -> bool {
+        self.only_suggests
     }
 
     /// Whether there is a mask.
@@ -127,6 +141,6 @@ impl Cuts {
     /// The record in run.json.
     pub(crate) fn record(&self) -> Value {
         let model = self.source.as_ref().map_or(json!("shipped"), |source| json!(source));
-        json!({ "model": model, "mask": self.field.is_some() })
+        json!({ "model": model, "mask": self.field.is_some(), "only_suggested": self.only_suggests })
     }
 }

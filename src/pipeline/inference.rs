@@ -94,6 +94,7 @@ impl Inference {
         Outcome {
             network: graph,
             boundary,
+            suggested_cuts: &self.prepared.suggested_cuts,
             result: &self.likelihood,
             rule: *keep,
             answer: &self.decision,

@@ -34,7 +34,7 @@ use serde_json::{Value, json};
 
 use crate::candidates::CandidateOptions;
 use crate::candidates::kind::Kind;
-use crate::decision::{Keep, all_decided};
+use crate::decision::{Keep, SuggestedCut, all_decided};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
@@ -90,6 +90,8 @@ pub struct Prepared {
     pub(crate) prior: Value,
     /// The record of what opened contacts.
     pub(crate) cuts: Value,
+    /// Where vessels may only touch that are left together.
+    pub(crate) suggested_cuts: Vec<SuggestedCut>,
     pub(crate) uniform_prior: bool,
     /// How candidates were built; `None` for a ready graph.
     pub(crate) candidates: Option<CandidateOptions>,
@@ -148,12 +150,15 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
-    let graph = match &cuts {
-        Some(cuts) => cuts.open(&graph),
-        None => graph,
+    let (graph, suggested_cuts) = match &cuts {
+        Some(cuts) => cuts.open(graph),
+        None => (graph, Vec::new()),
     };
     if let Some(cuts) = &cuts {
-        progress.step(Step::Cut { graph: &graph, with_mask: cuts.has_mask() });
+        progress.step(match cuts.only_suggests() {
+            true => Step::CutsSuggested { suggested: suggested_cuts.len() },
+            false => Step::Cut { graph: &graph, with_mask: cuts.has_mask() },
+        });
     }
     let boundary = boundary.extended_to(graph.node_count());
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
@@ -173,6 +178,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         outlets,
         prior: prior.record(),
         cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),
+        suggested_cuts,
         uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
         candidates: is_fragments.then_some(building),
         arteries,

@@ -67,6 +67,11 @@ pub enum Step<'a> {
         /// Whether the mask was looked at.
         with_mask: bool,
     },
+    /// Cuts were found and not made, there being no mask.
+    CutsSuggested {
+        /// How many.
+        suggested: usize,
+    },
     /// The boundary conditions are known.
     Boundary {
         /// The over-connected graph.

@@ -6,15 +6,16 @@ use super::figures::convergence::convergence;
 use super::figures::heat_map::{Matrix, heat_map};
 use super::page::{Picture, infer_page, write_page};
 use super::run_record::Summary;
-use crate::decision::{Decision, ExpectedErrors, Keep, Topology, threshold};
+use crate::decision::{Decision, ExpectedErrors, Keep, SuggestedCut, Topology, threshold};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, Circuit, pressures};
 use crate::io::{
     Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
+use crate::network::units::millimetres;
 use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
-use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, TOPOLOGY};
+use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, SUGGESTED_CUTS, TOPOLOGY};
 use crate::output::write_record;
 use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
 
@@ -47,6 +48,8 @@ pub struct Outcome<'a> {
     pub network: &'a Network,
     /// Its boundary conditions.
     pub boundary: &'a Boundary,
+    /// Cuts that are suggested, the surest first.
+    pub suggested_cuts: &'a [SuggestedCut],
     /// What the samples say.
     pub result: &'a Likelihood,
     /// The rule that decided.
@@ -106,6 +109,9 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
         copy(folder, ["graphml", "vtp"])?;
     } else {
         topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    }
+    if !outcome.suggested_cuts.is_empty() {
+        write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
     }
     let matrix = outcome.result.matrix(network);
     write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
@@ -266,6 +272,19 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         flag("kept", &answer.kept),
     ]);
     columns
+}
+
+/// The columns of suggested-cuts.csv.
+pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
+    let place = |name, axis: usize| Column::real(name, cuts.iter().map(move |cut| millimetres(cut.position[axis])));
+    vec![
+        place("x_mm", 0),
+        place("y_mm", 1),
+        place("z_mm", 2),
+        Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
+        Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
+        Column::real("probability", cuts.iter().map(|cut| cut.probability)),
+    ]
 }
 
 /// The rows of some columns.

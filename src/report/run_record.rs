@@ -196,6 +196,7 @@ impl Summary {
                 "candidates": count(Origin::Candidate),
                 "contacts": outcome.contacts(),
                 "cut": outcome.cuts().count(),
+                "suggested_cuts": outcome.suggested_cuts.len(),
                 "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),

@@ -34,7 +34,7 @@ pub struct TrainParams {
 
 impl Default for TrainParams {
     fn default() -> Self {
-        Self { l2: 0.01, iterations: vec![60, 40, 25], without_inlets: 0.3 }
+        Self { l2: 0.002, iterations: vec![60, 40, 25], without_inlets: 0.3 }
     }
 }
 

@@ -96,10 +96,10 @@ fn add(sum: &mut [f64], factor: f64, row: &ArrayView1<f64>) {
     }
 }
 
-/// Per case the weight n^-0.35 over the sum of all, n its fragments: a brain of a hundred fragments teaches more than a circle
+/// Per case the weight n^-0.5 over the sum of all, n its fragments: a brain of a hundred fragments teaches more than a circle
 /// of ten, but there are not ten times as many independent things to learn from it.
 pub fn case_weights(examples: &[&Example]) -> Vec<f64> {
-    let of: Vec<f64> = examples.iter().map(|e| (e.extraction.fragments.len().max(1) as f64).powf(-0.35)).collect();
+    let of: Vec<f64> = examples.iter().map(|e| (e.extraction.fragments.len().max(1) as f64).powf(-0.5)).collect();
     let sum: f64 = of.iter().sum();
     of.into_iter().map(|w| w / sum).collect()
 }

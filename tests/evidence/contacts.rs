@@ -88,7 +88,7 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     let of_end: Vec<usize> =
         ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
     let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
-    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)] }]);
+    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)] }]).graph;
     let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
     let through = |a: usize, b: usize| {
         let vessel = |at: Point| {
@@ -193,6 +193,33 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
+}
+
+#[test]
+fn without_a_mask_cuts_are_suggested_that_always_would_make() {
+    let at = folder();
+    assert!(willis(at.path(), &["phantom", "capillary", "--edges", "300", "-o", "lines.vtp"]).status.success());
+    let counts = |name: &str, cut: &str| {
+        let ran = willis(at.path(), &["infer", "lines.vtp", "-o", name, "--cut", cut, "-n", "4", "--dpi", "36", "--json", "--quiet"]);
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        serde_json::from_slice::<serde_json::Value>(&ran.stdout).expect("JSON")["counts"].clone()
+    };
+    let [suggested, made, none] = ["auto", "always", "never"].map(|cut| counts(cut, cut));
+    assert!(suggested["suggested_cuts"].as_u64() > Some(0));
+    assert_eq!(suggested["suggested_cuts"], made["cut"]);
+    let read = |file: &str| std::fs::read_to_string(at.path().join(file)).expect("a table");
+    // Suggestions change nothing.
+    assert_eq!(read("auto/edges.csv"), read("never/edges.csv"));
+    assert!((none["suggested_cuts"].as_u64(), none["contacts"].as_u64()) == (Some(0), Some(0)));
+    assert!(!at.path().join("never/suggested-cuts.csv").exists() && !at.path().join("always/suggested-cuts.csv").exists());
+    // The surest first; each is a contact that stays cut, with the same probability.
+    let table = read("auto/suggested-cuts.csv");
+    let probability = |line: &str| line.rsplit(',').next().and_then(|p| p.parse::<f64>().ok()).expect("a probability");
+    let listed: Vec<f64> = table.lines().skip(1).map(probability).collect();
+    let cut = rows(&at.path().join("always")).into_iter().filter(|row| row["origin"] == "contact" && row["kept"] == "0");
+    let mut expected: Vec<f64> = cut.map(|row| row["probability"].parse().expect("a probability")).collect();
+    expected.sort_by(f64::total_cmp);
+    assert_eq!(listed, expected);
 }
 
 #[test]

@@ -257,6 +257,12 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
             let how = if *with_mask { "the mask" } else { "the lines alone" };
             terminal.say("cut", format!("{} between vessels that may only touch (by {how})", plural(contacts, "contact")));
         }
+        Step::CutsSuggested { suggested: 0 } => {}
+        Step::CutsSuggested { suggested } => {
+            let cuts = plural(*suggested, "cut");
+            terminal
+                .say("suggested", format!("{cuts} where vessels may only touch (by the lines alone): --cut always, or --mask"));
+        }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
         Step::Note(note) => terminal.say("note", note),
         Step::Sampling { graph, options } => {

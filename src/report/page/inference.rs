@@ -1,10 +1,10 @@
 //! The page of an inference: vessels by likelihood, and a threshold that the reader can move.
 
-use super::scene::{cuts, scene};
+use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
-use crate::report::inference::Outcome;
+use crate::report::inference::{Outcome, suggested_cut_columns};
 use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
@@ -37,6 +37,9 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
+    if !outcome.suggested_cuts.is_empty() {
+        names.push(("suggested cuts", "/counts/suggested_cuts", ""));
+    }
     if outcome.contacts() > 0 {
         names.push(("contacts of vessels", "/counts/contacts", ""));
         names.push(("cut of these", "/counts/cut", ""));
@@ -47,8 +50,11 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     }
     let scene = scene(outcome.network, outcome.boundary).map(|mut scene| {
         scene.markers.extend(cuts(outcome.network, outcome.cuts()));
+        scene.markers.extend(suggestions(outcome.suggested_cuts));
         scene
     });
+    let suggested = (!outcome.suggested_cuts.is_empty())
+        .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
     Page {
         title: title("infer", &record),
         facts: facts(&record, &names),
@@ -57,7 +63,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         colourings: colourings(unit, evidence),
         threshold: Some(threshold(outcome, unit)),
         figures,
-        tables: [Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)), conditions]
+        tables: [Some(table("Vessels", columns, true)), suggested, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
             .collect(),

@@ -1,9 +1,10 @@
 //! The vessels of a page in space: their centerlines, without points that make no visible difference.
 
+use crate::decision::SuggestedCut;
 use crate::flow::Boundary;
 use crate::network::units::millimetres;
 use crate::network::{Network, Role};
-use crate::support::geometry::{box_diagonal, lerp};
+use crate::support::geometry::box_diagonal;
 
 /// x, y, z and radius, mm.
 pub type Place = [f64; 4];
@@ -25,7 +26,7 @@ pub struct Scene {
 pub struct Marker {
     /// The position of the node and the radius of its widest vessel, or the middle of the contact and its radius.
     pub place: Place,
-    /// What is there: `inlet`, `outlet` or `cut`.
+    /// What is there: `inlet`, `outlet`, `cut` or `suggested`.
     pub kind: &'static str,
     /// The node's label or id, or the probability of the contact.
     pub name: String,
@@ -66,14 +67,22 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
 /// A mark at each of some contacts, where two vessels only touch.
 pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> Vec<Marker> {
     let mark = |row: usize| {
-        let ([a, b], vessel) =
-            (network.ends(row).map(|node| network.node(node).position.unwrap_or_default()), network.vessel(row));
-        let middle = vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position);
+        let vessel = network.vessel(row);
+        let middle = network.middle_of(network.ends(row), vessel);
         let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
         let [x, y, z] = middle.map(millimetres);
         Marker { place: [x, y, z, millimetres(vessel.radius)], kind: "cut", name: format!("P = {probability:.3}") }
     };
     contacts.map(mark).collect()
+}
+
+/// A mark at each suggested cut.
+pub fn suggestions(cuts: &[SuggestedCut]) -> impl Iterator<Item = Marker> {
+    cuts.iter().map(|cut| {
+        let [x, y, z] = cut.position.map(millimetres);
+        let name = format!("P = {:.3}", cut.probability);
+        Marker { place: [x, y, z, millimetres(cut.radius)], kind: "suggested", name }
+    })
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).

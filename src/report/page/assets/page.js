@@ -202,8 +202,9 @@ function showScene() {
     box.checked = scene[shown];
     box.addEventListener("change", () => { scene[shown] = box.checked; dress(); });
   };
-  toggle("markers", "markersShown", kind => kind !== "cut");
+  toggle("markers", "markersShown", kind => !CUTS.has(kind));
   toggle("cuts", "cutsShown", kind => kind === "cut");
+  toggle("suggested", "cutsShown", kind => kind === "suggested");
   byId("picture").addEventListener("click", () => make("a", { href: scene.canvas.toDataURL(), download: "vessels.png" }).click());
   dress();
 }

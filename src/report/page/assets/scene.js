@@ -1,7 +1,8 @@
 // The view of the vessels: it paints after changes, and finds the vessel at a place.
 // More markers than this would hide the vessels, so they are off at first.
 const MANY = 200;
-const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90], cut: [205, 30, 40] };
+const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90], cut: [205, 30, 40], suggested: [235, 130, 0] };
+const CUTS = new Set(["cut", "suggested"]);
 
 class SceneView {
   constructor(source) {
@@ -9,7 +10,7 @@ class SceneView {
     this.canvas = byId("canvas");
     this.camera = new Camera(this.geometry.points);
     this.looks = new Uint8Array(4 * (this.geometry.starts.length - 1));
-    this.markersShown = this.geometry.markers.filter(([kind]) => kind !== "cut").length <= MANY;
+    this.markersShown = this.geometry.markers.filter(([kind]) => !CUTS.has(kind)).length <= MANY;
     this.cutsShown = true;
     this.picked = -1;
     this.begin();
@@ -57,7 +58,7 @@ class SceneView {
     }
     for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) {
       const kind = this.geometry.markers[i - this.geometry.vessels][0];
-      const shown = kind === "cut" ? this.cutsShown : this.markersShown;
+      const shown = CUTS.has(kind) ? this.cutsShown : this.markersShown;
       this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (shown ? 0 : LOOK.hidden);
     }
     this.painter.dress(this.looks);

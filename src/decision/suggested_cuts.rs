@@ -1,0 +1,38 @@
+//! Cuts that are suggested and not made.
+
+use serde::{Deserialize, Serialize};
+
+use super::best_first::{RECONNECT, reconnected};
+use crate::contacts::split::Opened;
+use crate::network::Network;
+use crate::support::geometry::Point;
+
+/// A place where two vessels may only touch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SuggestedCut {
+    /// The id of a junction there.
+    pub node: String,
+    /// The middle of the contact, m.
+    pub position: Point,
+    /// The radius there, m.
+    pub radius: f64,
+    /// How probably the two are one vessel all the same.
+    pub probability: f64,
+}
+
+/// The contacts of a network that stay cut when they are opened ([`reconnected()`]), the least probable to be one vessel first.
+pub fn suggested_cuts(network: &Network, opened: &Opened) -> Vec<SuggestedCut> {
+    let Opened { graph, junctions } = opened;
+    let kept = reconnected(graph, RECONNECT);
+    let contacts = graph.vessels().zip(kept).skip(graph.vessel_count() - junctions.len());
+    let cut = contacts.zip(junctions).filter(|((_, kept), _)| !kept);
+    let suggested = cut.map(|(((ends, vessel), _), junctions)| SuggestedCut {
+        node: network.node(junctions[0]).id.clone(),
+        position: graph.middle_of(ends, vessel),
+        radius: vessel.radius,
+        probability: vessel.prior,
+    });
+    let mut suggested: Vec<SuggestedCut> = suggested.collect();
+    suggested.sort_by(|a, b| a.probability.total_cmp(&b.probability));
+    suggested
+}
