@@ -200,7 +200,8 @@ fn without_a_mask_cuts_are_suggested_that_always_would_make() {
     let at = folder();
     assert!(willis(at.path(), &["phantom", "capillary", "--edges", "300", "-o", "lines.vtp"]).status.success());
     let counts = |name: &str, cut: &str| {
-        let ran = willis(at.path(), &["infer", "lines.vtp", "-o", name, "--cut", cut, "-n", "4", "--dpi", "36", "--json", "--quiet"]);
+        let ran =
+            willis(at.path(), &["infer", "lines.vtp", "-o", name, "--cut", cut, "-n", "4", "--dpi", "36", "--json", "--quiet"]);
         assert!(ran.status.success(), "{}", stderr(&ran));
         serde_json::from_slice::<serde_json::Value>(&ran.stdout).expect("JSON")["counts"].clone()
     };
