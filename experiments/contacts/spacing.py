@@ -15,8 +15,8 @@ import make_cases
 
 WILLIS = os.environ.get("WILLIS", "target/release/willis")
 STEPS = (.05, .1, .25, .5, 1)
-# Ends that are no further apart, mm, are at one place.
-NEAR = 1.5
+# Ends that are no further apart, mm, are at one place, or nearly.
+NEAR, NEARLY = 1.5, 4
 
 
 def willis(*words):
@@ -31,17 +31,17 @@ def decisions(lines, out, options):
     return np.array(kept).reshape(-1, 2, 3), sum((row["origin"], row["kept"]) == ("contact", "0") for row in rows)
 
 
-def shared(some, others):
-    """How many of some candidates are among others."""
+def shared(some, others, near):
+    """How many of some candidates are among others, but for so many mm."""
     both = np.concatenate([others, others[:, ::-1]])
     away = np.linalg.norm(some[:, None] - both[None], axis=3).max(axis=2)
-    return int((away.min(axis=1, initial=np.inf) <= NEAR).sum())
+    return int((away.min(axis=1, initial=np.inf) <= near).sum())
 
 
 def main():
     work, words = Path(sys.argv[2]), sys.argv[3:]
     options = words[words.index("--") + 1:] if "--" in words else []
-    totals = {step: np.zeros(5, int) for step in STEPS}
+    totals = {step: np.zeros(6, int) for step in STEPS}
     for number, case in enumerate(map(Path, words[:len(words) - len(options) - bool(options)])):
         own = work / str(number)
         own.mkdir(parents=True, exist_ok=True)
@@ -52,10 +52,11 @@ def main():
         for step in STEPS:
             make_cases.respace(own, own / str(step), step)
             others, cut_there = decisions(own / str(step) / "fragments.npz", own / str(step) / "out", options)
-            totals[step] += [len(kept), len(others), shared(kept, others), cut, cut_there]
-    print("| mm | kept | kept then | the same | share | cuts | cuts then |\n|---|---|---|---|---|---|---|")
-    for step, (kept, then, same, cut, cut_then) in totals.items():
-        print(f"| {step} | {kept} | {then} | {same} | {2 * same / max(kept + then, 1):.3f} | {cut} | {cut_then} |")
+            totals[step] += [len(kept), len(others), shared(kept, others, NEAR), shared(kept, others, NEARLY), cut, cut_there]
+    print(f"| mm | kept | kept then | within {NEAR} mm | within {NEARLY} mm | cuts | cuts then |\n|---|---|---|---|---|---|---|")
+    for step, (kept, then, same, nearly, cut, cut_then) in totals.items():
+        of_both = 2 / max(kept + then, 1)
+        print(f"| {step} | {kept} | {then} | {of_both * same:.3f} | {of_both * nearly:.3f} | {cut} | {cut_then} |")
 
 
 if __name__ == "__main__":
