@@ -155,9 +155,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         None => (graph, Vec::new()),
     };
     if let Some(cuts) = &cuts {
-        progress.step(match cuts.only_suggests() {
-            true => Step::CutsSuggested { suggested: suggested_cuts.len() },
-            false => Step::Cut { graph: &graph, with_mask: cuts.has_mask() },
+        progress.step(if cuts.only_suggests() {
+            Step::CutsSuggested { suggested: suggested_cuts.len() }
+        } else {
+            Step::Cut { graph: &graph, with_mask: cuts.has_mask() }
         });
     }
     let boundary = boundary.extended_to(graph.node_count());
