@@ -38,9 +38,9 @@ use crate::decision::{Keep, SuggestedCut, all_decided};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
-use crate::network::Network;
+use crate::network::{Network, Origin};
 use crate::report::Provenance;
-use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
+use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions, Uncertain};
 use arteries::FoundArteries;
 use cuts::Cuts;
 
@@ -170,6 +170,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Note(note));
         provenance.notes.push(note.clone());
     }
+    if let Some(note) = nothing_uncertain(&graph, options.sampling.uncertain).filter(|_| !is_fragments) {
+        progress.step(Step::Note(note));
+        provenance.notes.push(note.to_owned());
+    }
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(prior.usual_rule(&graph)),
         graph,
@@ -187,9 +191,17 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }))
 }
 
+/// That a graph leaves nothing to decide, and what may help.
+fn nothing_uncertain(graph: &Network, uncertain: Uncertain) -> Option<&'static str> {
+    let decided = uncertain == Uncertain::Candidates && graph.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
+    decided.then_some(
+        "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain` all puts every vessel in question",
+    )
+}
+
 /// That there is no candidate, and what may help.
 pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
-    let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == crate::network::Origin::Candidate);
+    let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == Origin::Candidate);
     (!candidates).then_some(match options.max_gap {
         Some(_) => "no free end has another vessel within `max_gap`; a larger one may help",
         None => "no free end has another vessel within reach",

@@ -18,6 +18,20 @@ const GRAPH: &[u8] = br#"<graphml><key id="label" for="node" attr.name="label" a
 </graph></graphml>"#;
 
 #[test]
+fn a_graph_without_anything_uncertain_is_told_what_may_be() {
+    let at = folder();
+    assert!(willis(at.path(), &["convert", &data("broken-circle-of-willis.swc"), "graph.graphml"]).status.success());
+    let said = |name: &str, more: &[&str]| {
+        let ran = willis(at.path(), &[&["infer", "graph.graphml", "-o", name, "-n", "4", "--dpi", "36"], more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        (stderr(&ran).contains("no vessel is uncertain"), stderr(&ran).contains("--observed looks for candidates"))
+    };
+    assert_eq!(said("as-it-is", &[]), (true, true));
+    assert_eq!(said("candidates", &["--observed"]), (false, false));
+    assert_eq!(said("all", &["--uncertain", "all"]), (false, false));
+}
+
+#[test]
 fn what_is_mistyped_is_answered_with_what_was_meant() {
     let cases: [(&[&str], &str); 17] = [
         (&["infr"], "'infer'"),
