@@ -216,7 +216,7 @@ fn optimum_and_calibration_are_those_of_scipy() {
         })
         .collect();
     put("links.csv", table(links.iter().map(|(p, right, w)| vec![*p, f64::from(u8::from(*right)), *w])));
-    let found = run(&python, "optimum.py", &[&here.path().display().to_string(), "0.01"]);
+    let found = run(&python, "optimum.py", &[&here.path().display().to_string(), &params.l2.to_string()]);
     let [scipys, ours_by_scipy] = found[0][..] else { panic!("{found:?}") };
     assert!((ours_by_scipy - least).abs() < 1e-9, "the same objective: {ours_by_scipy} {least}");
     assert!(least < scipys + 1e-6 && least > 0.0, "{least} {scipys}");
