@@ -154,8 +154,10 @@ def check_threshold(page):
 def check_toggles(page):
     """Each switch changes the picture; with all off nothing is left but white, and back on all is as before."""
     names = ["kept", "pruned", "undecided", "observed"]
-    if page.one("#markers").is_selected():
-        page.click("#markers")
+    for dots in ("#markers", "#cuts", "#suggested"):
+        box = page.one(dots)
+        if box.is_displayed() and box.is_selected():
+            page.click(dots)
     last = whole = page.picture()
     for name in names:
         page.click(f"#show-{name}")
