@@ -25,17 +25,16 @@ struct Plan {
     copies: BTreeMap<usize, Vec<[usize; 2]>>,
     /// Per node of such a cluster the node that a candidate there goes to.
     node_of_candidate: BTreeMap<usize, usize>,
-    /// The contacts, each with its nodes, and the junctions that it joined.
-    contacts: Vec<([usize; 2], Vessel)>,
-    junctions: Vec<[usize; 2]>,
+    /// The contacts, each with its nodes and a junction where it is.
+    contacts: Vec<([usize; 2], Vessel, usize)>,
 }
 
 /// A network whose contacts are opened.
 pub struct Opened {
     /// The network; its last vessels are the contacts.
     pub graph: Network,
-    /// Per contact the two junctions that were one vessel, rows of the network as it was.
-    pub junctions: Vec<[usize; 2]>,
+    /// Per contact a junction where it is, a row of the network as it was.
+    pub junctions: Vec<usize>,
 }
 
 /// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
@@ -73,10 +72,12 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opene
         });
         graph.add_vessel(ends, vessel.clone());
     }
-    for (ends, contact) in plan.contacts {
+    let mut junctions = Vec::with_capacity(plan.contacts.len());
+    for (ends, contact, junction) in plan.contacts {
         graph.add_vessel(ends, contact);
+        junctions.push(junction);
     }
-    Opened { graph, junctions: plan.junctions }
+    Opened { graph, junctions }
 }
 
 /// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.
@@ -139,9 +140,8 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
     }
     for ([a, b], p) in &blocks.joined {
         let ends = [*a, *b].map(|block| own[block][&hubs[block].0]);
-        let junctions = [hubs[*a].0, hubs[*b].0];
-        plan.contacts.push((ends, contact(graph, branches, row, paths, junctions, *p)));
-        plan.junctions.push(junctions);
+        let between = [hubs[*a].0, hubs[*b].0];
+        plan.contacts.push((ends, contact(graph, branches, row, paths, between, *p), between[0]));
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::best_first::{RECONNECT, reconnected};
 use crate::contacts::split::Opened;
-use crate::network::Network;
+use crate::network::{Network, Origin};
 use crate::support::geometry::Point;
 
 /// A place where two vessels may only touch.
@@ -24,10 +24,10 @@ pub struct SuggestedCut {
 pub fn suggested_cuts(network: &Network, opened: &Opened) -> Vec<SuggestedCut> {
     let Opened { graph, junctions } = opened;
     let kept = reconnected(graph, RECONNECT);
-    let contacts = graph.vessels().zip(kept).skip(graph.vessel_count() - junctions.len());
+    let contacts = graph.vessels().zip(kept).filter(|((_, vessel), _)| vessel.origin == Origin::Contact);
     let cut = contacts.zip(junctions).filter(|((_, kept), _)| !kept);
-    let suggested = cut.map(|(((ends, vessel), _), junctions)| SuggestedCut {
-        node: network.node(junctions[0]).id.clone(),
+    let suggested = cut.map(|(((ends, vessel), _), junction)| SuggestedCut {
+        node: network.node(*junction).id.clone(),
         position: graph.middle_of(ends, vessel),
         radius: vessel.radius,
         probability: vessel.prior,

@@ -40,7 +40,7 @@ use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
 use crate::network::{Network, Origin};
 use crate::report::Provenance;
-use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions, Uncertain};
+use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
 use cuts::Cuts;
 
@@ -72,6 +72,10 @@ pub fn candidates(input: &Input, options: &InferOptions) -> Result<Network> {
     let prepared = prepare(input.clone(), options, &mut Silent)?;
     Ok(prepared.boundary.stated_in(prepared.graph.clone()))
 }
+
+/// What may help where a graph leaves nothing to decide.
+const NOTHING_UNCERTAIN: &str =
+    "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain` all puts every vessel in question";
 
 /// An input made ready to be sampled: the over-connected graph and its boundary conditions, with everything that its files say.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -170,9 +174,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Note(note));
         provenance.notes.push(note.clone());
     }
-    if let Some(note) = nothing_uncertain(&graph, options.sampling.uncertain).filter(|_| !is_fragments) {
-        progress.step(Step::Note(note));
-        provenance.notes.push(note.to_owned());
+    if !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true) {
+        progress.step(Step::Note(NOTHING_UNCERTAIN));
+        provenance.notes.push(NOTHING_UNCERTAIN.to_owned());
     }
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(prior.usual_rule(&graph)),
@@ -189,14 +193,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         arteries,
         started: input.started,
     }))
-}
-
-/// That a graph leaves nothing to decide, and what may help.
-fn nothing_uncertain(graph: &Network, uncertain: Uncertain) -> Option<&'static str> {
-    let decided = uncertain == Uncertain::Candidates && graph.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
-    decided.then_some(
-        "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain` all puts every vessel in question",
-    )
 }
 
 /// That there is no candidate, and what may help.

@@ -157,7 +157,9 @@ def check_toggles(page):
     for dots in ("#markers", "#cuts", "#suggested"):
         box = page.one(dots)
         if box.is_displayed() and box.is_selected():
+            shown = page.picture()
             page.click(dots)
+            assert page.picture() != shown, dots
     last = whole = page.picture()
     for name in names:
         page.click(f"#show-{name}")

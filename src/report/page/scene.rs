@@ -4,7 +4,7 @@ use crate::decision::SuggestedCut;
 use crate::flow::Boundary;
 use crate::network::units::millimetres;
 use crate::network::{Network, Role};
-use crate::support::geometry::box_diagonal;
+use crate::support::geometry::{Point, box_diagonal};
 
 /// x, y, z and radius, mm.
 pub type Place = [f64; 4];
@@ -65,24 +65,23 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
 }
 
 /// A mark at each of some contacts, where two vessels only touch.
-pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> Vec<Marker> {
-    let mark = |row: usize| {
+pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> impl Iterator<Item = Marker> {
+    contacts.map(|row| {
         let vessel = network.vessel(row);
-        let middle = network.middle_of(network.ends(row), vessel);
         let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
-        let [x, y, z] = middle.map(millimetres);
-        Marker { place: [x, y, z, millimetres(vessel.radius)], kind: "cut", name: format!("P = {probability:.3}") }
-    };
-    contacts.map(mark).collect()
+        cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
+    })
 }
 
 /// A mark at each suggested cut.
 pub fn suggestions(cuts: &[SuggestedCut]) -> impl Iterator<Item = Marker> {
-    cuts.iter().map(|cut| {
-        let [x, y, z] = cut.position.map(millimetres);
-        let name = format!("P = {:.3}", cut.probability);
-        Marker { place: [x, y, z, millimetres(cut.radius)], kind: "suggested", name }
-    })
+    cuts.iter().map(|suggested| cut("suggested", suggested.position, suggested.radius, suggested.probability))
+}
+
+/// A mark where vessels touch that are one with a probability.
+fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Marker {
+    let [x, y, z] = position.map(millimetres);
+    Marker { place: [x, y, z, millimetres(radius)], kind, name: format!("P = {probability:.3}") }
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
