@@ -24,11 +24,11 @@ def run(*words):
 def answer(mask, out, cut):
     """The lines of the topology, in the frame of the tubes."""
     run(WILLIS, "infer", mask, "-o", out, "--cut", cut, "-n", 1, "--force", "--quiet")
-    run(WILLIS, "convert", out / "topology.graphml", out / "lines.npz", "--force", "--quiet")
-    lines = dict(np.load(out / "lines.npz"))
-    lines["coords"] = lines["coords"] * FLIP
-    np.savez(out / "turned.npz", **lines)
-    return out / "turned.npz"
+    turned = out.with_suffix(".npz")
+    run(WILLIS, "convert", out / "topology.graphml", turned, "--force", "--quiet")
+    lines = dict(np.load(turned))
+    np.savez(turned, **lines | {"coords": lines["coords"] * FLIP})
+    return turned
 
 
 bench, data, work = (Path(word).resolve() for word in sys.argv[1:4])

@@ -2,9 +2,11 @@
 //!
 //! Border voxels go from one of six directions after the other, as long as they are simple (their removal changes no component, no
 //! tunnel and no cavity of 26-connected vessels in a 6-connected background) and no ends of a line. The order of directions and of
-//! voxels is that of scikit-image on the array that nibabel makes of a file in RAS. Unlike there, a voxel is tested for all of this again
-//! right before it goes. Source: Lee, Kashyap and Chu, "Building skeleton models via 3-D medial surface/axis thinning algorithms",
-//! CVGIP 56 (1994); simple voxels: Malandain and Bertrand, "Fast characterization of 3D simple points" (1992).
+//! voxels is that of scikit-image on the array that nibabel makes of a file in RAS. As there, a voxel is tested again right before it
+//! goes. Unlike there, this second test is for all that makes a voxel simple, and of voxels that follow each other and have become
+//! ends only two go: no line is undone from its end, and none of more than one voxel becomes a point. Source: Lee, Kashyap and Chu,
+//! "Building skeleton models via 3-D medial surface/axis thinning algorithms", CVGIP 56 (1994); simple voxels: Malandain and Bertrand,
+//! "Fast characterization of 3D simple points" (1992).
 
 use super::foreground::{Foreground, neighbours};
 
@@ -67,9 +69,11 @@ fn reached(start: u32, allowed: u32, next_to: &[u32; 27]) -> u32 {
     found
 }
 
-/// The bit of a voxel's state that says it is there; the six below say for which directions it has to be tested.
+/// The bit of a voxel's state that says it is there; the six lowest say for which directions it has to be tested.
 const THERE: u8 = 1 << 7;
 const ALL: u8 = (1 << DIRECTIONS.len()) - 1;
+/// Voxels that have become ends and go in one pass, one after the other. A voxel that is gone keeps their number until the pass is over.
+const MOST_ENDS: u8 = 2;
 
 /// The rows of the voxels that make the skeleton, in their order.
 ///
@@ -92,7 +96,6 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
         }
         bits & !SELF
     };
-    let may_go = |bits: u32| bits.count_ones() != 1 && tables.is_simple(bits);
     // The places of the voxels that have to be tested for some direction, rising. At first those with background beside them.
     let is_border =
         |place: &usize| strides.iter().any(|stride| !vessels.contains(place + stride) || !vessels.contains(place - stride));
@@ -100,7 +103,7 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
     for place in &open {
         state[*place as usize] |= ALL;
     }
-    let (mut candidates, mut fresh) = (Vec::new(), Vec::new());
+    let (mut candidates, mut fresh, mut marked) = (Vec::new(), Vec::new(), Vec::new());
     while !open.is_empty() {
         for (direction, (axis, forward)) in DIRECTIONS.into_iter().enumerate() {
             candidates.clear();
@@ -110,15 +113,23 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                 }
                 state[place] &= !(1 << direction);
                 let beside = if forward { place + strides[axis] } else { place - strides[axis] };
-                if state[beside] & THERE == 0 && may_go(bits_at(&state, place)) {
+                let bits = bits_at(&state, place);
+                if state[beside] & THERE == 0 && bits.count_ones() != 1 && tables.is_simple(bits) {
                     candidates.push(place);
                 }
             }
             for place in &candidates {
-                if may_go(bits_at(&state, *place)) {
-                    state[*place] = 0;
-                    for (step, _) in around {
-                        let next = (*place as isize + step) as usize;
+                let bits = bits_at(&state, *place);
+                let near = around.map(|(step, _)| (*place as isize + step) as usize);
+                // The marks of what went in this pass beside it: 0 for most.
+                let before = near.iter().map(|next| state[*next]).filter(|mark| mark & THERE == 0).max().unwrap_or(0);
+                let is_end = bits.count_ones() == 1;
+                let is_last = || near.iter().any(|next| state[*next] & THERE != 0 && bits_at(&state, *next).count_ones() == 1);
+                if tables.is_simple(bits) && !(is_end && (before == MOST_ENDS || is_last())) {
+                    let mark = before + u8::from(is_end);
+                    state[*place] = mark;
+                    marked.extend((mark > 0).then_some(*place));
+                    for next in near {
                         if state[next] & THERE != 0 {
                             if state[next] & ALL == 0 {
                                 fresh.push(next as u32);
@@ -128,6 +139,7 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                     }
                 }
             }
+            marked.drain(..).for_each(|place| state[place] = 0);
             // Those done with leave, those that a neighbour left behind enter. One may be in both lists: tested for the last direction,
             // then opened again.
             open.retain(|place| state[*place as usize] & ALL != 0);

@@ -13,12 +13,10 @@ use super::thinning::thin;
 use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::metres;
-use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
+use crate::support::geometry::{Point, distance, dot, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.5;
-/// A free end lies this share of the last step inside the last voxel.
-const INSIDE: f64 = 0.45;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
@@ -302,9 +300,6 @@ impl Tracer<'_> {
                 if at_border[end] {
                     // Where the vessel goes on outside the image, so does its line up to there.
                     line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
-                } else if n > 2 {
-                    // Rules of thinning differ by a voxel at an end. This is nearest to the last voxel, and within one of all others.
-                    line.points[at] = lerp(tip, line.points[behind[0]], INSIDE);
                 }
             }
         }

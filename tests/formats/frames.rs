@@ -19,8 +19,8 @@ fn bar() -> Vec<u8> {
     [head.as_bytes(), &(0..375).map(voxel).collect::<Vec<u8>>()].concat()
 }
 
-/// 0.45 voxels inside the middles of the last voxels of the bar in RAS, mm.
-const ENDS: [[f64; 3]; 2] = [[-21.55, -20.0, 30.0], [-12.45, -20.0, 30.0]];
+/// The middles of the last voxels of the bar in RAS, mm.
+const ENDS: [[f64; 3]; 2] = [[-22.0, -20.0, 30.0], [-12.0, -20.0, 30.0]];
 
 fn network(path: &Path) -> Network {
     let document = read(path, &ReadOptions::default()).expect("read");

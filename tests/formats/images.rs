@@ -38,10 +38,10 @@ fn ends(document: Document) -> [[f64; 3]; 2] {
     ends.try_into().expect("two ends")
 }
 
-/// 0.45 voxels inside the centres of the first and the last voxel of the bar, mm, for a frame.
+/// The centres of the first and the last voxel of the bar, mm, for a frame.
 fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
     let at = |x: f64| affine.map(|[a, b, c, d]| ((a * x + b * 2.0 + c * 3.0 + d) * 1e3).round() / 1e3);
-    let mut tips = [at(2.45), at(9.55)];
+    let mut tips = [at(2.0), at(10.0)];
     tips.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
     tips
 }
