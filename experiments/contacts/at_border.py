@@ -1,4 +1,5 @@
-"""How many kept joins end within a voxel of the border of a cropped image. at_border.py FOLDER, as unseen.sh leaves it."""
+"""How many kept joins have a free end within a voxel of the border of a cropped image. at_border.py FOLDER, as unseen.sh leaves it."""
+import collections
 import csv
 import json
 import sys
@@ -11,11 +12,13 @@ for name in ("mask-cut", "fragments"):
         for case in sorted((work / "cases" / level).iterdir()):
             box = json.loads((case / "box.json").read_text())
             low, high = box["box_mm"]
-            for row in csv.DictReader(open(work / name / level / case.name / "edges.csv")):
+            rows = list(csv.DictReader(open(work / name / level / case.name / "edges.csv")))
+            degree = collections.Counter(row[f"node_{end}"] for row in rows if row["origin"] == "observed" for end in "ab")
+            for row in rows:
                 if row["origin"] != "candidate" or row["kept"] != "1":
                     continue
                 joins += 1
-                ends = [[float(row[f"{end}{axis}_mm"]) for axis in "xyz"] for end in "ab"]
-                away = min(min(x - a, b - x) for end in ends for x, a, b in zip(end, low, high))
+                ends = [[float(row[f"{end}{axis}_mm"]) for axis in "xyz"] for end in "ab" if degree[row[f"node_{end}"]] == 1]
+                away = min((min(x - a, b - x) for end in ends for x, a, b in zip(end, low, high)), default=float("inf"))
                 at += away <= box["voxel_mm"]
-        print(f"{name}, {level}: {joins} kept joins, {at} of them end at the border of the image")
+        print(f"{name}, {level}: {joins} kept joins, {at} of them from a free end at the border of the image")

@@ -13,10 +13,12 @@ use super::thinning::thin;
 use crate::network::Frame;
 use crate::network::centerlines::Centerlines;
 use crate::network::units::metres;
-use crate::support::geometry::{Point, distance, dot, sub, unit};
+use crate::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.5;
+/// How far smoothing moves a point: half the diagonal of a voxel, in voxels. The vessel passes through the voxel.
+const FARTHEST: f64 = 0.866;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
@@ -159,7 +161,8 @@ impl Tracer<'_> {
         let mut lines: Vec<Line> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
         let step = self.step();
         for line in &mut lines {
-            line.points = smooth(&line.points);
+            let smoothed = smooth(&line.points);
+            line.points = line.points.iter().zip(smoothed).map(|(from, to)| self.held(*from, to)).collect();
         }
         let degrees = graph.degrees();
         let at_border = self.fill(graph, &degrees, &mut lines);
@@ -198,6 +201,17 @@ impl Tracer<'_> {
             }
         }
         out
+    }
+
+    /// A smoothed point, no further from where it was than [`FARTHEST`].
+    fn held(&self, from: Point, to: Point) -> Point {
+        let by = sub(to, from);
+        let along = |axis: usize| {
+            let column = self.mask.column(axis);
+            dot(by, column) / dot(column, column)
+        };
+        let voxels = (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt();
+        if voxels > FARTHEST { lerp(from, to, FARTHEST / voxels) } else { to }
     }
 
     fn line(&self, graph: &Skeleton, branch: &Branch) -> Line {
