@@ -43,7 +43,11 @@ def phantoms(work):
 print("| circles | cases with a cycle | cycles | cut | cycles kept |\n|---|---|---|---|---|")
 with tempfile.TemporaryDirectory() as work:
     work = Path(work)
-    for name, cases, cut in (("tracings, completed; `--cut always`", tracings, "always"), ("drawn as masks; default", phantoms, "auto")):
+    for name, cases, cut in (
+        ("tracings, completed; default", tracings, "auto"),
+        ("tracings, completed; `--cut always`", tracings, "always"),
+        ("drawn as masks; default", phantoms, "auto"),
+    ):
         rings = before = cuts = after = 0
         for vessels in cases(work):
             plain, found = (counts(vessels, work / "out", how) for how in ("never", cut))

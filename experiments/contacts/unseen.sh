@@ -2,7 +2,9 @@
 # Answers to simulated scans of eight brains that no model of masks was fitted to, by what ships: whole and cropped, cut and not cut.
 #
 #   willis infer mask.nii.gz -o OUT [--cut never]
-#   willis infer fragments.npz -o OUT --box BOX
+#   willis infer fragments.npz -o OUT --box BOX [--uncertain all | --preset paper]
+#
+# beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py).
 #
 # Argument: a folder for cases and answers, which is kept and gone on from (about ten minutes on two cores). LEVELS names other levels than "good
 # fair"; those two are cropped too. ../skelbench.sh says what the environment names.
@@ -26,8 +28,11 @@ for case in "$work"/cases/*/*/; do
     answer mask-cut "$case" mask.nii.gz
     answer mask-uncut "$case" mask.nii.gz --cut never
     answer fragments "$case" fragments.npz --box="$box"
+    answer uncertain-all "$case" fragments.npz --box="$box" --uncertain all
+    answer paper "$case" fragments.npz --box="$box" --preset paper
 done
-for name in mask-cut mask-uncut fragments; do
+"$python" experiments/contacts/simple.py "$work"/cases "$work"/as-is "$work"/thinnest
+for name in mask-cut mask-uncut fragments uncertain-all paper as-is thinnest; do
     echo "== $name"
     "$python" "$bench/score.py" --all "$work/cases" "$work/$name" --json "$work/$name.json"
 done

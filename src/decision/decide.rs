@@ -38,6 +38,8 @@ pub struct Topology {
     pub pruned: usize,
     /// Candidates among the kept.
     pub kept_candidates: usize,
+    /// Observed vessels among the uncertain, and how many of them go.
+    pub observed: [usize; 2],
     /// Connected parts.
     pub components: usize,
     /// Independent cycles.
@@ -158,16 +160,18 @@ impl Topology {
         for ([a, _], _) in graph.vessels() {
             unperfused[parts.of_node[a]] = !carries[parts.of_node[a]];
         }
-        let count = |keep: bool| uncertain.iter().zip(kept).filter(|(u, k)| **u && **k == keep).count();
+        let count = |of: &dyn Fn(Origin, bool) -> bool| {
+            let rows = network.vessels().zip(kept).zip(uncertain).filter(|(_, uncertain)| **uncertain);
+            rows.filter(|(((_, vessel), kept), _)| of(vessel.origin, **kept)).count()
+        };
         Self {
-            kept: count(true),
-            pruned: count(false),
-            kept_candidates: network
-                .vessels()
-                .zip(kept)
-                .zip(uncertain)
-                .filter(|(((_, v), k), u)| **k && **u && v.origin == Origin::Candidate)
-                .count(),
+            kept: count(&|_, kept| kept),
+            pruned: count(&|_, kept| !kept),
+            kept_candidates: count(&|origin, kept| kept && origin == Origin::Candidate),
+            observed: [
+                count(&|origin, _| origin == Origin::Observed),
+                count(&|origin, kept| !kept && origin == Origin::Observed),
+            ],
             components: parts.count,
             cycles: cycles(&graph),
             unperfused: unperfused.iter().filter(|u| **u).count(),

@@ -130,7 +130,7 @@ pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
 
 fn topology(t: &Topology) -> Value {
     json!({
-        "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates,
+        "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates, "pruned_observed": t.observed[1],
         "components": t.components, "cycles": t.cycles, "unperfused_components": t.unperfused,
     })
 }

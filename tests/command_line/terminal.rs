@@ -32,6 +32,26 @@ fn a_graph_without_anything_uncertain_is_told_what_may_be() {
 }
 
 #[test]
+fn how_many_observed_vessels_go_is_said() {
+    let at = folder();
+    let pruned = |name: &str, more: &[&str]| {
+        let scan = data("broken-circle-of-willis.swc");
+        let ran = willis(at.path(), &[&["infer", &scan, "-o", name, "-n", "64", "--dpi", "36", "--json"], more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        let summary: Value = serde_json::from_slice(&ran.stdout).expect("JSON");
+        // The table is the truth: rows by origin and what is kept of them.
+        let table = fs::read_to_string(at.path().join(name).join("edges.csv")).expect("a table");
+        let rows: Vec<&str> = table.lines().skip(1).filter(|row| row.contains(",observed,")).collect();
+        let gone = rows.iter().filter(|row| row.ends_with(",0")).count();
+        assert_eq!(summary["counts"]["topology"]["pruned_observed"], gone);
+        (gone, rows.len(), stderr(&ran).contains(&format!("{gone} of {} observed vessels pruned", rows.len())))
+    };
+    assert!(matches!(pruned("candidates", &[]), (0, 1.., false)));
+    assert!(matches!(pruned("all", &["--uncertain", "all"]), (0, 1.., true)));
+    assert!(matches!(pruned("paper", &["--preset", "paper"]), (1.., 1.., true)));
+}
+
+#[test]
 fn what_is_mistyped_is_answered_with_what_was_meant() {
     let cases: [(&[&str], &str); 17] = [
         (&["infr"], "'infer'"),

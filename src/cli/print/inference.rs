@@ -35,6 +35,11 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
             if outcome.rule.asks_evidence() { "" } else { " within two standard errors" }
         ),
     );
+    let [observed, pruned] = kept.observed;
+    if observed > 0 {
+        let rule = if outcome.rule.asks_evidence() { "; this rule keeps them, --keep median does not" } else { "" };
+        terminal.say("observed", format!("{} of {} pruned{rule}", count(pruned as u64), plural(observed, "observed vessel")));
+    }
     if outcome.contacts() > 0 {
         let contacts = plural(outcome.contacts(), "contact");
         terminal.say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cuts().count() as u64)));
