@@ -114,7 +114,7 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                 state[place] &= !(1 << direction);
                 let beside = if forward { place + strides[axis] } else { place - strides[axis] };
                 let bits = bits_at(&state, place);
-                if state[beside] & THERE == 0 && bits.count_ones() != 1 && tables.is_simple(bits) {
+                if state[beside] & THERE == 0 && !bits.is_power_of_two() && tables.is_simple(bits) {
                     candidates.push(place);
                 }
             }
@@ -123,8 +123,8 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                 let near = around.map(|(step, _)| (*place as isize + step) as usize);
                 // The marks of what went in this pass beside it: 0 for most.
                 let before = near.iter().map(|next| state[*next]).filter(|mark| mark & THERE == 0).max().unwrap_or(0);
-                let is_end = bits.count_ones() == 1;
-                let is_last = || near.iter().any(|next| state[*next] & THERE != 0 && bits_at(&state, *next).count_ones() == 1);
+                let is_end = bits.is_power_of_two();
+                let is_last = || near.iter().any(|next| state[*next] & THERE != 0 && bits_at(&state, *next).is_power_of_two());
                 if tables.is_simple(bits) && !(is_end && (before == MOST_ENDS || is_last())) {
                     let mark = before + u8::from(is_end);
                     state[*place] = mark;
