@@ -12,7 +12,7 @@ use super::images::{is_gzip, unpacked_head};
 use super::input::bytes_within;
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
-use super::read::{Content, ReadOptions};
+use super::read::{Content, Document, ReadOptions};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
@@ -27,7 +27,7 @@ use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::error::{Fault, Result};
-use crate::masks::{Mask, RadiusFrom, trace};
+use crate::masks::{Foreground, Mask, RadiusFrom, trace};
 use crate::network::Network;
 use crate::network::centerlines::Centerlines;
 
@@ -119,14 +119,20 @@ impl Format {
         NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
     }
 
-    /// Reads a file of this format, and the other files that belong to it. An SWC file with a table of vessels is one of iCafe.
-    pub(crate) fn read(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Self, Content, Vec<String>)> {
+    /// Reads a file of this format, whose checksum is given, and the other files that belong to it. An SWC file with a table of vessels
+    /// is one of iCafe.
+    pub(crate) fn read(self, path: &Path, bytes: &[u8], sha256: String, options: &ReadOptions) -> Result<Document> {
         let lines = |(lines, notes): (Centerlines, Vec<String>)| (Content::Centerlines(lines), notes);
         let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
         let vessels = |(vessels, notes): (Network, Vec<String>)| (Content::Vessels(vessels), notes);
         let here = |fault: Fault| fault.in_file(path);
+        let (mut format, mut lumen) = (self, None);
         let (content, notes) = match self {
-            Self::Swc => return read_tracing(path, bytes, options),
+            Self::Swc => {
+                let (found, lines, notes) = read_tracing(path, bytes, options)?;
+                format = found;
+                (lines, notes)
+            }
             Self::ICafe => read_table_of_vessels(path, bytes, options)?,
             Self::Csv => graph(read_csv_tables(path, bytes, options)?),
             Self::Voreen => vessels(read_table_pair(path, bytes, options, read_voreen_nodes, read_voreen_edges)?),
@@ -140,10 +146,12 @@ impl Format {
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
             Self::Nifti | Self::MetaImage | Self::Npy => {
-                centerlines_of(self.read_voxels(path, bytes, options)?, options).map(lines).map_err(here)?
+                let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
+                lumen = Some(voxels);
+                lines((traced, notes))
             }
         };
-        Ok((self, content, notes))
+        Ok(Document { format, content, notes, sha256, lumen })
     }
 
     /// Reads the mask in a file of this format.
@@ -201,8 +209,8 @@ pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     format.read_voxels(path, &bytes, options)
 }
 
-/// The centerlines of a mask, with what a person should know about them.
-fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+/// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.
+fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
     let ([x, y, z], spacing) = (mask.shape, mask.spacing());
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
@@ -226,7 +234,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Vec
     if traced.specks > 0 {
         notes.push(format!("{} left out: too small for a line", plural(traced.specks, "speck")));
     }
-    Ok((traced.lines, notes))
+    Ok((traced.lines, traced.lumen, notes))
 }
 
 const ACCEPTED: &str =

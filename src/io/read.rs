@@ -13,7 +13,7 @@ use crate::io::graphml::read_graphml;
 use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::reader::plural;
-use crate::masks::RadiusFrom;
+use crate::masks::{Foreground, RadiusFrom};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
 use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
@@ -41,6 +41,8 @@ pub struct Document {
     pub notes: Vec<String>,
     /// The SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
+    /// The voxels inside vessels, in the order of the scanner's axes; `None` for a file that is no mask.
+    pub lumen: Option<Foreground>,
 }
 
 /// How to read a file.
@@ -128,10 +130,11 @@ impl ReadOptions {
 ///
 /// A file that cannot be read, has no known format or wrong content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
-    let (format, mut content, mut notes, sha256) = read_any(path, options)?;
-    check_extent(&content).map_err(|fault| fault.in_file(path))?;
+    let mut document = read_any(path, options)?;
+    let Document { content, notes, .. } = &mut document;
+    check_extent(content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {
-        let Content::Centerlines(lines) = &mut content else {
+        let Content::Centerlines(lines) = content else {
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
             return Err(Error::parameter("loops", loops.display(), accepted));
         };
@@ -139,12 +142,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
-    notes.extend(unit_check(&content, &options.scale));
-    Ok(Document { format, content, notes, sha256 })
+    notes.extend(unit_check(content, &options.scale));
+    Ok(document)
 }
 
 /// Reads a file and computes its SHA-256. GraphML is read as a stream.
-fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<String>, String)> {
+fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
     let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };
     let mut all = Vec::new();
@@ -152,14 +155,13 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<(Format, Content, Vec<
     if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
         let (graph, notes) = read_graphml(stream, options).map_err(|fault| fault.in_file(path))?;
-        return Ok((Format::GraphMl, Content::Graph(graph), notes, file.checksum()));
+        let (format, content) = (Format::GraphMl, Content::Graph(graph));
+        return Ok(Document { format, content, notes, sha256: file.checksum(), lumen: None });
     }
     file.read_to_end(&mut all).map_err(unread)?;
     let sha256 = file.checksum();
     let bytes = without_mark(&all);
-    let format = format_of(path, bytes).map_err(|fault| fault.in_file(path))?;
-    let (format, content, notes) = format.read(path, bytes, options)?;
-    Ok((format, content, notes, sha256))
+    format_of(path, bytes).map_err(|fault| fault.in_file(path))?.read(path, bytes, sha256, options)
 }
 
 /// All bytes of a file.

@@ -2,7 +2,7 @@
 
 use super::distance::distances;
 use super::foreground::{Foreground, neighbours};
-use super::mask::{Affine, Mask};
+use super::mask::Affine;
 use crate::network::units::{metres, millimetres};
 use crate::support::geometry::{Point, cross, dot, norm_squared};
 
@@ -32,14 +32,13 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of a mask; `None` for a mask without vessels, or one too large to index.
-    pub fn of(mask: &Mask) -> Option<Self> {
-        let vessels = Foreground::of(mask)?;
-        let spacing = mask.spacing();
+    /// The field around the voxels of a mask.
+    pub fn of(vessels: &Foreground) -> Self {
+        let steps: [Point; 3] = [0, 1, 2].map(|axis| vessels.affine().map(|row| row[axis]));
+        let spacing = steps.map(|step| norm_squared(step).sqrt());
         let voxel = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let mut depth = vec![(OUTSIDE * voxel) as f32; vessels.box_size()];
-        let inside = distances(&vessels, spacing);
-        let steps = [0, 1, 2].map(|axis| mask.column(axis));
+        let inside = distances(vessels, spacing);
         let around = neighbours(vessels.strides()).map(|(step, by)| {
             let apart = [0, 1, 2].map(|row| (0..3).map(|axis| steps[axis][row] * f64::from(by[axis])).sum());
             (step, (0.5 * voxel - norm_squared(apart).sqrt()) as f32)
@@ -59,15 +58,15 @@ impl Field {
             cross(steps[2], steps[0]).map(|x| x / volume),
             cross(steps[0], steps[1]).map(|x| x / volume),
         ];
-        Some(Self {
+        Self {
             shape: vessels.box_shape(),
             origin: vessels.box_origin(),
             inverse,
-            at: position(&mask.affine),
+            at: position(vessels.affine()),
             voxel,
             depth,
             steps,
-        })
+        }
     }
 
     /// The least side of a voxel, m.
@@ -85,15 +84,11 @@ impl Field {
         let at = self.index(place);
         let low = at.map(f64::floor);
         let share = [0, 1, 2].map(|k| at[k] - low[k]);
-        let mut sum = 0.0;
-        for corner in 0..8_u8 {
-            let by = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight: f64 = (0..3).map(|k| if by[k] == 1 { share[k] } else { 1.0 - share[k] }).product();
-            if weight > 0.0 {
-                sum += weight * self.at([0, 1, 2].map(|k| low[k] + f64::from(by[k])));
-            }
-        }
-        metres(sum)
+        let [x, y, z] = low.map(|index| index as isize);
+        let between = |a: f64, b: f64, share: f64| a + share * (b - a);
+        let along_x = |y: isize, z: isize| between(self.at([x, y, z]), self.at([x + 1, y, z]), share[0]);
+        let in_layer = |z: isize| between(along_x(y, z), along_x(y + 1, z), share[1]);
+        metres(between(in_layer(z), in_layer(z + 1), share[2]))
     }
 
     /// The depth (m) of a place (m) in the lumen; zero outside.
@@ -109,18 +104,17 @@ impl Field {
         let range = |k: usize| {
             let low = (centre[k] - half[k]).floor().max(0.0);
             let high = (centre[k] + half[k]).ceil().min((self.shape[k] - 1) as f64);
-            (low as usize, high.max(-1.0) as isize)
+            (low as isize, high.max(-1.0) as isize)
         };
         let ranges = [0, 1, 2].map(range);
         let mut out = Vec::new();
-        let span = |k: usize| (ranges[k].0 as isize..=ranges[k].1).map(|x| x as usize);
+        let span = |k: usize| ranges[k].0..=ranges[k].1;
         for z in span(2) {
             for y in span(1) {
                 for x in span(0) {
-                    let index = [x, y, z].map(|x| x as f64);
                     // Inside the depth is half a voxel at least, outside at most half a voxel the other way.
-                    if self.at(index) > 0.0 {
-                        let to = [0, 1, 2].map(|k| index[k] - centre[k]);
+                    if self.at([x, y, z]) > 0.0 {
+                        let to = [x as f64 - centre[0], y as f64 - centre[1], z as f64 - centre[2]];
                         let apart: Point = [0, 1, 2].map(|row| (0..3).map(|axis| self.steps[axis][row] * to[axis]).sum());
                         if norm_squared(apart) <= reach * reach {
                             out.push([0, 1, 2].map(|k| place[k] + metres(apart[k])));
@@ -138,12 +132,13 @@ impl Field {
         [0, 1, 2].map(|k| dot(self.inverse[k], from) - self.origin[k])
     }
 
-    /// The depth at whole indices, mm.
-    fn at(&self, index: [f64; 3]) -> f64 {
-        if (0..3).any(|k| index[k] < 0.0 || index[k] >= self.shape[k] as f64) {
+    /// The depth of a voxel, mm.
+    fn at(&self, index: [isize; 3]) -> f64 {
+        // Below zero is no small number without a sign.
+        let [x, y, z] = index.map(|x| x as usize);
+        if x >= self.shape[0] || y >= self.shape[1] || z >= self.shape[2] {
             return OUTSIDE * self.voxel;
         }
-        let [x, y, z] = index.map(|x| x as usize);
         f64::from(self.depth[(z * self.shape[1] + y) * self.shape[0] + x])
     }
 }

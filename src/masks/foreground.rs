@@ -1,6 +1,6 @@
 //! The voxels inside vessels as one bit each, numbered in their order: a row for each voxel, a place in the box for each row.
 
-use super::mask::Mask;
+use super::mask::{Affine, Mask};
 
 /// Bits of a word.
 const BITS: usize = 64;
@@ -16,6 +16,8 @@ pub struct Foreground {
     origin: [isize; 3],
     /// The image's own lengths.
     image: [usize; 3],
+    /// Where the centre of each of its voxels is, mm.
+    affine: Affine,
     /// One bit for each place of the box.
     words: Vec<u64>,
     /// How many voxels come before each word, and all of them last.
@@ -65,7 +67,15 @@ impl Foreground {
             }
         }
         before.push(count as u32);
-        Some(Self { shape, origin: low.map(|index| index as isize - 1), image: mask.shape, words, before, landmarks })
+        Some(Self {
+            shape,
+            origin: low.map(|index| index as isize - 1),
+            image: mask.shape,
+            affine: mask.affine,
+            words,
+            before,
+            landmarks,
+        })
     }
 
     /// How many voxels there are.
@@ -91,6 +101,11 @@ impl Foreground {
     /// The indices in the image of the box's first voxel, which may be -1.
     pub fn box_origin(&self) -> [f64; 3] {
         self.origin.map(|index| index as f64)
+    }
+
+    /// Where the centre of each voxel of the image is, mm.
+    pub fn affine(&self) -> &Affine {
+        &self.affine
     }
 
     /// Steps from a place of the box to the next along each axis.

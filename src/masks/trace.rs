@@ -55,6 +55,8 @@ impl RadiusFrom {
 pub struct Traced {
     /// The centerlines, m, in the scanner's frame. Labels are the numbers of the classes where the mask has several.
     pub lines: Centerlines,
+    /// The voxels that they were traced in.
+    pub lumen: Foreground,
     /// Spurs that were removed.
     pub spurs: usize,
     /// Specks: components of the mask too small for a line.
@@ -70,7 +72,7 @@ pub fn trace(mask: &Mask, radius_from: RadiusFrom) -> Option<Traced> {
     let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
     let lines = tracer.lines(&graph, radius_from);
-    Some(Traced { lines, spurs, specks: graph.specks })
+    Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks })
 }
 
 /// The distances of the skeleton's voxels alone; the others are as many as the mask is large.

@@ -15,8 +15,8 @@ use crate::contacts::model::ContactModel;
 use crate::contacts::with_contacts;
 use crate::decision::{SuggestedCut, suggested_cuts};
 use crate::error::{Error, Fault, Result};
-use crate::io::{Format, ReadOptions, bytes_of, checksum, read_mask};
-use crate::masks::Field;
+use crate::io::{ReadOptions, bytes_of, checksum, read_mask};
+use crate::masks::{Field, Foreground};
 use crate::network::Network;
 use crate::support::suggestions::did_you_mean;
 
@@ -92,19 +92,19 @@ impl Cuts {
     ///
     /// A model or a mask that cannot be read.
     pub(crate) fn load(cut: &Cut, mask: Option<&Path>, input: &Input, kind: Kind) -> Result<Option<Self>> {
-        let own = input.format.is_some_and(Format::is_mask);
-        let path = mask.map(Path::to_owned).or_else(|| own.then(|| PathBuf::from(&input.provenance.input)));
         let wanted = match cut {
             Cut::Never => false,
             Cut::Auto => kind == Kind::Skeleton,
             Cut::Always | Cut::File(_) => true,
         };
-        let only_suggests = *cut == Cut::Auto && path.is_none();
+        let only_suggests = *cut == Cut::Auto && mask.is_none() && input.lumen.is_none();
         if !wanted || !input.is_fragments || !input.network.has_positions() {
             return Ok(None);
         }
-        let options = if own && mask.is_none() { input.options.clone() } else { ReadOptions::default() };
-        let mask = path.map(|path| read_mask(&path, &options)).transpose()?;
+        let field = match mask {
+            Some(path) => Foreground::of(&read_mask(path, &ReadOptions::default())?.in_scanner_order()).as_ref().map(Field::of),
+            None => input.lumen.as_ref().map(Field::of),
+        };
         let (model, source) = match cut {
             Cut::File(path) => {
                 let bytes = bytes_of(path)?;
@@ -115,7 +115,7 @@ impl Cuts {
             }
             _ => (ContactModel::shipped()?, None),
         };
-        Ok(Some(Self { model, source, field: mask.as_ref().and_then(Field::of), only_suggests }))
+        Ok(Some(Self { model, source, field, only_suggests }))
     }
 
     /// The graph with its contacts opened, and the cuts that are only suggested: one of the two.

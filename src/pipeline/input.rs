@@ -8,7 +8,7 @@ use crate::circle_of_willis::split_where_labels_change;
 use crate::error::{Error, Result};
 use crate::io::tables::reader::plural;
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
-use crate::masks::RadiusFrom;
+use crate::masks::{Foreground, RadiusFrom};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::LengthUnit;
 use crate::network::{Network, Origin};
@@ -35,6 +35,8 @@ pub struct Input {
     /// When reading began.
     pub(crate) started: Instant,
     lines: Option<Centerlines>,
+    /// The voxels inside the vessels of a mask.
+    pub(crate) lumen: Option<Foreground>,
 }
 
 /// What a file held.
@@ -59,7 +61,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     options.validate()?;
     let run = if path.is_dir() { Some(StoredRun::read(path)?) } else { None };
     let file = run.as_ref().map_or(path, |run| &run.graph);
-    let Document { format, content, mut notes, sha256 } = read_file(file, options)?;
+    let Document { format, content, mut notes, sha256, lumen } = read_file(file, options)?;
     let contents = match &content {
         Content::Centerlines(lines) => Contents::Centerlines(lines.points.len()),
         Content::Vessels(_) => Contents::Vessels,
@@ -93,7 +95,18 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     };
     let is_fragments = !is_graph || options.observed;
     let (format, options) = (Some(format), options.clone());
-    Ok(Input { network: made.network, contents, format, is_fragments, provenance, options, run, started, lines: made.lines })
+    Ok(Input {
+        network: made.network,
+        contents,
+        format,
+        is_fragments,
+        provenance,
+        options,
+        run,
+        started,
+        lines: made.lines,
+        lumen,
+    })
 }
 
 /// Marks the free ends that are no further from a face of the box than their radius, or beyond it; how many there are.
@@ -157,6 +170,7 @@ impl Input {
             run: None,
             started: Instant::now(),
             lines: None,
+            lumen: None,
         }
     }
 

@@ -16,7 +16,7 @@ use crate::contacts::partition::{
 use crate::contacts::{ContactTable, feature_names};
 use crate::error::{Error, Result};
 use crate::io::{ReadOptions, read_mask};
-use crate::masks::Field;
+use crate::masks::{Field, Foreground};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 
@@ -50,7 +50,8 @@ impl<'a> ContactExample<'a> {
     /// A mask that cannot be read.
     pub fn new(case: &'a Case) -> Result<Self> {
         let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
-        let field = mask.as_ref().and_then(Field::of);
+        let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
+        let field = lumen.as_ref().map(Field::of);
         let table = ContactTable::new(&case.network);
         let classes = case.contacts.as_ref().map(|truth| truth.classes(&table.branches)).unwrap_or_default();
         let joined = table.pairs.iter().map(|pair| {

@@ -10,7 +10,7 @@ use willis::internals::contacts::partition::Blocks;
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
 use willis::internals::contacts::{ContactTable, feature_names};
-use willis::internals::masks::{Field, Mask};
+use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};
 
@@ -133,7 +133,7 @@ fn tube(radius: f64) -> Mask {
 #[test]
 fn the_section_of_a_tube_is_its_circle() {
     for radius in [4.0, 8.0] {
-        let field = Field::of(&tube(radius)).expect("a tube");
+        let field = Field::of(&Foreground::of(&tube(radius)).expect("a tube"));
         for direction in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]] {
             // Nineteen samples over so much: six to a radius.
             let found = section(&field, [0.0; 3], direction, 1.6 * radius * 0.5e-3);
