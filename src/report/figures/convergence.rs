@@ -1,5 +1,7 @@
 //! The convergence of the likelihood: mean contribution per sample against the number of samples.
 
+use std::collections::BTreeMap;
+
 use super::axis::{Label, LogRange, count_ticks, grouped};
 use super::canvas::{Align, Place, Sheet, TEXT, TICK};
 use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
@@ -18,8 +20,8 @@ const ZERO: f64 = BOX[3] - 5.0;
 /// The distance between that line and the lowest positive value, points.
 const GAP: f64 = 16.0;
 
-/// The largest number of curves; more cannot be distinguished.
-const MOST_CURVES: usize = 2000;
+/// The largest number of curves of kept vessels, and of pruned ones; more cannot be distinguished.
+const MOST_CURVES: usize = 400;
 
 /// The width of the thinnest and thickest curve and of the threshold, points.
 const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
@@ -28,7 +30,7 @@ const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
 /// logarithmic axis, 6.4 by 4.6 inches.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
-/// - `series`: for each vessel L/n at each checkpoint, finite and not negative. Of more than 2,000 only a regular selection is drawn.
+/// - `series`: for each vessel L/n at each checkpoint, finite and not negative. Of more than 400 that are kept, or pruned, only a regular selection is drawn.
 /// - `threshold`: the threshold on L/n at each checkpoint; NaN where there is none.
 /// - `kept`: for each vessel whether it is kept.
 /// - `weight`: what L adds up, from which its unit follows.
@@ -71,14 +73,33 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
     axes.ticks(sheet, name)?;
     // A few curves are thick and opaque, thousands thin and transparent.
-    let sparse = (10.0 / series.len().min(MOST_CURVES) as f64).sqrt().clamp(0.0, 1.0);
+    let curves = [false, true].map(|kept_ones| {
+        let all: Vec<&Vec<f64>> =
+            series.iter().zip(kept).filter(|(_, kept)| **kept == kept_ones).map(|(values, _)| values).collect();
+        let step = all.len().div_ceil(MOST_CURVES).max(1);
+        all.into_iter().step_by(step).collect::<Vec<_>>()
+    });
+    let sparse = (10.0 / (curves[0].len() + curves[1].len()) as f64).sqrt().clamp(0.0, 1.0);
     let width = WIDTH[0] + sparse * (WIDTH[1] - WIDTH[0]);
     let opacity = 0.05 + 0.85 * sparse.powf(0.7);
-    for (values, kept) in series.iter().zip(kept).step_by(series.len().div_ceil(MOST_CURVES)) {
-        axes.curve(sheet, samples, values, width, if *kept { KEPT } else { PRUNED }, opacity)?;
+    for (curves, rgb) in curves.iter().zip([PRUNED, KEPT]) {
+        // Those at zero lie on each other: each stretch is drawn once, as dark as all of them.
+        let mut at_zero: BTreeMap<[u64; 2], i32> = BTreeMap::new();
+        for run in curves.iter().flat_map(|values| axes.runs(samples, values)) {
+            match run[..] {
+                [(first, share), .., (last, _)] if share < 0.0 => *at_zero.entry([first, last]).or_default() += 1,
+                _ => axes.stroke(sheet, &run, width, rgb, opacity)?,
+            }
+        }
+        for (ends, count) in at_zero {
+            axes.stroke(sheet, &ends.map(|samples| (samples, -1.0)), width, rgb, 1.0 - (1.0 - opacity).powi(count))?;
+        }
     }
-    axes.curve(sheet, samples, threshold, 2.0 * WIDTH[2], PAPER, 0.8)?;
-    axes.curve(sheet, samples, threshold, WIDTH[2], INK, 1.0)?;
+    for (width, rgb, opacity) in [(2.0 * WIDTH[2], PAPER, 0.8), (WIDTH[2], INK, 1.0)] {
+        for run in axes.runs(samples, threshold) {
+            axes.stroke(sheet, &run, width, rgb, opacity)?;
+        }
+    }
     sheet.frame([left, top], [right - left, bottom - top])?;
     let stay = kept.iter().filter(|kept| **kept).count();
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
@@ -150,19 +171,21 @@ impl Axes {
         sheet.upright(name, [10.0, middle[1]])
     }
 
-    /// A curve over the checkpoints, interrupted at NaN and between zero and positive values. A single checkpoint is a dash.
-    fn curve(&self, sheet: &mut Sheet<'_>, samples: &[u64], values: &[f64], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+    /// The stretches of a curve, each a number of samples and a share of the axis: interrupted at NaN and between zero and positive values.
+    fn runs(&self, samples: &[u64], values: &[f64]) -> Vec<Vec<(u64, f64)>> {
         let shares: Vec<_> = samples.iter().zip(values).map(|(n, v)| (*n, self.range.share(*v))).collect();
         let joined = |a: f64, b: f64| (a < 0.0) == (b < 0.0) && a.is_nan() == b.is_nan();
-        for run in shares.chunk_by(|a, b| joined(a.1, b.1)).filter(|run| !run[0].1.is_nan()) {
-            let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
-            if let [[x, y]] = path[..] {
-                let half = 2.0 + 2.0 * width;
-                path = vec![[x - half, y], [x + half, y]];
-            }
-            sheet.line(path, width, rgb, opacity)?;
+        shares.chunk_by(|a, b| joined(a.1, b.1)).filter(|run| !run[0].1.is_nan()).map(<[_]>::to_vec).collect()
+    }
+
+    /// Draws a stretch. A single checkpoint is a dash.
+    fn stroke(&self, sheet: &mut Sheet<'_>, run: &[(u64, f64)], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+        let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
+        if let [[x, y]] = path[..] {
+            let half = 2.0 + 2.0 * width;
+            path = vec![[x - half, y], [x + half, y]];
         }
-        Ok(())
+        sheet.line(path, width, rgb, opacity)
     }
 }
 
