@@ -45,10 +45,12 @@ def convert(case, out):
         if d <= .98 * reach:
             meant.update(k + 1 for k in tree.query_ball_point(p, d + .28 * reach))
     links = [[m for m in link if any(n in meant for n in m["allowed"])] for link in truth["links"]]
+    (out / "mask.nii.gz").unlink(missing_ok=True)
+    (out / "mask.nii.gz").symlink_to(os.path.relpath(case / "mask.nii.gz", out))
     (out / "truth.json").write_text(json.dumps({
-        "voxel_mm": reach, "nodes": truth["nodes"], "links": [link for link in links if len(link) > 1],
+        "reach_mm": reach, "links": [link for link in links if len(link) > 1],
         "fusions": [{k: f[k] for k in ("place", "reach_mm", "judged")} for f in truth["fusions"]],
-        "subject": truth["subject"]}))
+        **{k: truth[k] for k in ("voxel_mm", "nodes", "stations", "station_nodes", "adjacent", "subject")}}))
 
 
 for mask in sorted(pathlib.Path(sys.argv[2]).glob("*/*/mask.nii.gz")):

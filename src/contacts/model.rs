@@ -10,6 +10,7 @@ use super::partition::PartitionWeights;
 use crate::error::Fault;
 use crate::support::boosted_trees::{Boosted, BoostedEntry};
 use crate::support::toml_text::{list, parse, text};
+use crate::support::tree_provenance::TreeProvenance;
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("contacts.toml");
@@ -20,6 +21,8 @@ const HEADING: &str = "\
 # is less than 0.25, else B. Features have no unit. The weights are those of partitions of two or three ends, of four, of more.
 kind = \"contacts\"
 ";
+
+const FIGURES: &str = "# Cross-validated by subject, over pairs of branch ends at clusters of at most six ends.";
 
 /// Scores of pairs and weights of partitions.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -38,24 +41,7 @@ pub struct ContactModel {
     /// For centerlines with their mask.
     pub mask: ContactPart,
     /// Where it comes from.
-    pub provenance: ContactProvenance,
-}
-
-/// Where a contact model comes from and how well it did on subjects that it was not fitted to.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ContactProvenance {
-    /// How many cases it was fitted to.
-    pub cases: usize,
-    /// Of how many subjects.
-    pub subjects: usize,
-    /// Program and command.
-    pub made_by: String,
-    /// Subjects that were held out, where this is the model of a fold.
-    pub held_out: Vec<String>,
-    /// Scores over all folds, each case by the model of the fold that held its subject out.
-    #[serde(skip)]
-    pub figures: Vec<ContactScores>,
+    pub provenance: TreeProvenance<ContactScores>,
 }
 
 /// How well a contact model did on cases that it was not fitted to, over pairs of ends at clusters of at most six.
@@ -87,7 +73,7 @@ struct File {
     skeleton: PartEntry,
     mask: PartEntry,
     #[serde(default)]
-    provenance: ContactProvenance,
+    provenance: TreeProvenance<ContactScores>,
     #[serde(default)]
     figures: Vec<ContactScores>,
 }
@@ -129,7 +115,7 @@ impl ContactModel {
         Ok(Self {
             skeleton: part("skeleton", &file.skeleton, false)?,
             mask: part("mask", &file.mask, true)?,
-            provenance: ContactProvenance { figures: file.figures, ..file.provenance },
+            provenance: TreeProvenance { figures: file.figures, ..file.provenance },
         })
     }
 
@@ -147,22 +133,12 @@ impl ContactModel {
             writeln!(out, "\n[{name}.pairs]")?;
             part.trees.write(&mut out)?;
         }
-        let provenance = &self.provenance;
-        let (cases, subjects) = (provenance.cases, provenance.subjects);
-        writeln!(out, "\n# What it was fitted to.\n[provenance]\ncases = {cases}\nsubjects = {subjects}")?;
-        writeln!(out, "made_by = {}", text(&provenance.made_by))?;
-        if !provenance.held_out.is_empty() {
-            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
-        }
-        if !provenance.figures.is_empty() {
-            writeln!(out, "\n# Cross-validated by subject, over pairs of branch ends at clusters of at most six ends.")?;
-        }
-        for f in &provenance.figures {
-            writeln!(out, "\n[[figures]]\nof = {}\nwith_mask = {}", text(&f.of), f.with_mask)?;
+        self.provenance.write(&mut out, FIGURES, |f, out| {
+            writeln!(out, "of = {}\nwith_mask = {}", text(&f.of), f.with_mask)?;
             writeln!(out, "cases = {}\npairs = {}\njoined = {:?}", f.cases, f.pairs, f.joined)?;
             writeln!(out, "auc = {:?}\naverage_precision = {:?}", f.auc, f.average_precision)?;
-            writeln!(out, "largest_bin_error = {:?}", f.largest_bin_error)?;
-        }
+            writeln!(out, "largest_bin_error = {:?}", f.largest_bin_error)
+        })?;
         out.flush()
     }
 }

@@ -10,6 +10,7 @@ pub mod simd;
 pub mod statistics;
 pub mod suggestions;
 pub mod toml_text;
+pub mod tree_provenance;
 
 pub use parallel::in_order;
 pub use statistics::Distribution;

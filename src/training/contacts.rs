@@ -9,7 +9,7 @@ use super::boosting::boost;
 use super::cross_validation::fold_of;
 use super::example::Case;
 use super::minimise::minimise;
-use crate::contacts::model::{ContactModel, ContactPart, ContactProvenance, ContactScores};
+use crate::contacts::model::{ContactModel, ContactPart, ContactScores};
 use crate::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
 };
@@ -19,6 +19,7 @@ use crate::io::{ReadOptions, read_mask};
 use crate::masks::{Field, Foreground};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
+use crate::support::tree_provenance::TreeProvenance;
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -136,7 +137,7 @@ pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)
     let mask = fit_part(&with_mask, true)?;
     progress("with mask");
     let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
-    let provenance = ContactProvenance { cases: examples.len(), subjects: subjects.len(), ..ContactProvenance::default() };
+    let provenance = TreeProvenance::of(examples.len(), subjects.len());
     Ok(ContactModel { skeleton, mask, provenance })
 }
 

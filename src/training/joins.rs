@@ -10,13 +10,14 @@ use super::known_connections::{KnownConnections, Match};
 use super::logistic::calibrate;
 use super::scores::{average_precision, found};
 use crate::candidates::joins::JoinTable;
-use crate::candidates::joins::model::{JoinModel, JoinProvenance, JoinScores};
+use crate::candidates::joins::model::{JoinModel, JoinScores};
 use crate::candidates::search::SearchOptions;
 use crate::decision::{BEST_FIRST, best_first};
 use crate::error::{Error, Result};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 use crate::support::statistics::sigmoid;
+use crate::support::tree_provenance::TreeProvenance;
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -111,7 +112,7 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
         }
     }
     progress("calibration");
-    let provenance = JoinProvenance { cases: examples.len(), subjects: subjects.len(), ..JoinProvenance::default() };
+    let provenance = TreeProvenance::of(examples.len(), subjects.len());
     Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, provenance })
 }
 

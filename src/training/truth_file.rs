@@ -15,6 +15,8 @@ use crate::support::geometry::{Point, distance};
 struct File {
     subject: Option<String>,
     voxel_mm: Option<f64>,
+    /// How far a point may be from the node that it shows, where that is not a voxel.
+    reach_mm: Option<f64>,
     #[serde(default)]
     nodes: Vec<Vec<f64>>,
     links: Option<Vec<Vec<Member>>>,
@@ -54,8 +56,9 @@ struct Gap {
 pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
     let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+    let reach = file.reach_mm.map_or(("voxel_mm", file.voxel_mm), |mm| ("reach_mm", Some(mm)));
     let mut truth = match (file.links, file.breaks) {
-        (Some(links), None) => of_links(&links, &file.nodes, file.voxel_mm, extraction)?,
+        (Some(links), None) => of_links(&links, &file.nodes, reach, extraction)?,
         (None, Some(breaks)) => of_breaks(&breaks, &file.inlets, network, extraction)?,
         (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
         (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
@@ -69,7 +72,7 @@ pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<
 fn of_links(
     links: &[Vec<Member>],
     nodes: &[Vec<f64>],
-    voxel_mm: Option<f64>,
+    (name, reach_mm): (&str, Option<f64>),
     extraction: &Extraction,
 ) -> Result<KnownConnections, Fault> {
     let mut points = Vec::with_capacity(nodes.len());
@@ -79,9 +82,9 @@ fn of_links(
             _ => return Err(Fault::item(format!("node {}", row + 1), format!("{node:?}"), "expected [x, y, z, r] in mm")),
         }
     }
-    let voxel = match voxel_mm {
+    let reach = match reach_mm {
         Some(h) if h > 0.0 && h.is_finite() => metres(h),
-        Some(h) => return Err(Fault::item("voxel_mm", h.to_string(), "expected a positive number")),
+        Some(h) => return Err(Fault::item(name, h.to_string(), "expected a positive number")),
         None => extraction.spacing,
     };
     let mut out: Vec<KnownConnection> = Vec::new();
@@ -98,7 +101,7 @@ fn of_links(
         }
         out.push(link);
     }
-    let truth = KnownConnections::snapped(extraction, &points, voxel, &out);
+    let truth = KnownConnections::snapped(extraction, &points, reach, &out);
     match truth.unreachable() {
         Some((link, piece)) => {
             let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();

@@ -13,6 +13,7 @@ use crate::support::boosted_trees::{Boosted, BoostedEntry};
 use crate::support::statistics::sigmoid;
 use crate::support::suggestions::did_you_mean;
 use crate::support::toml_text::{list, parse, text};
+use crate::support::tree_provenance::TreeProvenance;
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("skeleton.toml");
@@ -24,6 +25,10 @@ const HEADING: &str = "\
 kind = \"skeleton\"
 ";
 
+const FIGURES: &str = "\
+# Cross-validated by subject: average precision over all right connections (mean over cases), precision and
+# recall of what is kept, calibration error, sum of P against right pairs.";
+
 /// Boosted trees in two passes, and the calibration of the second.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinModel {
@@ -34,24 +39,7 @@ pub struct JoinModel {
     /// [`Calibration`] of the mean score of both directions.
     pub calibration: [f64; 3],
     /// Where it comes from.
-    pub provenance: JoinProvenance,
-}
-
-/// Where a join model comes from and how well it did on subjects that it was not fitted to.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct JoinProvenance {
-    /// How many cases it was fitted to.
-    pub cases: usize,
-    /// Of how many subjects.
-    pub subjects: usize,
-    /// Program and command.
-    pub made_by: String,
-    /// Subjects that were held out, where this is the model of a fold.
-    pub held_out: Vec<String>,
-    /// Scores over all folds, each case by the model of the fold that held its subject out.
-    #[serde(skip)]
-    pub figures: Vec<JoinScores>,
+    pub provenance: TreeProvenance<JoinScores>,
 }
 
 /// How well a join model did on cases that it was not fitted to.
@@ -86,7 +74,7 @@ struct File {
     features: Vec<String>,
     pass: [BoostedEntry; 2],
     #[serde(default)]
-    provenance: JoinProvenance,
+    provenance: TreeProvenance<JoinScores>,
     #[serde(default)]
     figures: Vec<JoinScores>,
 }
@@ -140,7 +128,7 @@ impl JoinModel {
             return Err(Fault::item("calibration", x.to_string(), "expected a finite number"));
         }
         let [first, second] = file.pass;
-        let provenance = JoinProvenance { figures: file.figures, ..file.provenance };
+        let provenance = TreeProvenance { figures: file.figures, ..file.provenance };
         let first = Boosted::read("pass 1", &first, names.len())?;
         let second = Boosted::read("pass 2", &second, names.len() + SECOND_FEATURES.len())?;
         Ok(Self { first, second, calibration: file.calibration, provenance })
@@ -162,25 +150,8 @@ impl JoinModel {
             writeln!(out, "\n[[pass]]")?;
             pass.write(&mut out)?;
         }
-        let provenance = &self.provenance;
-        writeln!(
-            out,
-            "\n# What it was fitted to.\n[provenance]\ncases = {}\nsubjects = {}",
-            provenance.cases, provenance.subjects
-        )?;
-        writeln!(out, "made_by = {}", text(&provenance.made_by))?;
-        if !provenance.held_out.is_empty() {
-            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
-        }
-        if !provenance.figures.is_empty() {
-            writeln!(
-                out,
-                "\n# Cross-validated by subject: average precision over all right connections (mean over cases), precision and"
-            )?;
-            writeln!(out, "# recall of what is kept, calibration error, sum of P against right pairs.")?;
-        }
-        for figures in &provenance.figures {
-            writeln!(out, "\n[[figures]]\nof = {}", text(&figures.of))?;
+        self.provenance.write(&mut out, FIGURES, |figures, out| {
+            writeln!(out, "of = {}", text(&figures.of))?;
             writeln!(out, "cases = {}\nsubjects = {}", figures.cases, figures.subjects)?;
             for (name, x) in [
                 ("average_precision", figures.average_precision),
@@ -193,8 +164,8 @@ impl JoinModel {
                     writeln!(out, "{name} = {x:?}")?;
                 }
             }
-            writeln!(out, "right = {}", figures.right)?;
-        }
+            writeln!(out, "right = {}", figures.right)
+        })?;
         out.flush()
     }
 }

@@ -1,5 +1,7 @@
 //! `willis train`: fit the evidence model to extractions whose true connections are known.
 
+mod trees;
+
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -8,20 +10,20 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use willis::error::{Error, Result};
-use willis::internals::candidates::joins::model::JoinScores;
+use willis::internals::candidates::joins::model::JoinModel;
 use willis::internals::candidates::model::HeldOutScores;
+use willis::internals::contacts::model::ContactModel;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::internals::training::{
-    Case, ContactExample, CrossValidation, Example, JoinExample, Model, Step, TrainParams, check_folds, cross_validate,
-    cross_validate_contacts, cross_validate_joins, fit, fit_contacts, fit_joins, goes_without_inlets, read_cases,
+    Case, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets, read_cases,
 };
 
-use super::args::figures::whole;
-use super::command_line::command_line;
-use super::print::notes::say_notes;
-use super::print::{Terminal, count, plural};
-use super::shell::print_json;
+use crate::cli::args::figures::whole;
+use crate::cli::command_line::command_line;
+use crate::cli::print::notes::say_notes;
+use crate::cli::print::{Terminal, count, plural};
+use crate::cli::shell::print_json;
 
 /// Fit the evidence model to extractions whose true connections are known
 ///
@@ -68,13 +70,17 @@ enum Kind {
 impl TrainArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let params = self.params()?;
-        let outputs = self.outputs()?;
-        outputs.iter().try_for_each(|path| StagedFile::check(path, force))?;
+        let output = Output { paths: self.outputs()?, force };
+        output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
         match self.model {
-            Kind::Tracing => {}
-            Kind::Skeleton => return self.fit_skeletons(&outputs, terminal, force),
-            Kind::Contacts => return self.fit_contacts(&outputs, terminal, force),
+            Kind::Tracing => self.fit_tracings(&params, &output, terminal),
+            Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
+            Kind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),
         }
+    }
+
+    /// Fits the weights of tracings.
+    fn fit_tracings(&self, params: &TrainParams, output: &Output, terminal: Terminal) -> Result<()> {
         let began = Instant::now();
         let read = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &read.notes, "case");
@@ -93,11 +99,11 @@ impl TrainArgs {
             "measured",
             format!("in {:.0} s; {} used without their inlets", began.elapsed().as_secs_f64(), plural(unfed.len(), "case")),
         );
-        let mut weights = fit(&training, &params, &mut |step| say_step(terminal, "fitted", step))?;
+        let mut weights = fit(&training, params, &mut |step| say_step(terminal, "fitted", step))?;
         let mut validated = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
         if self.folds > 0 {
             let judged: Vec<&Example> = judged.iter().collect();
-            validated = cross_validate(&training, &judged, self.folds, &params, &mut |fold, step| {
+            validated = cross_validate(&training, &judged, self.folds, params, &mut |fold, step| {
                 say_step(terminal, &format!("fold {fold}"), step);
             })?;
             validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
@@ -106,113 +112,13 @@ impl TrainArgs {
         weights.provenance.figures.clone_from(&validated.figures);
         weights.provenance.folds.clone_from(&validated.folds);
         let folds = if self.save_folds { validated.weights } else { Vec::new() };
-        let names = save(&outputs, [weights].into_iter().chain(folds), force, |mut weights, out| {
+        let names = save(output, [weights].into_iter().chain(folds), |mut weights, out| {
             weights.provenance.made_by.clone_from(&made_by);
             weights.write(out)
         })?;
         terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
         if self.json {
-            print_json(&summary(&read.cases, &names, &json!(validated.figures)))?;
-        }
-        Ok(())
-    }
-
-    /// Fits the join model.
-    fn fit_skeletons(&self, outputs: &[PathBuf], terminal: Terminal, force: bool) -> Result<()> {
-        let began = Instant::now();
-        let read = read_cases(&self.cases, Model::Skeleton)?;
-        say_notes(terminal, &read.notes, "case");
-        let all: Vec<&Case> = read.cases.iter().collect();
-        if self.folds > 0 {
-            check_folds(&all, self.folds)?;
-        }
-        let examples = JoinExample::measure(&all)?;
-        for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
-            let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
-            let [cases, connections] = [plural(of_set.len(), "case"), plural(sum(&|e| e.needed), "true connection")];
-            let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.matches.len()), "candidate"));
-            let set = &of_set[0].case.data_set;
-            terminal.say("read", format!("{set}: {cases}, {connections}, {reached} of them within reach of {pairs}"));
-        }
-        terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
-        let say = |heading: &str, step: &str| {
-            terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
-        };
-        let mut model = fit_joins(&examples.iter().collect::<Vec<_>>(), &mut |step| say("fitted", step))?;
-        let mut folds = Vec::new();
-        if self.folds > 0 {
-            let (models, figures) =
-                cross_validate_joins(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
-            for of in &figures {
-                say_join_figures(terminal, of);
-            }
-            model.provenance.figures = figures;
-            folds = if self.save_folds { models } else { folds };
-        }
-        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-        let figures = model.provenance.figures.clone();
-        let names = save(outputs, [model].into_iter().chain(folds), force, |mut model, out| {
-            model.provenance.made_by.clone_from(&made_by);
-            model.write(out)
-        })?;
-        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
-        if self.json {
-            print_json(&summary(&read.cases, &names, &json!(figures)))?;
-        }
-        Ok(())
-    }
-
-    /// Fits the contact model.
-    fn fit_contacts(&self, outputs: &[PathBuf], terminal: Terminal, force: bool) -> Result<()> {
-        let began = Instant::now();
-        let read = read_cases(&self.cases, Model::Contacts)?;
-        say_notes(terminal, &read.notes, "case");
-        let all: Vec<&Case> = read.cases.iter().collect();
-        if self.folds > 0 {
-            check_folds(&all, self.folds)?;
-        }
-        let examples = ContactExample::measure(&all)?;
-        for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
-            let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
-            let cases = plural(of_set.len(), "case");
-            let masks = plural(sum(&|e| usize::from(e.has_mask())), "mask");
-            let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
-            let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
-            terminal.say(
-                "read",
-                format!("{}: {cases}, {masks}, {pairs} of branch ends, {joined} of them one vessel", of_set[0].case.data_set),
-            );
-        }
-        terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
-        let say = |heading: &str, step: &str| {
-            terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
-        };
-        let mut model = fit_contacts(&examples.iter().collect::<Vec<_>>(), &mut |step| say("fitted", step))?;
-        let mut folds = Vec::new();
-        if self.folds > 0 {
-            let (models, figures) =
-                cross_validate_contacts(&examples, self.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
-            for of in &figures {
-                let with = if of.with_mask { "with mask" } else { "without" };
-                let (auc, ap, error) = (of.auc, of.average_precision, of.largest_bin_error);
-                let told = format!(
-                    "{} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3}",
-                    of.of
-                );
-                terminal.say("held out", format!("{told} ({}, {})", plural(of.cases, "case"), plural(of.pairs, "pair")));
-            }
-            model.provenance.figures = figures;
-            folds = if self.save_folds { models } else { folds };
-        }
-        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-        let figures = model.provenance.figures.clone();
-        let names = save(outputs, [model].into_iter().chain(folds), force, |mut model, out| {
-            model.provenance.made_by.clone_from(&made_by);
-            model.write(out)
-        })?;
-        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
-        if self.json {
-            print_json(&summary(&read.cases, &names, &json!(figures)))?;
+            summary(&read.cases, &names, &json!(validated.figures))?;
         }
         Ok(())
     }
@@ -269,8 +175,12 @@ fn say_step(terminal: Terminal, heading: &str, step: &Step) {
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 
+/// A figure, or that there is none.
+fn or_none(x: Option<f64>) -> String {
+    x.map_or("-".into(), |x| format!("{x:.3}"))
+}
+
 fn say_figures(terminal: Terminal, figures: &HeldOutScores) {
-    let or_none = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.3}"));
     terminal.say(
         "held out",
         format!(
@@ -285,48 +195,35 @@ fn say_figures(terminal: Terminal, figures: &HeldOutScores) {
     );
 }
 
-fn say_join_figures(terminal: Terminal, figures: &JoinScores) {
-    let or_none = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.3}"));
-    terminal.say(
-        "held out",
-        format!(
-            "{}: average precision {}, precision {} at recall {}, calibration error {:.4}, {:.0} expected of {} ({} of {})",
-            figures.of,
-            or_none(figures.average_precision),
-            or_none(figures.precision),
-            or_none(figures.recall),
-            figures.calibration_error,
-            figures.expected,
-            figures.right,
-            plural(figures.cases, "case"),
-            plural(figures.subjects, "subject")
-        ),
-    );
+/// The files to write: the weights, then those of the folds.
+struct Output {
+    paths: Vec<PathBuf>,
+    force: bool,
 }
 
 /// Writes each of some models to its file, all or none; their names.
 fn save<M>(
-    outputs: &[PathBuf],
+    output: &Output,
     models: impl Iterator<Item = M>,
-    force: bool,
     write: impl Fn(M, &mut dyn Write) -> io::Result<()>,
 ) -> Result<Vec<String>> {
     let mut staged = Vec::new();
-    for (path, model) in outputs.iter().zip(models) {
-        let file = StagedFile::new(path, force)?;
+    for (path, model) in output.paths.iter().zip(models) {
+        let file = StagedFile::new(path, output.force)?;
         write_file(&file.path(), |out| write(model, out))?;
         staged.push(file);
     }
     staged.into_iter().try_for_each(StagedFile::commit)?;
-    Ok(outputs.iter().map(|path| path.display().to_string()).collect())
+    Ok(output.paths.iter().map(|path| path.display().to_string()).collect())
 }
 
-fn summary(cases: &[Case], outputs: &[String], figures: &Value) -> Value {
-    json!({
+/// Prints a summary as JSON.
+fn summary(cases: &[Case], outputs: &[String], figures: &Value) -> Result<()> {
+    print_json(&json!({
         "willis": env!("CARGO_PKG_VERSION"),
         "command": command_line("again.toml"),
         "output": outputs,
         "cases": cases.len(),
         "figures": figures,
-    })
+    }))
 }

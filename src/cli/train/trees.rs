@@ -1,0 +1,191 @@
+//! `willis train --model skeleton|contacts`: models of boosted trees for automatic skeletons.
+
+use std::io::{self, Write};
+use std::time::Instant;
+
+use serde::Serialize;
+use serde_json::json;
+use willis::error::Result;
+use willis::internals::candidates::joins::model::{JoinModel, JoinScores};
+use willis::internals::contacts::model::{ContactModel, ContactScores};
+use willis::internals::support::tree_provenance::TreeProvenance;
+use willis::internals::training::{
+    Case, ContactExample, JoinExample, Model, check_folds, cross_validate_contacts, cross_validate_joins, fit_contacts,
+    fit_joins, read_cases,
+};
+
+use super::{Output, TrainArgs, or_none, save, summary};
+use crate::cli::command_line::command_line;
+use crate::cli::print::notes::say_notes;
+use crate::cli::print::{Terminal, count, plural};
+
+/// A model of boosted trees and what it is fitted to.
+pub(super) trait TreeModel: Sized {
+    /// A case with what the trees see of it.
+    type Example<'a>;
+    /// How well a model did.
+    type Scores: Clone + Serialize;
+    /// What the cases are.
+    const MODEL: Model;
+
+    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<Self::Example<'a>>>;
+    fn data_set<'e>(example: &'e Self::Example<'_>) -> &'e str;
+    /// What the cases of a data set hold.
+    fn say_read(of_set: &[Self::Example<'_>]) -> String;
+    fn fit(examples: &[Self::Example<'_>], progress: &mut dyn FnMut(&str)) -> Result<Self>;
+    /// The models of the folds, and how well they did.
+    fn cross_validate(
+        examples: &[Self::Example<'_>],
+        folds: usize,
+        progress: &mut dyn FnMut(usize, &str),
+    ) -> Result<(Vec<Self>, Vec<Self::Scores>)>;
+    fn say_scores(scores: &Self::Scores) -> String;
+    fn provenance(&mut self) -> &mut TreeProvenance<Self::Scores>;
+    fn write(&self, out: &mut dyn Write) -> io::Result<()>;
+}
+
+/// Fits a model and those of its folds, and writes them.
+pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+    let began = Instant::now();
+    let read = read_cases(&args.cases, M::MODEL)?;
+    say_notes(terminal, &read.notes, "case");
+    let all: Vec<&Case> = read.cases.iter().collect();
+    if args.folds > 0 {
+        check_folds(&all, args.folds)?;
+    }
+    let examples = M::measure(&all)?;
+    for of_set in examples.chunk_by(|a, b| M::data_set(a) == M::data_set(b)) {
+        let held = M::say_read(of_set);
+        terminal.say("read", format!("{}: {}, {held}", M::data_set(&of_set[0]), plural(of_set.len(), "case")));
+    }
+    terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
+    let say = |heading: &str, step: &str| {
+        terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
+    };
+    let mut model = M::fit(&examples, &mut |step| say("fitted", step))?;
+    let (mut folds, mut figures) = (Vec::new(), Vec::new());
+    if args.folds > 0 {
+        (folds, figures) = M::cross_validate(&examples, args.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
+        figures.iter().for_each(|scores| terminal.say("held out", M::say_scores(scores)));
+        model.provenance().figures.clone_from(&figures);
+    }
+    let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    let folds = folds.into_iter().filter(|_| args.save_folds);
+    let names = save(output, [model].into_iter().chain(folds), |mut model, out| {
+        model.provenance().made_by.clone_from(&made_by);
+        model.write(out)
+    })?;
+    terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
+    if args.json {
+        summary(&read.cases, &names, &json!(figures))?;
+    }
+    Ok(())
+}
+
+impl TreeModel for JoinModel {
+    type Example<'a> = JoinExample<'a>;
+    type Scores = JoinScores;
+    const MODEL: Model = Model::Skeleton;
+
+    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<JoinExample<'a>>> {
+        JoinExample::measure(cases)
+    }
+
+    fn data_set<'e>(example: &'e JoinExample<'_>) -> &'e str {
+        &example.case.data_set
+    }
+
+    fn say_read(of_set: &[JoinExample]) -> String {
+        let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
+        let connections = plural(sum(&|e| e.needed), "true connection");
+        let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.matches.len()), "candidate"));
+        format!("{connections}, {reached} of them within reach of {pairs}")
+    }
+
+    fn fit(examples: &[JoinExample], progress: &mut dyn FnMut(&str)) -> Result<Self> {
+        fit_joins(&examples.iter().collect::<Vec<_>>(), progress)
+    }
+
+    fn cross_validate(
+        examples: &[JoinExample],
+        folds: usize,
+        progress: &mut dyn FnMut(usize, &str),
+    ) -> Result<(Vec<Self>, Vec<JoinScores>)> {
+        cross_validate_joins(examples, folds, progress)
+    }
+
+    fn say_scores(of: &JoinScores) -> String {
+        format!(
+            "{}: average precision {}, precision {} at recall {}, calibration error {:.4}, {:.0} expected of {} ({} of {})",
+            of.of,
+            or_none(of.average_precision),
+            or_none(of.precision),
+            or_none(of.recall),
+            of.calibration_error,
+            of.expected,
+            of.right,
+            plural(of.cases, "case"),
+            plural(of.subjects, "subject")
+        )
+    }
+
+    fn provenance(&mut self) -> &mut TreeProvenance<JoinScores> {
+        &mut self.provenance
+    }
+
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        self.write(out)
+    }
+}
+
+impl TreeModel for ContactModel {
+    type Example<'a> = ContactExample<'a>;
+    type Scores = ContactScores;
+    const MODEL: Model = Model::Contacts;
+
+    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<ContactExample<'a>>> {
+        ContactExample::measure(cases)
+    }
+
+    fn data_set<'e>(example: &'e ContactExample<'_>) -> &'e str {
+        &example.case.data_set
+    }
+
+    fn say_read(of_set: &[ContactExample]) -> String {
+        let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
+        let masks = plural(sum(&|e| usize::from(e.has_mask())), "mask");
+        let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
+        let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
+        format!("{masks}, {pairs} of branch ends, {joined} of them one vessel")
+    }
+
+    fn fit(examples: &[ContactExample], progress: &mut dyn FnMut(&str)) -> Result<Self> {
+        fit_contacts(&examples.iter().collect::<Vec<_>>(), progress)
+    }
+
+    fn cross_validate(
+        examples: &[ContactExample],
+        folds: usize,
+        progress: &mut dyn FnMut(usize, &str),
+    ) -> Result<(Vec<Self>, Vec<ContactScores>)> {
+        cross_validate_contacts(examples, folds, progress)
+    }
+
+    fn say_scores(of: &ContactScores) -> String {
+        let with = if of.with_mask { "with mask" } else { "without" };
+        let (auc, ap, error) = (of.auc, of.average_precision, of.largest_bin_error);
+        let (cases, pairs) = (plural(of.cases, "case"), plural(of.pairs, "pair"));
+        let name = &of.of;
+        format!(
+            "{name} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3} ({cases}, {pairs})"
+        )
+    }
+
+    fn provenance(&mut self) -> &mut TreeProvenance<ContactScores> {
+        &mut self.provenance
+    }
+
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        self.write(out)
+    }
+}
