@@ -66,7 +66,9 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     let (mut folds, mut figures) = (Vec::new(), Vec::new());
     if args.folds > 0 {
         (folds, figures) = M::cross_validate(&examples, args.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
-        figures.iter().for_each(|scores| terminal.say("held out", M::say_scores(scores)));
+        for scores in &figures {
+            terminal.say("held out", M::say_scores(scores));
+        }
         model.provenance().figures.clone_from(&figures);
     }
     let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
