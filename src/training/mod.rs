@@ -15,6 +15,7 @@ pub mod objective;
 pub mod scores;
 mod truth_file;
 
+pub use crate::contacts::model::{ContactModel, ContactScores};
 pub use cases::{Cases, Model, read_cases};
 pub use contacts::{ContactExample, cross_validate_contacts, fit_contacts};
 pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};

@@ -12,11 +12,11 @@ use serde_json::{Value, json};
 use willis::error::{Error, Result};
 use willis::internals::candidates::joins::model::JoinModel;
 use willis::internals::candidates::model::HeldOutScores;
-use willis::internals::contacts::model::ContactModel;
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::internals::training::{
-    Case, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit, goes_without_inlets, read_cases,
+    Case, ContactModel, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit,
+    goes_without_inlets, read_cases,
 };
 
 use crate::cli::args::figures::whole;

@@ -7,11 +7,10 @@ use serde::Serialize;
 use serde_json::json;
 use willis::error::Result;
 use willis::internals::candidates::joins::model::{JoinModel, JoinScores};
-use willis::internals::contacts::model::{ContactModel, ContactScores};
 use willis::internals::support::tree_provenance::TreeProvenance;
 use willis::internals::training::{
-    Case, ContactExample, JoinExample, Model, check_folds, cross_validate_contacts, cross_validate_joins, fit_contacts,
-    fit_joins, read_cases,
+    Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, check_folds, cross_validate_contacts,
+    cross_validate_joins, fit_contacts, fit_joins, read_cases,
 };
 
 use super::{Output, TrainArgs, or_none, save, summary};
