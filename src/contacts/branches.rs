@@ -150,6 +150,12 @@ impl Branches {
         self.branches[end.branch].ends[usize::from(end.last)]
     }
 
+    /// The vessel at an end, and whether the branch passes it backwards.
+    pub fn vessel_at(&self, end: BranchEnd) -> (usize, bool) {
+        let vessels = &self.branches[end.branch].vessels;
+        vessels[if end.last { vessels.len() - 1 } else { 0 }]
+    }
+
     /// The branches inside a cluster at one of its nodes: row of [`Branches::inner`], node at the other end, length (m).
     pub fn inside(&self, cluster: usize, node: usize) -> impl Iterator<Item = (usize, usize, f64)> {
         self.clusters[cluster].inner.iter().filter_map(move |row| {

@@ -11,6 +11,7 @@ pub mod courses;
 pub mod evidence;
 pub mod features;
 pub mod model;
+pub mod pairings;
 pub mod partition;
 pub mod sections;
 pub mod split;
@@ -86,7 +87,7 @@ impl ContactTable {
         let tables = self.by_cluster(&part.trees.scores(&self.features(mask)));
         let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
             Some(table) => most_probable(&table, cluster.ends.len(), &part.weights),
-            None => Blocks { of_end: vec![0; cluster.ends.len()], joined: Vec::new() },
+            None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
         tables.into_iter().zip(&self.branches.clusters).map(of).collect()
     }

@@ -3,6 +3,8 @@
 //! P(z) ~ exp(θ·f(z)), where f adds up the scores of pairs in one block, and counts blocks. A cluster of more ends than the exact sum
 //! takes is put together greedily.
 
+use std::collections::BTreeMap;
+
 use super::features::Table;
 use crate::support::statistics::sigmoid;
 
@@ -12,6 +14,9 @@ pub const MOST_ENDS: usize = 6;
 pub const PARTITION_FEATURES: usize = 6;
 /// Kinds of clusters by their number of ends.
 pub const SIZES: usize = 3;
+/// So many partitions are told of a cluster, and those that are as probable as this.
+const MOST_WAYS: usize = 5;
+const LEAST_OF_WAY: f64 = 0.01;
 
 /// Weights θ of the features of a partition, for each kind of cluster.
 pub type PartitionWeights = [[f64; PARTITION_FEATURES]; SIZES];
@@ -55,12 +60,14 @@ pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_F
 }
 
 /// The blocks of a cluster's ends, and how probable it is that two blocks are one vessel after all.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Blocks {
     /// The block of each end, numbered in the order of their first ends.
     pub of_end: Vec<usize>,
     /// Pairs of blocks with the probability that some end of one is joined to some end of the other.
     pub joined: Vec<([usize; 2], f64)>,
+    /// The most probable partitions with their probabilities, this one first; none where they are not summed.
+    pub ways: Vec<(Vec<usize>, f64)>,
 }
 
 impl Blocks {
@@ -87,7 +94,10 @@ pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) ->
         let joins = |z: &[usize]| a.iter().any(|i| b.iter().any(|j| z[*i] == z[*j]));
         all.iter().zip(&weight).filter(|(z, _)| joins(z)).map(|(_, w)| w).sum::<f64>() / total
     });
-    Blocks { of_end, joined }
+    let mut order: Vec<usize> = (0..all.len()).filter(|z| *z == best || weight[*z] >= LEAST_OF_WAY * total).collect();
+    order.sort_by(|a, b| weight[*b].total_cmp(&weight[*a]).then(a.cmp(b)));
+    let ways = order.into_iter().take(MOST_WAYS).map(|z| (all[z].clone(), weight[z] / total)).collect();
+    Blocks { of_end, joined, ways }
 }
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
@@ -130,13 +140,19 @@ fn greedy(scores: &Table, ends: usize) -> Blocks {
         let Some((_, [a, b])) = best else { break };
         of_end.iter_mut().filter(|block| **block == b).for_each(|block| *block = a);
     }
-    let mut number = std::collections::BTreeMap::new();
+    let of_end = numbered(of_end);
+    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
+    Blocks { of_end, joined, ways: Vec::new() }
+}
+
+/// Blocks numbered in the order of their first ends.
+pub fn numbered(mut of_end: Vec<usize>) -> Vec<usize> {
+    let mut number = BTreeMap::new();
     for block in &mut of_end {
         let next = number.len();
         *block = *number.entry(*block).or_insert(next);
     }
-    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
-    Blocks { of_end, joined }
+    of_end
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{BranchEnd, Branches};
+use super::pairings::Pairings;
 use super::partition::Blocks;
 use crate::network::path_places::length_of;
 use crate::network::paths::ShortestPaths;
@@ -35,6 +36,8 @@ pub struct Opened {
     pub graph: Network,
     /// Per contact a junction where it is, a row of the network as it was.
     pub junctions: Vec<usize>,
+    /// Per cluster that falls apart how its vessels may be paired.
+    pub pairings: Vec<Pairings>,
 }
 
 /// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
@@ -53,11 +56,10 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opene
     // Per vessel at an end of a branch the node that this end has now.
     let mut node_of_vessel: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for (end, node) in &plan.node_of_end {
-        let branch = &branches.branches[end.branch];
-        let at = if end.last { branch.vessels.len() - 1 } else { 0 };
-        let (vessel, backwards) = branch.vessels[at];
+        let (vessel, backwards) = branches.vessel_at(*end);
         node_of_vessel.insert((vessel, usize::from(end.last != backwards)), *node);
     }
+    let mut row_of = vec![0; network.vessel_count()];
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         if let Some(copies) = plan.copies.get(&row) {
             for ends in copies {
@@ -70,14 +72,28 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opene
             let moved = || plan.node_of_candidate.get(&ends[side]).copied().filter(|_| vessel.origin == Origin::Candidate);
             at_end.or_else(moved).unwrap_or(ends[side])
         });
-        graph.add_vessel(ends, vessel.clone());
+        row_of[row] = graph.add_vessel(ends, vessel.clone());
     }
+    let mut next = graph.vessel_count();
+    let pairings = blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1).map(|(row, blocks)| {
+        let cluster = &branches.clusters[row];
+        let first = next;
+        next += blocks.joined.len();
+        Pairings {
+            position: cluster.centre(),
+            vessels: cluster.ends.iter().map(|end| row_of[branches.vessel_at(*end).0]).collect(),
+            opened: blocks.of_end.clone(),
+            ways: blocks.ways.clone(),
+            contacts: blocks.joined.iter().zip(first..).map(|((pair, _), row)| (*pair, row)).collect(),
+        }
+    });
+    let pairings = pairings.collect();
     let mut junctions = Vec::with_capacity(plan.contacts.len());
     for (ends, contact, junction) in plan.contacts {
         graph.add_vessel(ends, contact);
         junctions.push(junction);
     }
-    Opened { graph, junctions }
+    Opened { graph, junctions, pairings }
 }
 
 /// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.

@@ -22,7 +22,7 @@ pub struct SuggestedCut {
 
 /// The contacts of a network that stay cut when they are opened ([`reconnected()`]), the least probable to be one vessel first.
 pub fn suggested_cuts(network: &Network, opened: &Opened) -> Vec<SuggestedCut> {
-    let Opened { graph, junctions } = opened;
+    let Opened { graph, junctions, .. } = opened;
     let kept = reconnected(graph, RECONNECT);
     let contacts = graph.vessels().zip(kept).filter(|((_, vessel), _)| vessel.origin == Origin::Contact);
     let cut = contacts.zip(junctions).filter(|((_, kept), _)| !kept);

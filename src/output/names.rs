@@ -6,6 +6,8 @@ pub const RECORD: &str = "run.json";
 pub const EDGES: &str = "edges.csv";
 /// Cuts that are suggested and not made.
 pub const SUGGESTED_CUTS: &str = "suggested-cuts.csv";
+/// How the vessels at each contact may be paired.
+pub const PAIRINGS: &str = "pairings.csv";
 /// The nodes.
 pub const NODES: &str = "nodes.csv";
 /// The page to open in a browser.

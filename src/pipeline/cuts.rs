@@ -12,6 +12,7 @@ use super::Input;
 use super::options::SourceFile;
 use crate::candidates::kind::Kind;
 use crate::contacts::model::ContactModel;
+use crate::contacts::pairings::Pairings;
 use crate::contacts::with_contacts;
 use crate::decision::{SuggestedCut, suggested_cuts};
 use crate::error::{Error, Fault, Result};
@@ -76,6 +77,15 @@ impl FromStr for Cut {
     }
 }
 
+/// What is known of the contacts of a graph beside their vessels.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Contacts {
+    /// How the vessels of those that are opened may be paired.
+    pub(crate) pairings: Vec<Pairings>,
+    /// Those that are left together.
+    pub(crate) suggested: Vec<SuggestedCut>,
+}
+
 /// The model and the mask by which contacts are opened.
 pub(crate) struct Cuts {
     model: Arc<ContactModel>,
@@ -118,14 +128,14 @@ impl Cuts {
         Ok(Some(Self { model, source, field, only_suggests }))
     }
 
-    /// The graph with its contacts opened, and the cuts that are only suggested: one of the two.
-    pub(crate) fn open(&self, graph: Network) -> (Network, Vec<SuggestedCut>) {
+    /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested.
+    pub(crate) fn open(&self, graph: Network) -> (Network, Contacts) {
         let opened = with_contacts(&graph, self.field.as_ref(), &self.model);
         if !self.only_suggests {
-            return (opened.graph, Vec::new());
+            return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() });
         }
         let suggested = suggested_cuts(&graph, &opened);
-        (graph, suggested)
+        (graph, Contacts { pairings: Vec::new(), suggested })
     }
 
     /// Whether cuts are suggested and not made.

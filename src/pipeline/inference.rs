@@ -94,7 +94,8 @@ impl Inference {
         Outcome {
             network: graph,
             boundary,
-            suggested_cuts: &self.prepared.suggested_cuts,
+            suggested_cuts: &self.prepared.contacts.suggested,
+            pairings: &self.prepared.contacts.pairings,
             result: &self.likelihood,
             rule: *keep,
             answer: &self.decision,

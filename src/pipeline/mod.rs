@@ -34,7 +34,7 @@ use serde_json::{Value, json};
 
 use crate::candidates::CandidateOptions;
 use crate::candidates::kind::Kind;
-use crate::decision::{Keep, SuggestedCut, all_decided};
+use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
@@ -42,7 +42,7 @@ use crate::network::{Network, Origin};
 use crate::report::Provenance;
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
-use cuts::Cuts;
+use cuts::{Contacts, Cuts};
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -94,8 +94,8 @@ pub struct Prepared {
     pub(crate) prior: Value,
     /// The record of what opened contacts.
     pub(crate) cuts: Value,
-    /// Where vessels may only touch that are left together.
-    pub(crate) suggested_cuts: Vec<SuggestedCut>,
+    /// What is known of the contacts beside their vessels.
+    pub(crate) contacts: Contacts,
     pub(crate) uniform_prior: bool,
     /// How candidates were built; `None` for a ready graph.
     pub(crate) candidates: Option<CandidateOptions>,
@@ -154,13 +154,13 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
-    let (graph, suggested_cuts) = match &cuts {
+    let (graph, contacts) = match &cuts {
         Some(cuts) => cuts.open(graph),
-        None => (graph, Vec::new()),
+        None => (graph, Contacts::default()),
     };
     if let Some(cuts) = &cuts {
         progress.step(if cuts.only_suggests() {
-            Step::CutsSuggested { suggested: suggested_cuts.len() }
+            Step::CutsSuggested { suggested: contacts.suggested.len() }
         } else {
             Step::Cut { graph: &graph, with_mask: cuts.has_mask() }
         });
@@ -187,7 +187,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         outlets,
         prior: prior.record(),
         cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),
-        suggested_cuts,
+        contacts,
         uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
         candidates: is_fragments.then_some(building),
         arteries,

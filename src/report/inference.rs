@@ -6,6 +6,7 @@ use super::figures::convergence::convergence;
 use super::figures::heat_map::{Matrix, heat_map};
 use super::page::{Picture, infer_page, write_page};
 use super::run_record::Summary;
+use crate::contacts::pairings::Pairings;
 use crate::decision::{Decision, ExpectedErrors, Keep, SuggestedCut, Topology, threshold};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, Circuit, pressures};
@@ -15,9 +16,12 @@ use crate::io::{
 use crate::network::units::millimetres;
 use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
-use crate::output::names::{DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, SUGGESTED_CUTS, TOPOLOGY};
+use crate::output::names::{
+    DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
+};
 use crate::output::write_record;
 use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
+use crate::support::geometry::Point;
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
 /// how many.
@@ -50,6 +54,8 @@ pub struct Outcome<'a> {
     pub boundary: &'a Boundary,
     /// Cuts that are suggested, the surest first.
     pub suggested_cuts: &'a [SuggestedCut],
+    /// How the vessels at each opened contact may be paired.
+    pub pairings: &'a [Pairings],
     /// What the samples say.
     pub result: &'a Likelihood,
     /// The rule that decided.
@@ -112,6 +118,9 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     }
     if !outcome.suggested_cuts.is_empty() {
         write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
+    }
+    if !outcome.pairings.is_empty() {
+        write_file(&folder.join(PAIRINGS), |out| write_csv(out, &pairing_columns(outcome)))?;
     }
     let matrix = outcome.result.matrix(network);
     write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
@@ -284,6 +293,28 @@ pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
         Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
         Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
         Column::real("probability", cuts.iter().map(|cut| cut.probability)),
+    ]
+}
+
+/// The columns of pairings.csv.
+pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
+    let kept = &outcome.answer.kept;
+    let mut rows: Vec<(Point, String, f64, bool)> = Vec::new();
+    for pairings in outcome.pairings {
+        let taken = pairings.taken(kept);
+        rows.extend(pairings.ways.iter().map(|(way, p)| (pairings.position, pairings.told(way), *p, *way == taken)));
+        if pairings.ways.iter().all(|(way, _)| *way != taken) {
+            rows.push((pairings.position, pairings.told(&taken), f64::NAN, true));
+        }
+    }
+    let place = |name, axis: usize| Column::real(name, rows.iter().map(move |row| millimetres(row.0[axis])));
+    vec![
+        place("x_mm", 0),
+        place("y_mm", 1),
+        place("z_mm", 2),
+        Column::text("vessels", rows.iter().map(|row| row.1.clone())),
+        Column::real("probability", rows.iter().map(|row| row.2)),
+        Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
     ]
 }
 

@@ -1,11 +1,13 @@
 //! Contacts: clusters of junctions, what the mask tells of two ends, and what becomes of a crossing.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::contacts::branches::Branches;
 use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
+use willis::internals::contacts::pairings::Pairings;
 use willis::internals::contacts::partition::Blocks;
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
@@ -88,7 +90,7 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     let of_end: Vec<usize> =
         ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
     let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
-    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)] }]).graph;
+    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)], ways: Vec::new() }]).graph;
     let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
     let through = |a: usize, b: usize| {
         let vessel = |at: Point| {
@@ -193,6 +195,58 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
+}
+
+#[test]
+fn pairings_name_the_vessels_that_meet_and_the_way_that_was_taken() {
+    let pairings = Pairings {
+        position: [0.0; 3],
+        vessels: vec![4, 7, 9, 2],
+        opened: vec![0, 1, 0, 1],
+        ways: vec![(vec![0, 1, 0, 1], 0.8), (vec![0, 0, 1, 1], 0.15)],
+        contacts: vec![([0, 1], 0)],
+    };
+    assert_eq!((pairings.taken(&[false]), pairings.taken(&[true])), (vec![0, 1, 0, 1], vec![0; 4]));
+    assert_eq!([pairings.told(&[0, 1, 0, 1]), pairings.told(&[0; 4])], ["4+9 | 7+2", "4+7+9+2"]);
+
+    let at = folder();
+    let ran = willis(at.path(), &["infer", &data("scan.nii.gz"), "-o", "out", "-n", "1", "--dpi", "36", "--quiet"]);
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    let vessels = rows(&at.path().join("out"));
+    let table = std::fs::read_to_string(at.path().join("out/pairings.csv")).expect("a table");
+    let lines: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert!(!lines.is_empty());
+    for ways in lines.chunk_by(|a, b| a[..3] == b[..3]) {
+        let probability: Vec<f64> = ways.iter().filter_map(|way| way[4].parse().ok()).collect();
+        assert!(probability.iter().sum::<f64>() <= 1.0 + 1e-9 && probability.is_sorted_by(|a, b| a >= b), "{probability:?}");
+        let taken: Vec<&Vec<&str>> = ways.iter().filter(|way| way[5] == "1").collect();
+        assert_eq!(taken.len(), 1);
+        // The same ends in every way.
+        let ends = |way: &str| {
+            let mut ends: Vec<usize> = way.split(['+', '|']).map(|end| end.trim().parse().expect("a vessel")).collect();
+            ends.sort_unstable();
+            ends
+        };
+        assert!(ways.iter().all(|way| ends(way[3]) == ends(ways[0][3])));
+        assert!(ends(ways[0][3]).iter().all(|end| vessels[*end]["origin"] == "observed"));
+        // Ends of the taken way that share a node there are in one block.
+        let place: [f64; 3] = [0, 1, 2].map(|axis| ways[0][axis].parse().expect("mm"));
+        let node_at = |row: usize| {
+            let away = |end: &&str| {
+                let at = ["x", "y", "z"].map(|axis| vessels[row][&format!("{end}{axis}_mm")].parse().expect("mm"));
+                distance(at, place)
+            };
+            let nearest = ["a", "b"].into_iter().min_by(|a, b| away(a).total_cmp(&away(b))).expect("two ends");
+            &vessels[row][&format!("node_{nearest}")]
+        };
+        let blocks: Vec<Vec<usize>> = taken[0][3].split('|').map(ends).collect();
+        for (n, block) in blocks.iter().enumerate() {
+            for other in &blocks[n + 1..] {
+                let nodes = |block: &[usize]| block.iter().map(|row| node_at(*row)).collect::<BTreeSet<_>>();
+                assert!(nodes(block).is_disjoint(&nodes(other)), "{}", taken[0][3]);
+            }
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
-use crate::report::inference::{Outcome, suggested_cut_columns};
+use crate::report::inference::{Outcome, pairing_columns, suggested_cut_columns};
 use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
@@ -55,6 +55,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     });
     let suggested = (!outcome.suggested_cuts.is_empty())
         .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
+    let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
     Page {
         title: title("infer", &record),
         facts: facts(&record, &names),
@@ -63,7 +64,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         colourings: colourings(unit, evidence),
         threshold: Some(threshold(outcome, unit)),
         figures,
-        tables: [Some(table("Vessels", columns, true)), suggested, Some(table("Nodes", nodes, false)), conditions]
+        tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
             .collect(),
