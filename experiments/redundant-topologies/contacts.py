@@ -1,6 +1,6 @@
 """Which observed vessels and contacts of automatic skeletons are false fusions: by P, by the flow, by both. contacts.py SKELBENCH CASES WORK [LEVELS].
 
-CASES/<level>/<subject> hold mask.nii.gz and fragments.npz, as experiments/contacts/unseen.sh makes them. WILLIS names the program. Contacts are opened (`--cut
+CASES/<level>/<subject> hold mask.nii.gz and fragments.npz, as experiments/skeletons/run.sh makes them. WILLIS names the program. Contacts are opened (`--cut
 always`), every vessel is uncertain, and the graph is sampled with P as the prior A, then handed back and sampled with A = 1. AUC: how probably a false fusion
 scores higher than a true connection; AP: average precision of false fusions. Intervals by drawing subjects 500 times. "P and size" is a logistic
 regression on the logarithms of P, radius and length, "P, size and flow" one on all figures, each fitted to the other subjects.

@@ -4,7 +4,7 @@
 #   willis infer NETWORK -o OUT --observed --preset paper --epsilon 0.2,0.3,0.5 -n 1000 --seed 0
 #
 # WILLIS_SHARED_DATA names the folder of real subjects (../shared/data), WILLIS_PYTHON a Python.
-# contacts.py has the table of automatic skeletons; run.sh does not run it, for it needs the cases of experiments/contacts.
+# contacts.py has the table of automatic skeletons; run.sh does not run it, for it needs the cases of experiments/skeletons.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo build --release --locked --quiet --bin willis

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Fits the model of skeletons that ships, to simulated scans of 24 brains at five levels, thinned by scikit-image and by willis:
+# Fits the models that ship for automatic skeletons, to simulated scans of 24 brains at five levels, thinned by scikit-image and by willis:
 #
 #   willis train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds
+#   willis train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds
 #
 # Argument: a folder for the cases, which is kept and gone on from (about two hours on two cores). ../skelbench.sh says what the environment names.
 set -euo pipefail
@@ -12,6 +13,7 @@ for level in fine near good fair poor; do
     [ -d "$work/scikit-image/$level" ] ||
         "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/scikit-image" --level $level --seed 1 --subjects $subjects --save-mask
 done
-[ -d "$work/willis-masks" ] || "$python" experiments/skeleton-joins/own.py "$bench" "$work/scikit-image" "$work/willis-masks"
+[ -d "$work/willis-masks" ] || "$python" experiments/skeletons/own.py "$bench" "$work/scikit-image" "$work/willis-masks"
 cd "$work"
 "$WILLIS" train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds --force
+"$WILLIS" train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds --force

@@ -2,7 +2,7 @@
 
     python measure.py SKELBENCH CASES JOINS CONTACTS LEVELS [N]
 
-CASES/<level>/<subject> are those of experiments/skeleton-joins/weights.sh, JOINS and CONTACTS the beginnings of the models of folds (final:
+CASES/<level>/<subject> are those of weights.sh, JOINS and CONTACTS the beginnings of the models of folds (final:
 final.fold-1.toml and so on). Of each fold N subjects are taken, or all. Writes a table of means to standard output, and the paired
 difference of path to the same joins uncut, with the 95 % interval by drawing subjects 2,000 times.
 """

@@ -1,6 +1,6 @@
-"""Two simple answers to fragments: as they are, and each cycle cut at its thinnest vessel. simple.py CASES AS_IS THINNEST.
+"""Two simple answers to fragments: as they are, and each cycle cut at its thinnest vessel. simple.py CASES AS_IS THINNEST LEVELS...
 
-CASES has folders with fragments.npz; the answers get the same names. A vessel is a run between nodes of other than two neighbours, as wide as its points
+CASES/<level> has folders with fragments.npz; the answers get the same names. A vessel is a run between nodes of other than two neighbours, as wide as its points
 are on average; a cut leaves out the link at its thinnest point.
 """
 import sys
@@ -25,7 +25,7 @@ def vessels(graph):
 
 
 cases, as_is, thinnest = map(Path, sys.argv[1:4])
-for file in sorted(cases.rglob("fragments.npz")):
+for file in sorted(file for level in sys.argv[4:] for file in (cases / level).glob("*/fragments.npz")):
     case, lines = file.parent.relative_to(cases), np.load(file)
     graph, radii = nx.Graph(lines["edges"].tolist()), lines["radii"]
     runs = sorted(vessels(graph), key=lambda run: -radii[run].mean())

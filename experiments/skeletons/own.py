@@ -5,6 +5,7 @@
 The truth names nodes of scikit-image's skeleton. Willis' lines are smoother, so a point means the nearest node within two voxels. A
 connection that no point of the resampled lines reaches is left out.
 """
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -53,5 +54,8 @@ def convert(case, out):
         **{k: truth[k] for k in ("voxel_mm", "nodes", "stations", "station_nodes", "adjacent", "subject")}}))
 
 
-for mask in sorted(pathlib.Path(sys.argv[2]).glob("*/*/mask.nii.gz")):
-    convert(mask.parent, pathlib.Path(sys.argv[3]) / mask.parent.parent.name / mask.parent.name)
+if __name__ == "__main__":
+    masks = sorted(pathlib.Path(sys.argv[2]).glob("*/*/mask.nii.gz"))
+    folders = [pathlib.Path(sys.argv[3]) / mask.parent.parent.name / mask.parent.name for mask in masks]
+    with concurrent.futures.ProcessPoolExecutor() as pool:
+        list(pool.map(convert, [mask.parent for mask in masks], folders))
