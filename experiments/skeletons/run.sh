@@ -4,8 +4,8 @@
 #   willis infer mask.nii.gz -o OUT [--cut never]
 #   willis infer fragments.npz -o OUT --box BOX [--cut always | --uncertain all | --preset paper]
 #
-# beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py); what copies of shared runs could add (passes.py);
-# manual masks (manual.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
+# beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py); what copies of shared runs could add (passes.py), what a
+# joint posterior would decide (joint.py), manual masks (manual.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
 #
 # Argument: a folder for cases and answers, which is kept and gone on from (about half an hour on two cores). LEVELS names other levels than "good
 # fair near fine poor"; good and fair are cropped too. ../skelbench.sh says what the environment names; WILLIS_GAPBENCH names the benchmark of tracings.
@@ -45,6 +45,7 @@ printed() { # name, script and arguments
 }
 printed at_border "$work"
 printed passes "$bench" "$work"
+printed joint "$bench" "$work"
 printed manual "$bench" "$data" "$work/manual"
 printed rings "$gapbench" "$data"
 printed intact "$data"
