@@ -69,6 +69,7 @@ mod support;
 #[cfg(feature = "training")]
 mod training;
 
+pub use candidates::joins::image::scene::Appearance;
 pub use candidates::{Attach, CandidateOptions, CandidateRadius};
 pub use circle_of_willis::LabelScheme;
 pub use decision::{Decision, Keep};

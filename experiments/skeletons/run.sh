@@ -2,6 +2,7 @@
 # Answers to simulated scans of eight brains that no model of masks was fitted to, by what ships: whole and cropped, cut and not cut.
 #
 #   willis infer mask.nii.gz -o OUT [--cut never]
+#   willis infer mask.nii.gz -o OUT --image IMAGE
 #   willis infer fragments.npz -o OUT --box BOX [--cut always | --uncertain all | --preset paper]
 #
 # beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py); what copies of shared runs could add (passes.py), what a
@@ -39,6 +40,11 @@ for case in "$work"/cases/*/*/; do
     esac
 done
 here=experiments/skeletons
+"$python" $here/images.py "$bench" "$data/brava/vtp" "$work/cases" "$work/cases" "$work/images" good,fair 2 0:0 .4:.05 .8:.15
+for image in "$work"/images/*/*/image-*.nii; do
+    case=${image#"$work"/images/}
+    answer "$(basename "$image" .nii)" "${case%/*}" mask.nii.gz --image "$image"
+done
 "$python" $here/simple.py "$work"/cases "$work"/as-is "$work"/thinnest good fair
 printed() { # name, script and arguments
     [ -e "$work/$1.md" ] || { "$python" "$here/$1.py" "${@:2}" >"$work/$1.tmp" && mv "$work/$1.tmp" "$work/$1.md"; }

@@ -26,11 +26,17 @@ ANSWERS = {
     "fragments-cut": "lines, cut (`--cut always`)",
     "mask-uncut": "mask, nothing cut",
     "mask-cut": "mask, cut (default)",
+    "image-0-0": "mask and image",
+    "image-.4-.05": "the same, dropouts .4, texture .05",
+    "image-.8-.15": "the same, dropouts .8, texture .15",
 }
+# The answer that a gain is over.
+BASES = {"fragments-cut": "fragments", "mask-cut": "mask-uncut", "image-0-0": "mask-cut", "image-.4-.05": "mask-cut", "image-.8-.15": "mask-cut"}
 FIGURES = (
     "path", "strict", "nrun", "cut_recall", "cut_wrong", "lost_connections", "through_kept", "splits", "merges", "cycles", "join_precision", "join_recall",
     "join_f1", "join_ap",
 )
+GAINS = ("path", "nrun", "join_ap")
 SHOWN = ("path", "strict", "nrun", "cut_recall", "lost_connections", "cycles", "join_f1", "join_ap")
 HEADINGS = ("cases", "answer", "path", "strict path", "nrun", "cut recall", "lost", "cycles", "join F1", "join AP")
 
@@ -119,12 +125,12 @@ def main():
         error = calibration(of)
         if error is not None:
             results[level, name, "join_calibration"] = (error, None, None, len(of))
-        if name.endswith("-cut"):
-            plain = {one["subject"]: one for one in found.get((level, name.replace("fragments-cut", "fragments").replace("mask-cut", "mask-uncut")), [])}
-            for figure in ("path", "strict", "nrun"):
-                pairs = [one[figure] - plain[one["subject"]][figure] for one in of if one["subject"] in plain]
+        if name in BASES:
+            plain = {one["subject"]: one for one in found.get((level, BASES[name]), [])}
+            for figure in GAINS:
+                pairs = [one[figure] - plain[one["subject"]][figure] for one in of if one["subject"] in plain and one.get(figure) is not None]
                 if pairs:
-                    results[level, name, f"{figure}_less_uncut"] = (*interval(pairs), len(pairs))
+                    results[level, name, f"{figure}_less_base"] = (*interval(pairs), len(pairs))
     round4 = lambda x: "" if x is None else f"{x:.4f}"
     common.write_results(HERE, [
         dict(level=level, answer=name, figure=figure, value=round4(value), low=round4(low), high=round4(high), cases=cases)
@@ -134,11 +140,11 @@ def main():
     row = lambda key: [key[0].replace("-crop", ", cropped"), ANSWERS[key[1]]] + [cell(figure, (results.get((*key, figure)) or (None,))[:3] if (*key, figure) in results else None) for figure in SHOWN]
     common.splice(HERE / "README.md", "answers", common.table(HEADINGS, map(row, order)))
     lines = [
-        [level.replace("-crop", ", cropped"), ANSWERS[name]] + ["{:+.3f} [{:+.3f}, {:+.3f}]".format(*results[level, name, f"{figure}_less_uncut"][:3]) for figure in ("path", "strict", "nrun")]
+        [level.replace("-crop", ", cropped"), ANSWERS[name], ANSWERS[BASES[name]]] + ["{:+.3f} [{:+.3f}, {:+.3f}]".format(*results[level, name, f"{figure}_less_base"][:3]) for figure in GAINS]
         for level, name in order
-        if (level, name, "path_less_uncut") in results
+        if (level, name, "path_less_base") in results
     ]
-    common.splice(HERE / "README.md", "paired", common.table(("cases", "answer", "path", "strict path", "nrun"), lines))
+    common.splice(HERE / "README.md", "paired", common.table(("cases", "answer", "over", "path", "nrun", "join AP"), lines))
     for printed in sorted(work.glob("*.md")):
         common.splice(HERE / "README.md", printed.stem, printed.read_text().strip())
     draw(results)

@@ -2,6 +2,7 @@
 # Fits the models that ship for automatic skeletons, to simulated scans of 24 brains at five levels, thinned by scikit-image and by willis:
 #
 #   willis train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds
+#   willis train willis-images -o images.toml --model skeleton --folds 3 --images-onto final.toml
 #   willis train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds
 #
 # Argument: a folder for the cases, which is kept and gone on from (about two hours on two cores). ../skelbench.sh says what the environment names.
@@ -14,6 +15,10 @@ for level in fine near good fair poor; do
         "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/scikit-image" --level $level --seed 1 --subjects $subjects --save-mask
 done
 [ -d "$work/willis-masks" ] || "$python" experiments/skeletons/own.py "$bench" "$work/scikit-image" "$work/willis-masks"
+here=$PWD/experiments/skeletons
 cd "$work"
 "$WILLIS" train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds --force
 "$WILLIS" train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds --force
+images="0:0 .4:.05 .4:.1 .6:.15"
+"$python" "$here/images.py" "$bench" "$data/brava/vtp" scikit-image willis-masks willis-images fair,good,poor 1 $images
+"$WILLIS" train willis-images -o images.toml --model skeleton --folds 3 --images-onto final.toml --force

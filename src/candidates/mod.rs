@@ -15,6 +15,8 @@ use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
 use joins::JoinTable;
+use joins::image::features::ImageTable;
+use joins::image::scene::{Scene, Unseen, View};
 use joins::model::JoinModel;
 use kind::Kind;
 use model::posterior::{Posterior, posterior};
@@ -123,7 +125,7 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
     let e = resampled.extraction(&[])?;
     let found = search_nearest(&e, options)?.into_iter().map(|candidate| {
         let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
-        NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None }
+        NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None, course: None }
     });
     Ok(over_connected(network, &resampled, &e, found.collect(), options).0)
 }
@@ -162,7 +164,7 @@ pub fn build_with_evidence(
     }));
     let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence) }
+        NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence), course: None }
     };
     let (mut graph, node_at) = over_connected(network, &resampled, &e, found.into_iter().map(new_vessel).collect(), options);
     for (place, fragment) in e.place.iter().zip(&e.fragment) {
@@ -179,31 +181,48 @@ pub fn build_with_evidence(
 
 /// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
 ///
-/// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them.
+/// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them; where an image
+/// shows what lies between two ends, the vessel follows the cheapest path through it. Why the image says nothing is told too.
 ///
 /// # Errors
 ///
 /// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
-pub fn build_joins(network: &Network, options: &CandidateOptions, model: &JoinModel) -> Result<Network> {
+pub fn build_joins(
+    network: &Network,
+    options: &CandidateOptions,
+    model: &JoinModel,
+    view: Option<View>,
+) -> Result<(Network, Option<Unseen>)> {
     options.validate()?;
     let branches = options.k.unwrap_or(SearchOptions::default().branches);
     let table = JoinTable::new(network, branches)?;
     let e = &table.extraction;
     let scores = table.scores(model);
-    let found = table.pairs.first.iter().zip(&scores).filter_map(|(row, score)| {
+    let (mut image, mut unseen) = (None, None);
+    if let Some(view) = view {
+        match Scene::new(e, view) {
+            Ok(scene) => image = Some(ImageTable::new(&scene, e, &table.pairs, Some(&scores))),
+            Err(why) => unseen = Some(why),
+        }
+    }
+    let probabilities = table.probabilities(model, &scores, image.as_ref());
+    let found = table.pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
         let candidate = table.candidates[*row];
         let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        let probability = model.probability(*score);
         let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         stays.then(|| NewVessel {
             candidate,
             radii: [e.ends[candidate.end].radius, there],
             evidence: Some(Evidence::undirected(probability)),
+            course: image
+                .as_ref()
+                .filter(|_| model.image.is_some())
+                .and_then(|image| image.course(pair, e.ends[candidate.end].point, &table.pairs)),
         })
     });
-    Ok(over_connected(network, &table.resampled, e, found.collect(), options).0)
+    Ok((over_connected(network, &table.resampled, e, found.collect(), options).0, unseen))
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

@@ -9,7 +9,7 @@ use super::{CandidateOptions, CandidateRadius, NetworkPoint};
 use crate::network::path_places::PathPlace;
 use crate::network::units::as_stored;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use crate::support::geometry::distance;
+use crate::support::geometry::{Point, distance};
 
 /// A candidate that becomes a vessel.
 pub struct NewVessel {
@@ -19,6 +19,8 @@ pub struct NewVessel {
     pub radii: [f64; 2],
     /// What the evidence says of it; `None` without evidence.
     pub evidence: Option<Evidence>,
+    /// Its course (m) from the free end to the point, where that is known; else it is straight.
+    pub course: Option<Vec<Point>>,
 }
 
 /// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
@@ -54,9 +56,13 @@ pub fn over_connected(
         };
         let radius = options.max_radius.map_or(radius, |most| radius.min(most));
         let [from, to] = [0, 1].map(|end| graph.node(ends[end]).position.unwrap_or(extraction.position[points(&new)[end]]));
-        let path = [from, to].map(|position| PathPoint { position, radius, id: None }).to_vec();
+        let course = new.course.as_deref().unwrap_or_default();
+        let inner = course.get(1..course.len().saturating_sub(1)).unwrap_or_default();
+        let points = std::iter::once(from).chain(inner.iter().copied()).chain([to]);
+        let path: Vec<PathPoint> = points.map(|position| PathPoint { position, radius, id: None }).collect();
+        let length = path.windows(2).map(|w| distance(w[0].position, w[1].position)).sum();
         let prior = new.evidence.map_or(1.0, |e| e.probability);
-        let vessel = Vessel::new(distance(from, to), radius, Origin::Candidate);
+        let vessel = Vessel::new(length, radius, Origin::Candidate);
         graph.add_vessel(ends, Vessel { prior, evidence: new.evidence, path, ..vessel });
     }
     store(&mut graph);

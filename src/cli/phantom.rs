@@ -10,13 +10,13 @@ use willis::internals::candidates::NEAREST;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::convert::{ENDINGS, Target};
-use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti};
+use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Origin, fragments};
 use willis::internals::output::StagedFile;
 use willis::internals::output::atomic::write_file;
 use willis::internals::phantom::{
-    Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, landmarks, over_connected, with_gaps, without,
+    Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
 
 use super::args::figures::{length, whole};
@@ -61,6 +61,9 @@ pub struct PhantomArgs {
     /// capillary: straight from node to node]
     #[arg(long, value_name = "LENGTH")]
     spacing: Option<String>,
+    /// Write the image in which the threshold of a mask was drawn too, .nii.gz or .nii: 0 is background, 1 a wide vessel
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    image: Option<PathBuf>,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
@@ -70,6 +73,9 @@ impl PhantomArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
         let recipe = self.recipe(kind)?;
+        if let Some(image) = self.image.as_ref().filter(|image| !is_mask(&self.output) || !is_mask(image)) {
+            return Err(Error::parameter("image", image.display(), "expected .nii.gz or .nii, with an output .nii.gz or .nii"));
+        }
         if is_mask(&self.output) {
             return self.write_mask(kind, &recipe, terminal, force);
         }
@@ -150,17 +156,27 @@ impl PhantomArgs {
     fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: Terminal, force: bool) -> Result<()> {
         let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
         let has_marks = self.broken && kind == Kind::Cerebral;
-        let files = [&self.output, &answer].into_iter().chain(has_marks.then_some(&marks));
+        let files = [&self.output, &answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
         files.clone().try_for_each(|path| StagedFile::check(path, force))?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
-        let (mask, truth) = draw_mask(&network, recipe.spacing.unwrap_or(VOXEL), scan.as_ref())?;
+        let spacing = recipe.spacing.unwrap_or(VOXEL);
+        let (mask, truth, image) = if self.image.is_some() {
+            let (mask, truth, image) = draw_scan(&network, spacing, scan.as_ref())?;
+            (mask, truth, Some(image))
+        } else {
+            let (mask, truth) = draw_mask(&network, spacing, scan.as_ref())?;
+            (mask, truth, None)
+        };
         let staged: Vec<StagedFile> = files.map(|path| StagedFile::new(path, force)).collect::<Result<_>>()?;
         let packed = has_ending(&self.output, ".gz");
         write_file(&staged[0].path(), |out| write_nifti(out, &mask, packed))?;
         write_file(&staged[1].path(), |out| truth.write_json(out))?;
-        if let Some(file) = staged.get(2) {
+        if let Some(file) = staged.get(2).filter(|_| has_marks) {
             write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth.lost)))?;
+        }
+        if let Some(((path, image), file)) = self.image.as_ref().zip(image).zip(staged.last()) {
+            write_file(&file.path(), |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
         }
         staged.into_iter().try_for_each(StagedFile::commit)?;
         let ([x, y, z], mm) = (mask.shape, mask.spacing()[0]);

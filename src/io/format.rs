@@ -5,9 +5,9 @@ use std::path::Path;
 
 use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::graphml::{read_graphml, write_graphml};
-use super::images::metaimage::{is_metaimage, read_metaimage};
-use super::images::nifti::{self, is_nifti, read_nifti};
-use super::images::numpy::read_npy_mask;
+use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
+use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
+use super::images::numpy::{read_npy_image, read_npy_mask};
 use super::images::{is_gzip, unpacked_head};
 use super::input::bytes_within;
 use super::itk::tubes::{read_tre, write_tre};
@@ -27,7 +27,7 @@ use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::error::{Fault, Result};
-use crate::masks::{Foreground, Mask, RadiusFrom, trace};
+use crate::masks::{Foreground, Image, Mask, RadiusFrom, trace};
 use crate::network::Network;
 use crate::network::centerlines::Centerlines;
 
@@ -207,6 +207,23 @@ pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
     format.read_voxels(path, &bytes, options)
+}
+
+/// Reads the image in a file, of any of the formats of masks.
+///
+/// # Errors
+///
+/// A file that cannot be read, holds no image, or has a fault in its content.
+pub fn read_image(path: &Path, options: &ReadOptions) -> Result<Image> {
+    let bytes = bytes_within(path, options.max_input)?;
+    let most = options.max_input;
+    let here = |fault: Fault| fault.in_file(path);
+    match format_of(path, &bytes).map_err(here)? {
+        Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
+        Format::MetaImage => read_metaimage_image(path, &bytes, most),
+        Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
+        other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
+    }
 }
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.

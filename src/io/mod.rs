@@ -20,10 +20,10 @@ mod vtk;
 mod xml;
 
 pub use companions::companion_files;
-pub use format::{Format, read_mask};
+pub use format::{Format, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
-pub use images::nifti::{read_nifti, write_nifti};
+pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
 pub use images::numpy::read_npy_mask;
 pub use input::{Checksummed, byte_count, checksum, checksum_of, checksum_of_file};
 pub use itk::tubes::{read_tre, write_tre};

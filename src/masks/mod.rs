@@ -10,10 +10,12 @@
 //! | the depth below the wall of the lumen at any place | `field.rs` |
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
+//! | the picture beside a mask: smoothed, its value at any place | `image.rs` |
 
 mod distance;
 mod field;
 mod foreground;
+mod image;
 mod lumen;
 mod mask;
 mod partial;
@@ -24,6 +26,7 @@ mod trace;
 pub use distance::distances;
 pub use field::Field;
 pub use foreground::Foreground;
+pub use image::{Image, Picture};
 pub use mask::{Affine, Mask};
 pub use partial::{WallFinder, Walls};
 pub use thinning::thin;

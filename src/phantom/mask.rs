@@ -8,7 +8,7 @@ use super::tube::{Grid, Tube};
 use super::veins::veins;
 use super::{check_positions, check_range};
 use crate::error::{Error, Result};
-use crate::masks::Mask;
+use crate::masks::{Image, Mask};
 use crate::network::Network;
 use crate::network::units::millimetres;
 use crate::support::gamma::Gamma;
@@ -96,6 +96,20 @@ impl Scan {
 ///
 /// A scan that does not validate, a node without position, more than [`MOST_VOXELS`], a mask in which no vessel is left.
 pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result<(Mask, MaskTruth)> {
+    draw(network, spacing, scan, false).map(|(mask, truth, _)| (mask, truth))
+}
+
+/// The same with the image in which the threshold was drawn: 0 is background, 1 the signal of a wide vessel.
+///
+/// # Errors
+///
+/// Those of [`draw_mask`].
+pub fn draw_scan(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result<(Mask, MaskTruth, Image)> {
+    draw(network, spacing, scan, true)
+}
+
+/// The mask, its truth and the values of the image, which are left out unless they are wanted.
+fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) -> Result<(Mask, MaskTruth, Image)> {
     scan.map_or(Ok(()), Scan::validate)?;
     check_positions(network)?;
     let voxel = f64::from(millimetres(spacing) as f32);
@@ -110,7 +124,8 @@ pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
         tubes.extend(beside);
     }
     let grid = grid_around(&tubes, voxel)?;
-    let mut classes = Image::new(scan, &tubes).segment(&grid, &tubes);
+    let mut values = Vec::new();
+    let mut classes = Signal::new(scan, &tubes).segment(&grid, &tubes, with_image.then_some(&mut values));
     if is_clean {
         tubes.iter().flat_map(|tube| &tube.stations).for_each(|at| classes[grid.row(*at)] = 1);
     } else {
@@ -125,7 +140,7 @@ pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
     let mask = Mask { shape: grid.shape, classes, affine, walls: None };
     let truth = judge(network, tubes, &grid, &mask);
-    Ok((mask, truth))
+    Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }
 
 /// Refuses voxels so small that the stations along the vessels alone are too many.
@@ -167,14 +182,14 @@ fn grid_around(tubes: &[Tube], voxel: f64) -> Result<Grid> {
 }
 
 /// What the scanner sees of the tubes.
-struct Image<'a> {
+struct Signal<'a> {
     scan: &'a Scan,
     /// The signal of each station of each tube.
     signals: Vec<Vec<f64>>,
     below: NormalTable,
 }
 
-impl<'a> Image<'a> {
+impl<'a> Signal<'a> {
     fn new(scan: &'a Scan, tubes: &[Tube]) -> Self {
         let radii: Vec<f64> = tubes.iter().flat_map(|tube| tube.radii.iter().copied()).collect();
         let typical = median(&radii).unwrap_or_default();
@@ -187,8 +202,8 @@ impl<'a> Image<'a> {
         Self { scan, signals: tubes.iter().map(of_tube).collect(), below: NormalTable::new() }
     }
 
-    /// The voxels above the threshold, noise included: 1, else 0.
-    fn segment(&self, grid: &Grid, tubes: &[Tube]) -> Vec<u8> {
+    /// The voxels above the threshold, noise included: 1, else 0; all values are put into `image`.
+    fn segment(&self, grid: &Grid, tubes: &[Tube], mut image: Option<&mut Vec<f32>>) -> Vec<u8> {
         let mut noise = stream(self.scan.seed, random::NOISE);
         let layer = grid.shape[0] * grid.shape[1];
         let mut classes = Vec::with_capacity(layer * grid.shape[2]);
@@ -210,6 +225,9 @@ impl<'a> Image<'a> {
                 let mut value = f64::from(*value);
                 if self.scan.noise > 0.0 {
                     value += self.scan.noise * noise.sample::<f64, _>(StandardNormal);
+                }
+                if let Some(image) = &mut image {
+                    image.push(value as f32);
                 }
                 u8::from(value > self.scan.threshold)
             }));

@@ -33,7 +33,7 @@ pub use extraction::break_up;
 pub use gaps::{Gaps, over_connected, with_gaps};
 pub use kind::{Kind, Recipe};
 pub use large::Large;
-pub use mask::{MOST_VOXELS, Scan, draw_mask};
+pub use mask::{MOST_VOXELS, Scan, draw_mask, draw_scan};
 pub use mask_truth::{Contact, MaskBreak, MaskTruth};
 pub use tree::{Tree, branching_tree};
 pub use truth::{BreakKind, Truth, landmarks};

@@ -146,6 +146,7 @@ impl Inference {
         let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
         summary.state_prior(prepared.prior.clone());
         summary.state_cut(prepared.cuts.clone());
+        summary.state_image(prepared.image.clone());
         summary.time = self.time.clone();
         let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {

@@ -7,6 +7,7 @@ mod cuts;
 mod inference;
 mod input;
 mod options;
+mod picture;
 mod prior;
 mod progress;
 mod shard;
@@ -94,6 +95,8 @@ pub struct Prepared {
     pub(crate) prior: Value,
     /// The record of what opened contacts.
     pub(crate) cuts: Value,
+    /// The record of the image in which candidates were looked at.
+    pub(crate) image: Value,
     /// What is known of the contacts beside their vessels.
     pub(crate) contacts: Contacts,
     pub(crate) uniform_prior: bool,
@@ -148,8 +151,18 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && boundary.found_outlets.is_empty() {
         progress.step(Step::OutletsAllStated);
     }
-    let graph = prior.graph(network, is_fragments, &boundary, &building)?;
     let mut provenance = input.provenance;
+    let image = options
+        .image
+        .as_deref()
+        .map(|path| picture::Picture::load(path, options, &prior, &input.options, is_fragments))
+        .transpose()?;
+    let (graph, unseen) = prior.graph(network, is_fragments, &boundary, &building, image.as_ref().map(|image| image.view()))?;
+    if let Some((image, why)) = image.as_ref().zip(unseen) {
+        let note = format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display());
+        progress.step(Step::Note(&note));
+        provenance.notes.push(note);
+    }
     if is_fragments {
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
@@ -187,6 +200,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         outlets,
         prior: prior.record(),
         cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),
+        image: image.map_or(Value::Null, |image| image.record(unseen)),
         contacts,
         uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
         candidates: is_fragments.then_some(building),

@@ -9,6 +9,7 @@ use super::arteries::ArterySource;
 use super::boundary_options::BoundaryOptions;
 use super::cuts::Cut;
 use super::prior::Prior;
+use crate::candidates::joins::image::scene::Appearance;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::decision::Keep;
 use crate::error::Result;
@@ -32,6 +33,10 @@ pub struct InferOptions {
     pub cut: Cut,
     /// The mask that the centerlines were made of; one that is read itself needs none.
     pub mask: Option<PathBuf>,
+    /// The image of the vessels, in which candidates are looked at.
+    pub image: Option<PathBuf>,
+    /// How vessels look in it.
+    pub vessels: Appearance,
     /// Where blood enters and leaves.
     pub boundary: BoundaryOptions,
     /// Occlusion, samples, seed, viscosity.

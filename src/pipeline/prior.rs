@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
+use crate::candidates::joins::image::scene::{Unseen, View};
 use crate::candidates::joins::model::JoinModel;
 use crate::candidates::kind::Kind;
 use crate::candidates::model::Weights;
@@ -187,19 +188,27 @@ impl LoadedPrior {
         }
     }
 
+    /// Whether candidates are judged by an image too.
+    pub(crate) fn looks_at_images(&self) -> bool {
+        matches!(self, Self::Joins { model, .. } if model.image.is_some())
+    }
+
     /// [`CandidateOptions::k`] where none is given.
     pub(crate) fn usual_k(&self) -> usize {
         if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior.
+    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior. Why an image says nothing is
+    /// told too.
     pub(crate) fn graph(
         &self,
         network: Network,
         is_fragments: bool,
         boundary: &Boundary,
         options: &CandidateOptions,
-    ) -> Result<Network> {
+        view: Option<View>,
+    ) -> Result<(Network, Option<Unseen>)> {
+        let mut unseen = None;
         let mut graph = match self {
             _ if !is_fragments => network,
             Self::Evidence { weights, .. } => {
@@ -208,13 +217,17 @@ impl LoadedPrior {
                 let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
                 build_with_evidence(&network, &inlets, options, weights)?
             }
-            Self::Joins { model, .. } => build_joins(&network, options, model)?,
+            Self::Joins { model, .. } => {
+                let (graph, why) = build_joins(&network, options, model, view)?;
+                unseen = why;
+                graph
+            }
             _ => build(&network, options)?,
         };
         if let Self::Table { bytes, source } = self {
             let read = if ending(&source.path) == "csv" { read_prior_csv } else { read_prior_npy };
             read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
         }
-        Ok(graph)
+        Ok((graph, unseen))
     }
 }

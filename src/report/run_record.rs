@@ -160,6 +160,13 @@ impl Summary {
         }
     }
 
+    /// States in which image candidates were looked at; null without one.
+    pub fn state_image(&mut self, image: Value) {
+        if !image.is_null() {
+            self.parameters["image"] = image;
+        }
+    }
+
     /// Gathers the record of a run.
     pub fn new(
         outcome: &Outcome<'_>,

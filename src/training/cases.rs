@@ -105,6 +105,8 @@ struct CaseFolder {
     inlets: Option<PathBuf>,
     /// Links that SWC cannot hold.
     loops: Option<PathBuf>,
+    /// Images in NIfTI, as many as there are.
+    images: Vec<PathBuf>,
 }
 
 /// Adds the case folders in a folder, itself among them, in the order of their names, and counts the folders that have fragments but
@@ -126,6 +128,7 @@ fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, una
                 truth: truth.clone(),
                 inlets: file("inlets.csv"),
                 loops: LOOPS.into_iter().find_map(file),
+                images: entries.iter().filter(|path| is_image(path)).cloned().collect(),
             });
             return Ok(());
         }
@@ -142,6 +145,13 @@ fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, una
         }
     }
     Ok(())
+}
+
+/// `image.nii.gz`, or several pictures of the same vessels: `image-NAME.nii`.
+fn is_image(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let name = name.strip_suffix(".gz").unwrap_or(name).strip_suffix(".nii").unwrap_or_default();
+    (name == "image" || name.starts_with("image-")) && path.is_file()
 }
 
 fn is_fragments(path: &Path) -> bool {
@@ -178,6 +188,7 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         inlets: Vec::new(),
         truth: KnownConnections::default(),
         contacts: None,
+        images: folder.images.clone(),
         mask: MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| path.is_file()),
     };
     let kind = match model {

@@ -37,6 +37,8 @@ pub struct Case {
     pub contacts: Option<ContactTruth>,
     /// Its mask, where it has one beside it.
     pub mask: Option<PathBuf>,
+    /// Its images, where it has some beside it.
+    pub images: Vec<PathBuf>,
 }
 
 /// A case with its candidates measured.

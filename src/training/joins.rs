@@ -10,10 +10,13 @@ use super::known_connections::{KnownConnections, Match};
 use super::logistic::calibrate;
 use super::scores::{average_precision, found};
 use crate::candidates::joins::JoinTable;
-use crate::candidates::joins::model::{JoinModel, JoinScores};
+use crate::candidates::joins::image::features::{IMAGE_FEATURES, ImageTable};
+use crate::candidates::joins::image::scene::{Appearance, Scene, View};
+use crate::candidates::joins::model::{ImagePass, JoinModel, JoinScores};
 use crate::candidates::search::SearchOptions;
 use crate::decision::{BEST_FIRST, best_first};
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
+use crate::io::{ReadOptions, read_image};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 use crate::support::statistics::sigmoid;
@@ -34,6 +37,8 @@ pub struct JoinExample<'a> {
     pub clear: Vec<bool>,
     /// Of the connections, how many candidates it takes to make all of them.
     pub needed: usize,
+    /// What the images beside it show, each with its name.
+    pub images: Vec<(String, ImageTable)>,
 }
 
 impl<'a> JoinExample<'a> {
@@ -41,7 +46,7 @@ impl<'a> JoinExample<'a> {
     ///
     /// # Errors
     ///
-    /// A node without a position, points that are crowded.
+    /// A node without a position, points that are crowded, an image that cannot be read or does not show the vessels.
     pub fn new(case: &'a Case) -> Result<Self> {
         let table = JoinTable::new(&case.network, SearchOptions::default().branches)?;
         let truth: &KnownConnections = &case.truth;
@@ -49,7 +54,17 @@ impl<'a> JoinExample<'a> {
         let position = |point: &usize| table.extraction.position[*point];
         let clear = table.pairs.points.iter().zip(&matches);
         let clear = clear.map(|([a, b], right)| right.is_some() || !truth.is_unclear([position(a), position(b)])).collect();
-        Ok(Self { case, needed: truth.needed(), table, matches, clear })
+        let images = case.images.iter().map(|path| {
+            let image = read_image(path, &ReadOptions::default())?;
+            let scene = Scene::new(&table.extraction, View { image: &image, appearance: Appearance::Auto }).map_err(|why| {
+                Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path)
+            })?;
+            let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            let name = name.split(".nii").next().unwrap_or_default().to_owned();
+            Ok((name, ImageTable::new(&scene, &table.extraction, &table.pairs, None)))
+        });
+        let images = images.collect::<Result<Vec<_>>>()?;
+        Ok(Self { case, needed: truth.needed(), table, matches, clear, images })
     }
 
     /// Measures several cases.
@@ -109,11 +124,50 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
             let score = e.table.pairs.mean(&trees.scores(seconds[at]));
             let rows = score.iter().zip(&e.matches).zip(&e.clear).filter(|(_, clear)| **clear);
             pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), right.is_some(), 1.0)));
+            scores[at] = score;
         }
     }
     progress("calibration");
+    let image = fit_image_pass(examples, &scores, &inner)?;
+    if image.is_some() {
+        progress("images");
+    }
     let provenance = TreeProvenance::of(examples.len(), subjects.len());
-    Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, provenance })
+    Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, image, provenance })
+}
+
+/// The pass over images, given scores that are out of fold, and the inner fold of each example; `None` without images.
+fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<f64>], inner: &[usize]) -> Result<Option<ImagePass>> {
+    let views: Vec<(usize, &ImageTable)> =
+        examples.iter().enumerate().flat_map(|(at, e)| e.images.iter().map(move |(_, image)| (at, image))).collect();
+    if views.is_empty() {
+        return Ok(None);
+    }
+    let features = in_order(&views, |_, (at, image)| {
+        image.features(&examples[*at].table.extraction, &examples[*at].table.pairs, &scores[*at])
+    });
+    let rows_of = |is_in: &dyn Fn(usize) -> bool| {
+        let mut rows: Vec<(usize, usize)> = Vec::new();
+        for (view, (at, image)) in views.iter().enumerate().filter(|(_, (at, _))| is_in(*at)) {
+            let seen = |p: &usize| examples[*at].clear[*p] && image.is_seen(*p, scores[*at][*p]);
+            rows.extend((0..scores[*at].len()).filter(seen).map(|p| (view, p)));
+        }
+        rows
+    };
+    let is_right = |(view, pair): &(usize, usize)| examples[views[*view].0].matches[*pair].is_some();
+    let trees_of = |rows: &[(usize, usize)]| {
+        let right: Vec<bool> = rows.iter().map(is_right).collect();
+        let value = |row: usize, column: usize| features[rows[row].0][[rows[row].1, column]];
+        super::boosting::boost(rows.len(), IMAGE_FEATURES.len(), value, &right)
+    };
+    let mut pairs = Vec::new();
+    for held in 0..INNER {
+        let trees = trees_of(&rows_of(&|at| inner[at] != held))?;
+        let scores: Vec<Vec<f64>> = features.iter().map(|f| trees.scores(f)).collect();
+        let rows = rows_of(&|at| inner[at] == held);
+        pairs.extend(rows.iter().map(|row| (sigmoid(scores[row.0][row.1]), is_right(row), 1.0)));
+    }
+    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(&pairs).0 }))
 }
 
 /// Boosted trees over the candidates of some of the cases, those that are neither right nor wrong left out.
@@ -133,16 +187,18 @@ fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) 
 
 /// Probability of every pair of a case, and what is kept of them.
 struct Judged {
+    /// The name of the image; empty without one.
+    image: String,
     probability: Vec<f64>,
     kept: Vec<bool>,
 }
 
-fn judge(e: &JoinExample, model: &JoinModel) -> Judged {
-    let probability: Vec<f64> = e.table.scores(model).into_iter().map(|score| model.probability(score)).collect();
+fn judge(e: &JoinExample, model: &JoinModel, image: Option<&ImageTable>) -> Judged {
+    let probability = e.table.probabilities(model, &e.table.scores(model), image);
     let ends: Vec<[Option<usize>; 2]> =
         e.table.pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
     let kept = best_first(&probability, &ends, BEST_FIRST);
-    Judged { probability, kept }
+    Judged { image: String::new(), probability, kept }
 }
 
 /// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
@@ -162,29 +218,35 @@ pub fn cross_validate_joins(
         let inner: Vec<&JoinExample> = examples.iter().filter(|e| !held(e)).collect();
         let mut model = fit_joins(&inner, &mut |step| progress(fold + 1, step))?;
         let outer: Vec<&JoinExample> = examples.iter().filter(held).collect();
-        let found: Vec<Judged> = in_order(&outer, |_, e| judge(e, &model));
+        let views: Vec<(&JoinExample, Option<&(String, ImageTable)>)> =
+            outer.iter().flat_map(|e| std::iter::once(None).chain(e.images.iter().map(Some)).map(|image| (*e, image))).collect();
+        let found: Vec<Judged> = in_order(&views, |_, (e, image)| {
+            let judged = judge(e, &model, image.map(|(_, table)| table));
+            Judged { image: image.map_or_else(String::new, |(name, _)| name.clone()), ..judged }
+        });
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
-        let pairs: Vec<(&JoinExample, &Judged)> = outer.iter().copied().zip(&found).collect();
+        let pairs: Vec<(&JoinExample, &Judged)> = views.iter().map(|(e, _)| *e).zip(&found).collect();
         model.provenance.figures = join_scores(&pairs);
         models.push(model);
-        judged.extend(outer.into_iter().zip(found));
+        judged.extend(views.into_iter().map(|(e, _)| e).zip(found));
     }
     let figures = join_scores(&judged.iter().map(|(e, j)| (*e, j)).collect::<Vec<_>>());
     Ok((models, figures))
 }
 
-/// Figures by data set, and by folder of those that have several.
+/// Figures by data set, by folder of those that have several, and by image.
 fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
-    let mut groups: BTreeSet<(&str, &str)> = BTreeSet::new();
-    for (e, _) in judged {
-        groups.insert((&e.case.data_set, ""));
-        groups.insert((&e.case.data_set, &e.case.group));
+    let mut groups: BTreeSet<(&str, &str, &str)> = BTreeSet::new();
+    for (e, judged) in judged {
+        groups.insert((&e.case.data_set, "", &judged.image));
+        groups.insert((&e.case.data_set, &e.case.group, &judged.image));
     }
-    let of_group = |(data_set, group): (&str, &str)| {
-        let of: Vec<&(&JoinExample, &Judged)> =
-            judged.iter().filter(|(e, _)| e.case.data_set == data_set && (group.is_empty() || e.case.group == group)).collect();
-        scores_of(if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") }, &of)
+    let of_group = |(data_set, group, image): (&str, &str, &str)| {
+        let is_in = |e: &JoinExample| e.case.data_set == data_set && (group.is_empty() || e.case.group == group);
+        let of: Vec<&(&JoinExample, &Judged)> = judged.iter().filter(|(e, judged)| is_in(e) && judged.image == image).collect();
+        let name = [data_set, group, image].into_iter().filter(|part| !part.is_empty()).collect::<Vec<&str>>().join("/");
+        scores_of(name, &of)
     };
     groups.into_iter().map(of_group).collect()
 }

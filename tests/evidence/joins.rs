@@ -17,7 +17,7 @@ use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::geometry::{Point, distance};
 
 /// A network of separate vessels, each through points (mm) of a radius (mm).
-fn vessels(lines: &[(Vec<Point>, f64)]) -> Network {
+pub fn vessels(lines: &[(Vec<Point>, f64)]) -> Network {
     let mut network = Network::new();
     for (points, radius) in lines {
         let path: Vec<PathPoint> =
@@ -31,7 +31,7 @@ fn vessels(lines: &[(Vec<Point>, f64)]) -> Network {
     network
 }
 
-fn straight(from: Point, to: Point, steps: usize) -> Vec<Point> {
+pub fn straight(from: Point, to: Point, steps: usize) -> Vec<Point> {
     (0..=steps).map(|i| [0, 1, 2].map(|k| from[k] + (to[k] - from[k]) * i as f64 / steps as f64)).collect()
 }
 

@@ -14,6 +14,7 @@ mod vessels;
 mod candidates;
 mod contacts;
 mod features;
+mod images;
 mod joins;
 mod prior;
 mod prior_command;

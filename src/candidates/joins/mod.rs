@@ -3,9 +3,11 @@
 //! Where a segmentation was thinned, vessels that touch are fused, and the fragments of the skeleton are no longer pieces of one forest: true
 //! gaps lie within a fragment and close loops of fragments. So each candidate has a probability of its own, from boosted trees over what a
 //! tracing shows and more ([`features`]), in two passes: the second sees how probable the first made the other candidates for the same places.
+//! Where there is an image a third pass sees what it shows between the ends ([`image`]).
 
 pub mod course;
 pub mod features;
+pub mod image;
 pub mod model;
 pub mod rivals;
 pub mod search;
@@ -21,6 +23,7 @@ use crate::network::Network;
 use crate::support::boosted_trees::stored;
 use course::Course;
 use features::join_features;
+use image::features::ImageTable;
 use model::JoinModel;
 use rivals::{Pairs, second_features};
 use search::search_joins;
@@ -66,5 +69,18 @@ impl JoinTable {
     pub fn scores(&self, model: &JoinModel) -> Vec<f64> {
         let second = self.second(&model.first.scores(&self.features));
         self.pairs.mean(&model.second.scores(&second))
+    }
+
+    /// Per pair its probability by shape, or by what an image shows where the model knows images and the image decides; `scores` are those of the
+    /// second pass.
+    pub fn probabilities(&self, model: &JoinModel, scores: &[f64], image: Option<&ImageTable>) -> Vec<f64> {
+        let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
+        if let Some((image, pass)) = image.zip(model.image.as_ref()) {
+            let seen = pass.trees.scores(&image.features(&self.extraction, &self.pairs, scores));
+            for (pair, score) in seen.into_iter().enumerate().filter(|(pair, _)| image.is_seen(*pair, scores[*pair])) {
+                probability[pair] = pass.probability(score);
+            }
+        }
+        probability
     }
 }

@@ -1,4 +1,4 @@
-//! The join model: two passes of boosted trees, and their file.
+//! The join model: two passes of boosted trees, a third for what an image shows, and their file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::features::join_feature_names;
+use super::image::features::IMAGE_FEATURES;
 use super::rivals::SECOND_FEATURES;
 use crate::candidates::model::posterior::Calibration;
 use crate::error::Fault;
@@ -25,6 +26,9 @@ const HEADING: &str = "\
 kind = \"skeleton\"
 ";
 
+const IMAGE: &str = "\
+# The third pass, where there is an image: over the mean score of the second and what lies between the ends in the image.";
+
 const FIGURES: &str = "\
 # Cross-validated by subject: average precision over all right connections (mean over cases), precision and
 # recall of what is kept, calibration error, sum of P against right pairs.";
@@ -38,8 +42,19 @@ pub struct JoinModel {
     pub second: Boosted,
     /// [`Calibration`] of the mean score of both directions.
     pub calibration: [f64; 3],
+    /// The third pass, where there is an image.
+    pub image: Option<ImagePass>,
     /// Where it comes from.
     pub provenance: TreeProvenance<JoinScores>,
+}
+
+/// Boosted trees over the mean score of both directions and what the image shows between the ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImagePass {
+    /// The trees, over [`IMAGE_FEATURES`].
+    pub trees: Boosted,
+    /// [`Calibration`] of their score.
+    pub calibration: [f64; 3],
 }
 
 /// How well a join model did on cases that it was not fitted to.
@@ -73,16 +88,32 @@ struct File {
     calibration: [f64; 3],
     features: Vec<String>,
     pass: [BoostedEntry; 2],
+    image: Option<ImageEntry>,
     #[serde(default)]
     provenance: TreeProvenance<JoinScores>,
     #[serde(default)]
     figures: Vec<JoinScores>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageEntry {
+    calibration: [f64; 3],
+    features: Vec<String>,
+    pass: BoostedEntry,
+}
+
 /// What tells a join model from weights of a tracing.
 #[derive(Deserialize)]
 struct Kind {
     kind: Option<String>,
+}
+
+impl ImagePass {
+    /// Probability of each score.
+    pub fn probability(&self, score: f64) -> f64 {
+        Calibration(self.calibration).apply(sigmoid(score))
+    }
 }
 
 impl JoinModel {
@@ -117,21 +148,19 @@ impl JoinModel {
             return Err(Fault::item("kind", file.kind, "expected skeleton"));
         }
         let names = join_feature_names();
-        if let Some((have, expected)) = file.features.iter().zip(&names).find(|(have, expected)| have != *expected) {
-            let meant = did_you_mean(have, names.iter().copied());
-            return Err(Fault::item("features", format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
-        }
-        if file.features.len() != names.len() {
-            return Err(Fault::item("features", file.features.len().to_string(), format!("expected {}", names.len())));
-        }
-        if let Some(x) = file.calibration.iter().find(|x| !x.is_finite()) {
-            return Err(Fault::item("calibration", x.to_string(), "expected a finite number"));
-        }
+        check_features("features", &file.features, &names)?;
+        check_calibration("calibration", file.calibration)?;
         let [first, second] = file.pass;
         let provenance = TreeProvenance { figures: file.figures, ..file.provenance };
         let first = Boosted::read("pass 1", &first, names.len())?;
         let second = Boosted::read("pass 2", &second, names.len() + SECOND_FEATURES.len())?;
-        Ok(Self { first, second, calibration: file.calibration, provenance })
+        let image = file.image.map(|image| {
+            check_features("image.features", &image.features, &IMAGE_FEATURES)?;
+            check_calibration("image.calibration", image.calibration)?;
+            let trees = Boosted::read("image.pass", &image.pass, IMAGE_FEATURES.len())?;
+            Ok(ImagePass { trees, calibration: image.calibration })
+        });
+        Ok(Self { first, second, calibration: file.calibration, image: image.transpose()?, provenance })
     }
 
     /// Writes TOML; every number is read back as it was.
@@ -149,6 +178,12 @@ impl JoinModel {
         for pass in [&self.first, &self.second] {
             writeln!(out, "\n[[pass]]")?;
             pass.write(&mut out)?;
+        }
+        if let Some(image) = &self.image {
+            let [a, b, c] = image.calibration;
+            writeln!(out, "\n{IMAGE}\n[image]\ncalibration = [{a:?}, {b:?}, {c:?}]\n")?;
+            writeln!(out, "features = {}\n\n[image.pass]", list(&IMAGE_FEATURES.map(str::to_owned)))?;
+            image.trees.write(&mut out)?;
         }
         self.provenance.write(&mut out, FIGURES, |figures, out| {
             writeln!(out, "of = {}", text(&figures.of))?;
@@ -168,4 +203,21 @@ impl JoinModel {
         })?;
         out.flush()
     }
+}
+
+/// Checks that the features of a file are those that this program measures.
+fn check_features(place: &str, found: &[String], names: &[&str]) -> Result<(), Fault> {
+    if let Some((have, expected)) = found.iter().zip(names).find(|(have, expected)| have != *expected) {
+        let meant = did_you_mean(have, names.iter().copied());
+        return Err(Fault::item(place, format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
+    }
+    if found.len() != names.len() {
+        return Err(Fault::item(place, found.len().to_string(), format!("expected {}", names.len())));
+    }
+    Ok(())
+}
+
+fn check_calibration(place: &str, numbers: [f64; 3]) -> Result<(), Fault> {
+    let wrong = numbers.iter().find(|x| !x.is_finite());
+    wrong.map_or(Ok(()), |x| Err(Fault::item(place, x.to_string(), "expected a finite number")))
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use willis::error::Result;
-use willis::{Attach, CandidateOptions, CandidateRadius, InferOptions};
+use willis::{Appearance, Attach, CandidateOptions, CandidateRadius, InferOptions};
 
 use super::figures::{length, whole};
 use super::words;
@@ -24,6 +24,13 @@ pub struct CandidateArgs {
     /// The mask that the centerlines were made of; where a mask is the input, it is that one
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
+    /// The image that shows the vessels (NIfTI, MetaImage): gaps of a mask or of an automatic skeleton are looked at in it
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    image: Option<PathBuf>,
+    /// How vessels look in the image [default: auto]
+    #[arg(long, requires = "image", value_parser = words::<Appearance>(&[("auto", "As most of them do"), ("bright", "TOF, CTA, contrast-enhanced MRA"),
+        ("dark", "Black-blood MRI")]))]
+    vessels: Option<Appearance>,
     /// Nearest branches and free ends that every free end is joined to; by evidence: nearest branches, and four free ends beside
     /// [default: 5 by evidence, else 6]
     #[arg(short, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true, hide_short_help = true)]
@@ -62,6 +69,8 @@ impl CandidateArgs {
             options.cut = text.parse()?;
         }
         options.mask.clone_from(&self.mask);
+        options.image.clone_from(&self.image);
+        options.vessels = self.vessels.unwrap_or(options.vessels);
         Ok(())
     }
 }

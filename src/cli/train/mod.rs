@@ -48,6 +48,9 @@ pub struct TrainArgs {
     /// What the cases are: hand tracings, whose fragments form a forest, or automatic skeletons, whose candidates are judged one by one
     #[arg(long, value_enum, default_value_t = Kind::Tracing)]
     model: Kind,
+    /// Add the pass over images to MODEL.toml, a model of skeletons, and change nothing else in it
+    #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath)]
+    images_onto: Option<PathBuf>,
     /// Penalty of large weights
     #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,

@@ -1,12 +1,14 @@
 //! `willis train --model skeleton|contacts`: models of boosted trees for automatic skeletons.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::json;
-use willis::error::Result;
+use willis::error::{Error, Fault, Result};
 use willis::internals::candidates::joins::model::{JoinModel, JoinScores};
+use willis::internals::io::bytes_of;
 use willis::internals::support::tree_provenance::TreeProvenance;
 use willis::internals::training::{
     Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, check_folds, cross_validate_contacts,
@@ -39,6 +41,8 @@ pub(super) trait TreeModel: Sized {
         progress: &mut dyn FnMut(usize, &str),
     ) -> Result<(Vec<Self>, Vec<Self::Scores>)>;
     fn say_scores(scores: &Self::Scores) -> String;
+    /// This model's pass over images added to another model, with its figures.
+    fn added_to(self, other: &Path) -> Result<Self>;
     fn provenance(&mut self) -> &mut TreeProvenance<Self::Scores>;
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
@@ -70,7 +74,11 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
         }
         model.provenance().figures.clone_from(&figures);
     }
-    let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    let mut made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    if let Some(other) = &args.images_onto {
+        model = model.added_to(other)?;
+        made_by = format!("{}; images: {made_by}", model.provenance().made_by);
+    }
     let folds = folds.into_iter().filter(|_| args.save_folds);
     let names = save(output, [model].into_iter().chain(folds), |mut model, out| {
         model.provenance().made_by.clone_from(&made_by);
@@ -130,6 +138,23 @@ impl TreeModel for JoinModel {
         )
     }
 
+    fn added_to(self, other: &Path) -> Result<Self> {
+        let bytes = bytes_of(other)?;
+        let here = |fault: Fault| fault.in_file(other);
+        let text = std::str::from_utf8(&bytes).map_err(|_| here(Fault::file("not UTF-8", "expected a model of skeletons")))?;
+        let mut model = Self::read(text).map_err(here)?;
+        let Some(image) = self.image else {
+            return Err(Error::parameter(
+                "images_onto",
+                other.display(),
+                "needs cases with images: image.nii.gz beside the truth",
+            ));
+        };
+        model.image = Some(image);
+        model.provenance.figures.extend(self.provenance.figures);
+        Ok(model)
+    }
+
     fn provenance(&mut self) -> &mut TreeProvenance<JoinScores> {
         &mut self.provenance
     }
@@ -180,6 +205,10 @@ impl TreeModel for ContactModel {
         format!(
             "{name} {with}: AUC {auc:.3}, average precision of two vessels {ap:.3}, largest bin error {error:.3} ({cases}, {pairs})"
         )
+    }
+
+    fn added_to(self, other: &Path) -> Result<Self> {
+        Err(Error::parameter("images_onto", other.display(), "goes with --model skeleton"))
     }
 
     fn provenance(&mut self) -> &mut TreeProvenance<ContactScores> {

@@ -1,8 +1,9 @@
-//! Reads masks in MetaImage, the format of ITK: `.mha` in one file, `.mhd` with the voxels beside it.
+//! Reads masks and images in MetaImage, the format of ITK: `.mha` in one file, `.mhd` with the voxels beside it.
 //!
 //! ITK's frame has x to the patient's left and y backward; both are turned. Source: the documentation of MetaIO.
 
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::ZlibDecoder;
@@ -11,7 +12,7 @@ use super::voxels::Voxels;
 use crate::error::{Fault, Result};
 use crate::io::binary::NumberType;
 use crate::io::input::bytes_within;
-use crate::masks::Mask;
+use crate::masks::{Image, Mask};
 
 /// No header is longer.
 const MOST_HEADER: usize = 1 << 16;
@@ -45,6 +46,25 @@ pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
 ///
 /// A file that is cut, no mask of three dimensions, or one without a usable frame.
 pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
+    with_voxels(path, bytes, most, |voxels, stream| voxels.read(stream, level, most))
+}
+
+/// Reads an image, at most `most` bytes of it; `path` tells where a second file is.
+///
+/// # Errors
+///
+/// A file that is cut, no image of three dimensions, or one without a usable frame.
+pub fn read_metaimage_image(path: &Path, bytes: &[u8], most: u64) -> Result<Image> {
+    with_voxels(path, bytes, most, |voxels, stream| voxels.read_values(stream, most))
+}
+
+/// Reads the header, and hands over how the voxels are stored with their bytes.
+fn with_voxels<T>(
+    path: &Path,
+    bytes: &[u8],
+    most: u64,
+    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
+) -> Result<T> {
     let here = |fault: Fault| fault.in_file(path);
     let header = Header::read(bytes).map_err(here)?;
     let voxels = header.voxels().map_err(here)?;
@@ -65,7 +85,7 @@ pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) 
     };
     let there = |fault: Fault| fault.in_file(&file);
     if header.is_true("CompressedData") {
-        return voxels.read(ZlibDecoder::new(data), level, most).map_err(there);
+        return take(voxels, Box::new(ZlibDecoder::new(data))).map_err(there);
     }
     // HeaderSize -1: the voxels are the last bytes of the file.
     let skipped = match header.fields.get("HeaderSize") {
@@ -75,7 +95,7 @@ pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) 
         }
         None => 0,
     };
-    voxels.read(data.get(skipped..).unwrap_or_default(), level, most).map_err(there)
+    take(voxels, Box::new(data.get(skipped..).unwrap_or_default())).map_err(there)
 }
 
 impl Header {

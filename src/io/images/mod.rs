@@ -1,4 +1,4 @@
-//! Segmentation masks in the formats of images.
+//! Segmentation masks and images.
 
 pub(crate) mod metaimage;
 pub(crate) mod nifti;

@@ -1,4 +1,4 @@
-//! Reads masks in NIfTI-1 and NIfTI-2, plain or compressed by gzip, and writes them in NIfTI-1.
+//! Reads masks and images in NIfTI-1 and NIfTI-2, plain or compressed by gzip, and writes masks in NIfTI-1.
 //!
 //! The frame is that of nibabel: sform where it has a code, else qform, else the middle of the image with x to the left. Source: the
 //! headers `nifti1.h` and `nifti2.h` of nifti.nimh.nih.gov.
@@ -13,11 +13,12 @@ use super::is_gzip;
 use super::voxels::Voxels;
 use crate::error::Fault;
 use crate::io::binary::{NumberType, signed, word};
-use crate::masks::{Affine, Mask};
+use crate::masks::{Affine, Image, Mask};
+use crate::support::geometry::norm;
 
 /// The length of the header of NIfTI-2, the longer one.
 pub(crate) const HEAD: usize = 540;
-const ACCEPTED: &str = "expected a NIfTI mask (.nii, .nii.gz) of three dimensions";
+const ACCEPTED: &str = "expected a NIfTI mask or image (.nii, .nii.gz) of three dimensions";
 
 /// Which of the two versions a file has that begins with these (unpacked) bytes, and whether its numbers have the most significant
 /// byte first.
@@ -104,7 +105,25 @@ struct Header<'a> {
 ///
 /// A file that is cut, no mask of three dimensions, or one without a usable frame.
 pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    let mut stream: Box<dyn Read> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
+    with_voxels(bytes, most, |voxels, stream| voxels.read(stream, level, most))
+}
+
+/// Reads an image, at most `most` bytes of it.
+///
+/// # Errors
+///
+/// A file that is cut, no image of three dimensions, or one without a usable frame.
+pub fn read_nifti_image(bytes: &[u8], most: u64) -> Result<Image, Fault> {
+    with_voxels(bytes, most, |voxels, stream| voxels.read_values(stream, most))
+}
+
+/// Reads the header, and hands over how the voxels are stored with their bytes.
+fn with_voxels<T>(
+    bytes: &[u8],
+    most: u64,
+    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
+) -> Result<T, Fault> {
+    let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");
     stream.by_ref().take(348).read_to_end(&mut head).map_err(cut)?;
@@ -119,7 +138,7 @@ pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, F
     voxels.bytes(most)?;
     let skipped = offset.saturating_sub(head.len() as u64);
     copy(&mut stream.by_ref().take(skipped), &mut sink()).map_err(cut)?;
-    voxels.read(stream, level, most)
+    take(voxels, stream)
 }
 
 /// Writes a mask as NIfTI-1, one byte a voxel, with its frame as sform; as qform too where the axes are those of the frame. `packed`
@@ -128,54 +147,71 @@ pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, F
 /// # Errors
 ///
 /// Those of `out`; `InvalidInput` for more than 32767 voxels along an axis.
-pub fn write_nifti(mut out: impl Write, mask: &Mask, packed: bool) -> io::Result<()> {
-    let head = header_of(mask)?;
+pub fn write_nifti(out: impl Write, mask: &Mask, packed: bool) -> io::Result<()> {
+    let head = header_of(mask.shape, &mask.affine, (2, 8), 1.0)?;
+    write_voxels(out, &head, &mask.classes, packed)
+}
+
+/// Writes an image as [`write_nifti`] writes a mask, two bytes a voxel: the largest value is kept to one part in 32,000.
+///
+/// # Errors
+///
+/// Those of [`write_nifti`].
+pub fn write_nifti_image(out: impl Write, image: &Image, packed: bool) -> io::Result<()> {
+    let most = image.values.iter().map(|x| x.abs()).fold(f32::MIN_POSITIVE, f32::max);
+    let slope = most / 32_000.0;
+    let voxels: Vec<u8> = image.values.iter().flat_map(|x| ((x / slope).round() as i16).to_le_bytes()).collect();
+    let head = header_of(image.shape, &image.affine, (4, 16), slope)?;
+    write_voxels(out, &head, &voxels, packed)
+}
+
+fn write_voxels(mut out: impl Write, head: &[u8], voxels: &[u8], packed: bool) -> io::Result<()> {
     if packed {
         let mut packer = GzEncoder::new(&mut out, Compression::best());
-        packer.write_all(&head)?;
-        packer.write_all(&mask.classes)?;
+        packer.write_all(head)?;
+        packer.write_all(voxels)?;
         packer.finish()?;
     } else {
-        out.write_all(&head)?;
-        out.write_all(&mask.classes)?;
+        out.write_all(head)?;
+        out.write_all(voxels)?;
     }
     out.flush()
 }
 
-/// A header of NIfTI-1 and four bytes that say that nothing follows it but the voxels.
-fn header_of(mask: &Mask) -> io::Result<[u8; 352]> {
+/// A header of NIfTI-1 and four bytes that say that nothing follows it but the voxels, of this type and so many bits.
+fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), slope: f32) -> io::Result<[u8; 352]> {
     let mut head = [0; 352];
     let mut put = |at: usize, bytes: &[u8]| head[at..at + bytes.len()].copy_from_slice(bytes);
     let real = |x: f64| (x as f32).to_le_bytes();
     put(0, &348_i32.to_le_bytes());
     put(ONE.dim.0, &3_i16.to_le_bytes());
     for n in 0..7 {
-        let length = mask.shape.get(n).copied().unwrap_or(1);
+        let length = shape.get(n).copied().unwrap_or(1);
         let length = i16::try_from(length).map_err(|_| {
             io::Error::new(io::ErrorKind::InvalidInput, format!("{length} voxels along an axis, more than 32767"))
         })?;
         put(ONE.dim.0 + 2 * (n + 1), &length.to_le_bytes());
     }
-    put(ONE.datatype, &2_i16.to_le_bytes());
-    put(ONE.datatype + 2, &8_i16.to_le_bytes());
+    put(ONE.datatype, &datatype.to_le_bytes());
+    put(ONE.datatype + 2, &bits.to_le_bytes());
     put(ONE.pixdim, &real(1.0));
-    for (n, spacing) in mask.spacing().into_iter().enumerate() {
+    let column = |axis: usize| affine.map(|row| row[axis]);
+    for (n, spacing) in [0, 1, 2].map(|axis| norm(column(axis))).into_iter().enumerate() {
         put(ONE.pixdim + 4 * (n + 1), &real(spacing));
     }
     put(ONE.offset, &real(352.0));
-    put(ONE.slope, &real(1.0));
+    put(ONE.slope, &slope.to_le_bytes());
     // Millimetres.
     put(ONE.units.0, &[2]);
     put(ONE.sform_code, &1_i16.to_le_bytes());
-    for (n, x) in mask.affine.iter().flatten().enumerate() {
+    for (n, x) in affine.iter().flatten().enumerate() {
         put(ONE.sform + 4 * n, &real(*x));
     }
-    let is_straight = (0..3).all(|row| {
-        (0..3).all(|column| if row == column { mask.affine[row][column] > 0.0 } else { mask.affine[row][column] == 0.0 })
-    });
+    let is_straight =
+        (0..3).all(|row| (0..3).all(|column| if row == column { affine[row][column] > 0.0 } else { affine[row][column] == 0.0 }));
     if is_straight {
         put(ONE.qform_code, &1_i16.to_le_bytes());
-        for (n, row) in mask.affine.iter().enumerate() {
+        for (n, row) in affine.iter().enumerate() {
             put(ONE.quaternion + 4 * (3 + n), &real(row[3]));
         }
     }

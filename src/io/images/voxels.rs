@@ -1,10 +1,10 @@
-//! The voxels of an image as the classes of a mask, read as a stream.
+//! The voxels of an image, read as a stream: as the classes of a mask, or as numbers.
 
 use std::io::{ErrorKind, Read};
 
 use crate::error::Fault;
 use crate::io::binary::NumberType;
-use crate::masks::{Affine, Mask, WallFinder};
+use crate::masks::{Affine, Image, Mask, WallFinder};
 use crate::support::geometry::{Point, cross, dot, norm_squared};
 
 /// More classes than any list of arteries has.
@@ -41,6 +41,32 @@ impl Voxels {
         count.ok_or_else(|| Fault::file(words, format!("expected at most {most} bytes; `max_input` allows more")))
     }
 
+    /// Reads an image: each voxel's value.
+    pub fn read_values(self, mut bytes: impl Read, most: u64) -> Result<Image, Fault> {
+        self.check_frame()?;
+        let count = (self.bytes(most)? / self.size as u64) as usize;
+        let mut values: Vec<f32> = Vec::new();
+        let mut block = vec![0; BLOCK * self.size];
+        while values.len() < count {
+            let wanted = (count - values.len()).min(BLOCK) * self.size;
+            self.fill_block(&mut bytes, &mut block[..wanted], values.len(), count)?;
+            let value = |stored| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
+            values.extend(block[..wanted].chunks_exact(self.size).map(value));
+        }
+        Ok(Image { shape: self.shape, values, affine: self.affine })
+    }
+
+    /// Fills a block of stored values, `done` of `count` being read.
+    fn fill_block(&self, bytes: &mut impl Read, block: &mut [u8], done: usize, count: usize) -> Result<(), Fault> {
+        let found = fill(bytes, block)
+            .map_err(|error| Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file"))?;
+        if found < block.len() {
+            let found = format!("{} of {count} voxels", done + found / self.size);
+            return Err(Fault::file(found, "expected all of them; is the file cut off?"));
+        }
+        Ok(())
+    }
+
     /// Reads a mask: each voxel's class, or 1 from a level on.
     pub fn read(self, mut bytes: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
         self.check_frame()?;
@@ -55,13 +81,7 @@ impl Voxels {
         let (mut are_classes, mut known) = (true, [false; 256]);
         while classes.len() < count {
             let wanted = (count - classes.len()).min(BLOCK) * self.size;
-            let found = fill(&mut bytes, &mut block[..wanted]).map_err(|error| {
-                Fault::file(format!("after {} of {count} voxels: {error}", classes.len()), "expected a whole file")
-            })?;
-            if found < wanted {
-                let found = format!("{} of {count} voxels", classes.len() + found / self.size);
-                return Err(Fault::file(found, "expected all of them; is the file cut off?"));
-            }
+            self.fill_block(&mut bytes, &mut block[..wanted], classes.len(), count)?;
             for stored in block[..wanted].chunks_exact(self.size) {
                 if walls.is_none() && last.0 == stored {
                     classes.push(last.1);

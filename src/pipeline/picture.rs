@@ -1,0 +1,62 @@
+//! The image in which candidates are looked at.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::options::{InferOptions, SourceFile};
+use super::prior::LoadedPrior;
+use crate::candidates::joins::image::scene::{Appearance, Unseen, View};
+use crate::error::{Error, Result};
+use crate::io::{ReadOptions, bytes_of, checksum, read_image};
+use crate::masks::Image;
+
+/// An image that was read.
+pub(crate) struct Picture {
+    image: Image,
+    source: SourceFile,
+    appearance: Appearance,
+}
+
+impl Picture {
+    /// Reads the image for a prior that looks at images; `input` says how the vessels were read, which the spacing of NumPy's arrays goes by.
+    ///
+    /// # Errors
+    ///
+    /// A prior that does not, a ready graph, an image that cannot be read.
+    pub(crate) fn load(
+        path: &Path,
+        options: &InferOptions,
+        prior: &LoadedPrior,
+        input: &ReadOptions,
+        is_fragments: bool,
+    ) -> Result<Self> {
+        if !is_fragments {
+            let accepted =
+                "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
+            return Err(Error::parameter("image", path.display(), accepted));
+        }
+        if !prior.looks_at_images() {
+            let accepted =
+                "goes with a model that knows images: `prior` weights:skeleton, which is the usual one of masks and skeletons";
+            return Err(Error::parameter("image", path.display(), accepted));
+        }
+        let image = read_image(path, input)?;
+        let source = SourceFile { path: path.to_owned(), sha256: checksum(&bytes_of(path)?) };
+        Ok(Self { image, source, appearance: options.vessels })
+    }
+
+    pub(crate) fn view(&self) -> View<'_> {
+        View { image: &self.image, appearance: self.appearance }
+    }
+
+    pub(crate) fn path(&self) -> &PathBuf {
+        &self.source.path
+    }
+
+    /// The record in run.json: the file, and why it was not used.
+    pub(crate) fn record(&self, unseen: Option<Unseen>) -> Value {
+        let Self { source, appearance, .. } = self;
+        json!({ "path": source.path, "sha256": source.sha256, "vessels": appearance, "unused": unseen.map(|why| why.to_string()) })
+    }
+}
