@@ -9,7 +9,7 @@ use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_imag
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
 use super::images::numpy::{read_npy_image, read_npy_mask};
 use super::images::{is_gzip, unpacked_head};
-use super::input::bytes_within;
+use super::input::{bytes_within, checksum};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, Document, ReadOptions};
@@ -209,21 +209,22 @@ pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     format.read_voxels(path, &bytes, options)
 }
 
-/// Reads the image in a file, of any of the formats of masks.
+/// Reads the image in a file, of any of the formats of masks, and its SHA-256.
 ///
 /// # Errors
 ///
 /// A file that cannot be read, holds no image, or has a fault in its content.
-pub fn read_image(path: &Path, options: &ReadOptions) -> Result<Image> {
+pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)> {
     let bytes = bytes_within(path, options.max_input)?;
     let most = options.max_input;
     let here = |fault: Fault| fault.in_file(path);
-    match format_of(path, &bytes).map_err(here)? {
+    let image = match format_of(path, &bytes).map_err(here)? {
         Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
         Format::MetaImage => read_metaimage_image(path, &bytes, most),
         Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
         other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
-    }
+    };
+    Ok((image?, checksum(&bytes)))
 }
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.

@@ -3,7 +3,7 @@
 use super::mask::Affine;
 use crate::network::units::{metres, millimetres};
 use crate::support::geometry::{Point, cross, dot, norm_squared};
-use crate::support::in_order;
+use crate::support::in_chunks;
 
 /// A kernel reaches so many standard deviations to either side.
 const KERNEL_REACH: f64 = 2.5;
@@ -37,7 +37,7 @@ pub struct Picture {
 impl Picture {
     /// The part of an image in the box from `low` to `high` (m), averaged with a Gaussian of this standard deviation (m); `None` where the image
     /// does not reach into the box.
-    pub fn of(image: &Image, [low, high]: [Point; 2], sigma: f64) -> Option<Self> {
+    pub fn of(image: Image, [low, high]: [Point; 2], sigma: f64) -> Option<Self> {
         let steps: [Point; 3] = [0, 1, 2].map(|axis| image.affine.map(|row| row[axis]));
         let volume = dot(steps[0], cross(steps[1], steps[2]));
         let inverse = [
@@ -62,13 +62,16 @@ impl Picture {
             *range = [least.floor().max(0.0) as usize, most.ceil().min(last) as usize];
         }
         let shape = range.map(|[first, last]| last - first + 1);
-        let mut values = Vec::with_capacity(shape.iter().product());
+        // The rows of the box move to the front, so that there is never a second image.
+        let (mut values, mut end) = (image.values, 0);
         for z in range[2][0]..=range[2][1] {
             for y in range[1][0]..=range[1][1] {
                 let row = (z * image.shape[1] + y) * image.shape[0];
-                values.extend_from_slice(&image.values[row + range[0][0]..=row + range[0][1]]);
+                values.copy_within(row + range[0][0]..=row + range[0][1], end);
+                end += shape[0];
             }
         }
+        values.truncate(end);
         for k in 0..3 {
             at[k] += (0..3).map(|axis| steps[axis][k] * range[axis][0] as f64).sum::<f64>();
         }
@@ -124,7 +127,8 @@ impl Picture {
                 return None;
             }
             let inside = at[axis].clamp(0.0, last);
-            low[axis] = (inside.floor() as usize).min(self.shape[axis].saturating_sub(2));
+            // Nothing is below zero here, so that what is cut off is what floor takes.
+            low[axis] = (inside as usize).min(self.shape[axis].saturating_sub(2));
             share[axis] = inside - low[axis] as f64;
         }
         let steps = [1, self.shape[0], self.shape[0] * self.shape[1]];
@@ -147,26 +151,52 @@ fn smooth_along(values: &mut [f32], shape: [usize; 3], axis: usize, sigma: f64) 
     let weight = |o: usize| (-0.5 * (o as f64 / sigma).powi(2)).exp();
     let total: f64 = weight(0) + 2.0 * (1..=reach).map(weight).sum::<f64>();
     let kernel: Vec<f32> = (0..=reach).map(|o| (weight(o) / total) as f32).collect();
-    // Lines of voxels along the axis lie `step` apart from each other in blocks of `block`.
-    let step: usize = shape[..axis].iter().product();
-    let (length, block) = (shape[axis], step * shape[axis]);
-    let blocks: Vec<&[f32]> = values.chunks_exact(block).collect();
-    let smoothed = in_order(&blocks, |_, old| {
-        let mut new = vec![0.0_f32; block];
-        for i in 0..length {
-            let out = &mut new[i * step..(i + 1) * step];
+    let [x, y, z] = shape;
+    match axis {
+        0 => in_chunks(values, x, |line| {
+            let edge = |n: usize| std::iter::repeat_n(line[n], reach);
+            let padded: Vec<f32> = edge(0).chain(line.iter().copied()).chain(edge(x - 1)).collect();
+            line.fill(0.0);
             for (o, w) in kernel.iter().enumerate() {
-                let (before, after) = (i.saturating_sub(o), (i + o).min(length - 1));
-                let w = if o == 0 { 0.5 * w } else { *w };
-                let sides = old[before * step..(before + 1) * step].iter().zip(&old[after * step..(after + 1) * step]);
-                for (x, (a, b)) in out.iter_mut().zip(sides) {
-                    *x += w * (a + b);
+                let [before, after] = [&padded[reach - o..reach - o + x], &padded[reach + o..reach + o + x]];
+                add_both(line, before, after, if o == 0 { 0.5 * w } else { *w });
+            }
+        }),
+        1 => in_chunks(values, x * y, |layer| {
+            let old = layer.to_vec();
+            smooth_rows(layer, &old, x, 0, x, &kernel);
+        }),
+        _ => {
+            // Layer by layer of the second axis, so that no second image is needed.
+            let mut old = Vec::with_capacity(x * z);
+            for row in 0..y {
+                old.clear();
+                for layer in 0..z {
+                    let first = (layer * y + row) * x;
+                    old.extend_from_slice(&values[first..first + x]);
                 }
+                smooth_rows(values, &old, x, row * x, x * y, &kernel);
             }
         }
-        new
-    });
-    for (old, new) in values.chunks_exact_mut(block).zip(smoothed) {
-        old.copy_from_slice(&new);
+    }
+}
+
+/// Averages rows of `width` values, given one after another in `old`, with those before and after; they are put `step` apart from `first` on.
+fn smooth_rows(out: &mut [f32], old: &[f32], width: usize, first: usize, step: usize, kernel: &[f32]) {
+    let count = old.len() / width;
+    let row = |n: usize| &old[n * width..(n + 1) * width];
+    for n in 0..count {
+        let out = &mut out[first + n * step..first + n * step + width];
+        out.fill(0.0);
+        for (o, w) in kernel.iter().enumerate() {
+            add_both(out, row(n.saturating_sub(o)), row((n + o).min(count - 1)), if o == 0 { 0.5 * w } else { *w });
+        }
+    }
+}
+
+/// Adds the weighted sum of two rows.
+fn add_both(out: &mut [f32], before: &[f32], after: &[f32], weight: f32) {
+    for ((x, a), b) in out.iter_mut().zip(before).zip(after) {
+        *x += weight * (a + b);
     }
 }

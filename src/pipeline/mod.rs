@@ -152,12 +152,13 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::OutletsAllStated);
     }
     let mut provenance = input.provenance;
-    let image = options
+    let looked = options
         .image
         .as_deref()
         .map(|path| picture::Picture::load(path, options, &prior, &input.options, is_fragments))
         .transpose()?;
-    let (graph, unseen) = prior.graph(network, is_fragments, &boundary, &building, image.as_ref().map(|image| image.view()))?;
+    let (image, view) = looked.unzip();
+    let (graph, unseen) = prior.graph(network, is_fragments, &boundary, &building, view)?;
     if let Some((image, why)) = image.as_ref().zip(unseen) {
         let note = format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display());
         progress.step(Step::Note(&note));

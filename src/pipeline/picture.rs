@@ -8,18 +8,16 @@ use super::options::{InferOptions, SourceFile};
 use super::prior::LoadedPrior;
 use crate::candidates::joins::image::scene::{Appearance, Unseen, View};
 use crate::error::{Error, Result};
-use crate::io::{ReadOptions, bytes_of, checksum, read_image};
-use crate::masks::Image;
+use crate::io::{ReadOptions, read_image};
 
-/// An image that was read.
+/// Where an image was read from.
 pub(crate) struct Picture {
-    image: Image,
     source: SourceFile,
     appearance: Appearance,
 }
 
 impl Picture {
-    /// Reads the image for a prior that looks at images; `input` says how the vessels were read, which the spacing of NumPy's arrays goes by.
+    /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the spacing of NumPy's arrays goes by.
     ///
     /// # Errors
     ///
@@ -30,7 +28,7 @@ impl Picture {
         prior: &LoadedPrior,
         input: &ReadOptions,
         is_fragments: bool,
-    ) -> Result<Self> {
+    ) -> Result<(Self, View)> {
         if !is_fragments {
             let accepted =
                 "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
@@ -41,13 +39,9 @@ impl Picture {
                 "goes with a model that knows images: `prior` weights:skeleton, which is the usual one of masks and skeletons";
             return Err(Error::parameter("image", path.display(), accepted));
         }
-        let image = read_image(path, input)?;
-        let source = SourceFile { path: path.to_owned(), sha256: checksum(&bytes_of(path)?) };
-        Ok(Self { image, source, appearance: options.vessels })
-    }
-
-    pub(crate) fn view(&self) -> View<'_> {
-        View { image: &self.image, appearance: self.appearance }
+        let (image, sha256) = read_image(path, input)?;
+        let source = SourceFile { path: path.to_owned(), sha256 };
+        Ok((Self { source, appearance: options.vessels }, View { image, appearance: options.vessels }))
     }
 
     pub(crate) fn path(&self) -> &PathBuf {

@@ -12,5 +12,5 @@ pub mod suggestions;
 pub mod toml_text;
 pub mod tree_provenance;
 
-pub use parallel::in_order;
+pub use parallel::{in_chunks, in_order};
 pub use statistics::Distribution;

@@ -6,3 +6,8 @@ use rayon::prelude::*;
 pub fn in_order<'t, T: Sync, R: Send>(items: &'t [T], work: impl Fn(usize, &'t T) -> R + Sync) -> Vec<R> {
     items.par_iter().enumerate().map(|(number, item)| work(number, item)).collect()
 }
+
+/// Works on chunks of so many items at their place, in parallel.
+pub fn in_chunks<T: Send>(items: &mut [T], size: usize, work: impl Fn(&mut [T]) + Sync + Send) {
+    items.par_chunks_exact_mut(size).for_each(work);
+}

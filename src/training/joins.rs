@@ -55,8 +55,8 @@ impl<'a> JoinExample<'a> {
         let clear = table.pairs.points.iter().zip(&matches);
         let clear = clear.map(|([a, b], right)| right.is_some() || !truth.is_unclear([position(a), position(b)])).collect();
         let images = case.images.iter().map(|path| {
-            let image = read_image(path, &ReadOptions::default())?;
-            let scene = Scene::new(&table.extraction, View { image: &image, appearance: Appearance::Auto }).map_err(|why| {
+            let (image, _) = read_image(path, &ReadOptions::default())?;
+            let scene = Scene::new(&table.extraction, View { image, appearance: Appearance::Auto }).map_err(|why| {
                 Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path)
             })?;
             let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -21,7 +21,7 @@ use crate::refused::refused;
 fn scan(here: &Path) -> (PathBuf, Image) {
     let made = willis(here, &["phantom", "tree", "--break", "--spacing", "0.7mm", "-o", "scan.nii.gz", "--image", "image.nii"]);
     assert!(made.status.success(), "{}", stderr(&made));
-    let image = read_image(&here.join("image.nii"), &ReadOptions::default()).expect("an image");
+    let image = read_image(&here.join("image.nii"), &ReadOptions::default()).expect("an image").0;
     (here.join("scan.nii.gz"), image)
 }
 
@@ -80,7 +80,7 @@ fn an_image_with_other_voxels_says_the_same() {
     let far = |axis: usize| (image.shape[axis] - 1) as f64 * 0.7;
     let corner = image.affine.map(|row| row[3] / 1e3);
     let whole = [corner, [0, 1, 2].map(|k| corner[k] + far(k) / 1e3)];
-    let picture = Picture::of(&image, whole, 0.0).expect("the whole image");
+    let picture = Picture::of(image.clone(), whole, 0.0).expect("the whole image");
     let shape = [2, 1, 0].map(|axis| (far(axis) / 0.5) as usize);
     let mut values = Vec::new();
     for x in 0..shape[2] {
@@ -201,7 +201,8 @@ fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none()
     let extraction = Extraction::new(&network, &[]).expect("points");
     let [mut costs, mut highest] = [[0.0; 2]; 2];
     for (n, image) in [&whole, &gap].into_iter().enumerate() {
-        let scene = Scene::new(&extraction, View { image, appearance: Appearance::Auto }).expect("it shows the vessels");
+        let scene =
+            Scene::new(&extraction, View { image: image.clone(), appearance: Appearance::Auto }).expect("it shows the vessels");
         let ends = [[0.024, 0.015, 0.015], [0.036, 0.015, 0.015]];
         let level = scene.level(ends[0]);
         let between =

@@ -12,6 +12,8 @@ const MOST_CLASSES: usize = 64;
 const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask has whole numbers from 0 to 255, 0 for background";
 /// Voxels that are read at once.
 const BLOCK: usize = 1 << 14;
+/// Values by which an image in memory grows.
+const GROWTH: usize = 1 << 24;
 
 /// How an image stores its voxels, and where they are.
 #[derive(Debug, Clone)]
@@ -50,6 +52,10 @@ impl Voxels {
         while values.len() < count {
             let wanted = (count - values.len()).min(BLOCK) * self.size;
             self.fill_block(&mut bytes, &mut block[..wanted], values.len(), count)?;
+            // Memory grows with what was read, not with what a header claims, and never to twice of it.
+            if values.capacity() < values.len() + BLOCK {
+                values.reserve_exact((count - values.len()).min(GROWTH));
+            }
             let value = |stored| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
             values.extend(block[..wanted].chunks_exact(self.size).map(value));
         }

@@ -42,10 +42,10 @@ pub enum Appearance {
 }
 
 /// An image, and how vessels look in it.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
+#[derive(Debug, Clone)]
+pub struct View {
     /// The image.
-    pub image: &'a Image,
+    pub image: Image,
     /// How vessels look in it.
     pub appearance: Appearance,
 }
@@ -109,14 +109,14 @@ impl Scene {
         let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1, 2].map(|k| e.position.iter().map(|p| p[k]).fold(start, pick));
         let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
         let wider = [low.map(|x| x - MARGIN * h), high.map(|x| x + MARGIN * h)];
-        let Some(picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(apart(image, [low, high]))) };
+        let away = apart(&image, [low, high]);
+        let Some(picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
         let near = Bits::around(&picture, e, CLEAR * h);
         let lumen = Bits::around(&picture, e, 0.0);
         let (background, noise) = levels(&picture, &near, CELL * h).ok_or(Unseen::Unknown)?;
         let raw: Vec<Option<f64>> = e.position.iter().map(|p| Some(picture.value(*p)? - background.at(&picture, *p))).collect();
         let known: Vec<f64> = raw.iter().flatten().copied().collect();
         if 2 * known.len() < raw.len() {
-            let away = apart(image, [low, high]);
             return Err(if away > 0.0 { Unseen::Beside(away) } else { Unseen::Unknown });
         }
         let sign = match appearance {
