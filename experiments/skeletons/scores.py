@@ -129,8 +129,9 @@ def main():
             plain = {one["subject"]: one for one in found.get((level, BASES[name]), [])}
             for figure in GAINS:
                 pairs = [one[figure] - plain[one["subject"]][figure] for one in of if one["subject"] in plain and one.get(figure) is not None]
-                if pairs:
-                    results[level, name, f"{figure}_less_base"] = (*interval(pairs), len(pairs))
+                gain = interval(pairs)
+                if gain:
+                    results[level, name, f"{figure}_less_base"] = (*gain, len(pairs))
     round4 = lambda x: "" if x is None else f"{x:.4f}"
     common.write_results(HERE, [
         dict(level=level, answer=name, figure=figure, value=round4(value), low=round4(low), high=round4(high), cases=cases)
@@ -142,7 +143,7 @@ def main():
     lines = [
         [level.replace("-crop", ", cropped"), ANSWERS[name], ANSWERS[BASES[name]]] + ["{:+.3f} [{:+.3f}, {:+.3f}]".format(*results[level, name, f"{figure}_less_base"][:3]) for figure in GAINS]
         for level, name in order
-        if (level, name, "path_less_base") in results
+        if all((level, name, f"{figure}_less_base") in results for figure in GAINS)
     ]
     common.splice(HERE / "README.md", "paired", common.table(("cases", "answer", "over", "path", "nrun", "join AP"), lines))
     for printed in sorted(work.glob("*.md")):
