@@ -69,14 +69,13 @@ mod support;
 #[cfg(feature = "training")]
 mod training;
 
-pub use candidates::joins::image::scene::Appearance;
 pub use candidates::{Attach, CandidateOptions, CandidateRadius};
 pub use circle_of_willis::LabelScheme;
 pub use decision::{Decision, Keep};
 pub use error::{Error, Result};
 pub use flow::FoundOutlets;
 pub use io::ReadOptions;
-pub use masks::RadiusFrom;
+pub use masks::{Appearance, RadiusFrom};
 pub use modulation::ModulationOptions;
 pub use network::units::{LengthUnit, Scale};
 pub use network::{Network, RadiusRule};

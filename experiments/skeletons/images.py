@@ -42,8 +42,8 @@ for level in levels:
         if not wanted:
             continue
         folder.mkdir(parents=True, exist_ok=True)
-        for name in ("fragments.npz", "truth.json"):
-            if not (folder / name).exists():
+        for name in ("fragments.npz", "truth.json", "mask.nii.gz"):
+            if (lines / level / case.name / name).exists() and not (folder / name).exists():
                 (folder / name).symlink_to(lines / level / case.name / name)
         clean, noisy, origin = drawn(case.name, level)
         of = make.LEVELS[level]

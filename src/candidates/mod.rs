@@ -11,12 +11,12 @@ pub mod search;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::masks::{Scene, Unseen, View};
 use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
 use joins::JoinTable;
-use joins::image::features::ImageTable;
-use joins::image::scene::{Scene, Unseen, View};
+use joins::in_image::InImage;
 use joins::model::JoinModel;
 use kind::Kind;
 use model::posterior::{Posterior, posterior};
@@ -51,6 +51,9 @@ pub enum CandidateRadius {
     /// Their mean.
     Mean,
 }
+
+/// An image as it was measured, or why it says nothing of the vessels.
+pub type Looked = Result<Scene, Unseen>;
 
 /// How candidates are built.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -182,7 +185,8 @@ pub fn build_with_evidence(
 /// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
 ///
 /// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them; where an image
-/// shows what lies between two ends, the vessel follows the cheapest path through it. Why the image says nothing is told too.
+/// shows what lies between two ends, the vessel follows the cheapest path through it. The image as it was measured is told too, or why it says
+/// nothing.
 ///
 /// # Errors
 ///
@@ -192,37 +196,34 @@ pub fn build_joins(
     options: &CandidateOptions,
     model: &JoinModel,
     view: Option<View>,
-) -> Result<(Network, Option<Unseen>)> {
+) -> Result<(Network, Option<Looked>)> {
     options.validate()?;
     let branches = options.k.unwrap_or(SearchOptions::default().branches);
     let table = JoinTable::new(network, branches)?;
     let e = &table.extraction;
     let scores = table.scores(model);
-    let (mut image, mut unseen) = (None, None);
-    if let Some(view) = view {
-        match Scene::new(e, view) {
-            Ok(scene) => image = Some(ImageTable::new(&scene, e, &table.pairs, Some(&scores))),
-            Err(why) => unseen = Some(why),
-        }
-    }
-    let probabilities = table.probabilities(model, &scores, image.as_ref());
-    let found = table.pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
-        let candidate = table.candidates[*row];
+    let looked = view.map(|view| Scene::new(&e.centerlines(), view));
+    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
+    let image = scene.map(|scene| InImage::new(&table, scene, Some(&scores.second)));
+    let (candidates, pairs, probabilities) = match &image {
+        Some(image) => (&image.candidates, &image.pairs, table.probabilities_in(model, &scores, image)),
+        None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
+    };
+    let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
+        let candidate = candidates[*row];
         let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
         let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        let course = image.as_ref().filter(|_| model.image.is_some());
         stays.then(|| NewVessel {
             candidate,
             radii: [e.ends[candidate.end].radius, there],
             evidence: Some(Evidence::undirected(probability)),
-            course: image
-                .as_ref()
-                .filter(|_| model.image.is_some())
-                .and_then(|image| image.course(pair, e.ends[candidate.end].point, &table.pairs)),
+            course: course.and_then(|image| image.between.course(pair, e.ends[candidate.end].point, pairs)),
         })
     });
-    Ok((over_connected(network, &table.resampled, e, found.collect(), options).0, unseen))
+    Ok((over_connected(network, &table.resampled, e, found.collect(), options).0, looked))
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

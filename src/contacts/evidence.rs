@@ -5,8 +5,9 @@
 use super::branches::Branches;
 use super::courses::Courses;
 use super::features::{Pair, Table};
+use super::image::image_features;
 use super::sections::{Section, across, axis_of, principal, section};
-use crate::masks::Field;
+use crate::masks::{Field, Scene};
 use crate::support::geometry::{Point, area_of, cross, distance, dot, lerp, norm, radius_of, sub, unit};
 use crate::support::in_order;
 use crate::support::statistics::median;
@@ -90,23 +91,27 @@ pub fn mask_feature_names() -> Vec<String> {
 }
 
 /// The lumen near the core along a branch end.
-struct Arm {
+pub struct Arm {
     /// The middle of its axis.
-    middle: Point,
+    pub middle: Point,
     /// The axis, away from the core.
-    along: Point,
+    pub along: Point,
     /// Where the axis is nearest to the core.
-    root: Point,
-    /// The typical area of its sections, m², and the radius of a circle of that area, m.
-    area: f64,
-    radius: f64,
+    pub root: Point,
+    /// The typical area of its sections, m².
+    pub area: f64,
+    /// The radius of a circle of that area, m.
+    pub radius: f64,
     /// The typical elongation of its sections.
-    elongation: f64,
+    pub elongation: f64,
     /// Depths along the course from the core outwards, m.
-    depths: Vec<f64>,
+    pub depths: Vec<f64>,
+    /// The middles of its sections.
+    pub centres: Vec<Point>,
 }
 
-fn sorted(a: f64, b: f64) -> [f64; 2] {
+/// Two values, the lower first.
+pub fn sorted(a: f64, b: f64) -> [f64; 2] {
     [a.min(b), a.max(b)]
 }
 
@@ -150,6 +155,7 @@ fn arm(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, en
         radius: radius_of(area),
         elongation,
         depths: (0..7).map(|n| field.depth(course.at(reach * f64::from(n) / 8.0))).collect(),
+        centres,
     }
 }
 
@@ -166,10 +172,13 @@ fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
 }
 
 /// A tube between two arms: inner points, tangents, radii.
-struct Tube {
-    points: Vec<Point>,
-    tangents: Vec<Point>,
-    radii: Vec<f64>,
+pub struct Tube {
+    /// Points.
+    pub points: Vec<Point>,
+    /// Unit vectors along it.
+    pub tangents: Vec<Point>,
+    /// Radii, m.
+    pub radii: Vec<f64>,
     far: Vec<Point>,
     length: f64,
 }
@@ -364,13 +373,21 @@ fn covers(around: &Around, pairs: &[Pair], tubes: &[Tube], voxel: f64) -> Vec<[f
     (0..pairs.len()).map(of).collect()
 }
 
-/// The features of pairs, each a row of [`mask_feature_names`].
-pub fn mask_features(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+/// The features of pairs, each a row of [`mask_feature_names`], and of [`image_feature_names`] where there is an image.
+///
+/// [`image_feature_names`]: super::image::image_feature_names
+pub fn mask_features(
+    field: &Field,
+    scene: Option<&Scene>,
+    branches: &Branches,
+    courses: &Courses,
+    pairs: &[Pair],
+) -> Vec<Vec<f64>> {
     let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
-    in_order(&clusters, |_, pairs| of_cluster(field, branches, courses, pairs)).concat()
+    in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, courses, pairs)).concat()
 }
 
-fn of_cluster(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
     let arms: Vec<Arm> = (0..c.ends.len()).map(|end| arm(field, branches, courses, cluster, end)).collect();
@@ -455,7 +472,12 @@ fn of_cluster(field: &Field, branches: &Branches, courses: &Courses, pairs: &[Pa
         row.extend([normal[0], normal[1], alone, with, without, with - without]);
         row
     };
-    (0..pairs.len()).map(of_pair).collect()
+    let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
+    if let Some(scene) = scene {
+        let shown = image_features(scene, field.voxel(), c.centre(), &arms, &tubes, pairs);
+        rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
+    }
+    rows
 }
 
 /// Places on the core's way from one arm to the other: the core's points nearest to a few places on the straight line.

@@ -2,7 +2,7 @@
 //!
 //! Thinning makes one skeleton of vessels that touch in the mask. Junctions within each other's lumen are a cluster ([`branches`]), and the
 //! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
-//! ([`features`], or [`evidence`] where there is a mask), and a log-linear model makes of the scores a probability for every set
+//! ([`features`], or [`evidence`] where there is a mask, and [`image`] where an image lies beside it), and a log-linear model makes of the scores a probability for every set
 //! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
 //! ([`split()`]), vessels of origin contact whose probability a decision goes by.
 
@@ -10,6 +10,7 @@ pub mod branches;
 pub mod courses;
 pub mod evidence;
 pub mod features;
+pub mod image;
 pub mod model;
 pub mod pairings;
 pub mod partition;
@@ -18,13 +19,14 @@ pub mod split;
 
 use ndarray::Array2;
 
-use crate::masks::Field;
+use crate::masks::{Field, Scene};
 use crate::network::Network;
 use crate::support::boosted_trees::stored;
 use branches::Branches;
 use courses::Courses;
 use evidence::{mask_feature_names, mask_features};
 use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
+use image::image_feature_names;
 use model::ContactModel;
 use partition::{Blocks, most_probable};
 use split::{Opened, split};
@@ -38,9 +40,38 @@ pub struct ContactTable {
     courses: Courses,
 }
 
-/// The names of the features: of the mask where there is one, else of the skeleton.
-pub fn feature_names(with_mask: bool) -> Vec<String> {
-    if with_mask { mask_feature_names() } else { skeleton_feature_names() }
+/// What contacts are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Basis {
+    /// The centerlines alone.
+    Skeleton,
+    /// Their mask.
+    Mask,
+    /// The mask and an image beside it.
+    Image,
+}
+
+impl Basis {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Skeleton, Self::Mask, Self::Image];
+
+    /// By what is there: an image without a mask says nothing.
+    pub fn of(mask: Option<&Field>, scene: Option<&Scene>) -> Self {
+        match (mask, scene) {
+            (None, _) => Self::Skeleton,
+            (Some(_), None) => Self::Mask,
+            (Some(_), Some(_)) => Self::Image,
+        }
+    }
+
+    /// The names of the features, in their order.
+    pub fn feature_names(self) -> Vec<String> {
+        match self {
+            Self::Skeleton => skeleton_feature_names(),
+            Self::Mask => mask_feature_names(),
+            Self::Image => [mask_feature_names(), image_feature_names()].concat(),
+        }
+    }
 }
 
 impl ContactTable {
@@ -51,14 +82,14 @@ impl ContactTable {
         Self { branches, pairs, courses }
     }
 
-    /// What is measured of the pairs, a row each, a column one of [`feature_names`]. Where there is a mask the skeleton's own features
+    /// What is measured of the pairs, a row each, a column one of [`Basis::feature_names`]. Where there is a mask the skeleton's own features
     /// are left out: on manual masks they mislead.
-    pub fn features(&self, mask: Option<&Field>) -> Array2<f32> {
+    pub fn features(&self, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
         let rows = match mask {
-            Some(field) => mask_features(field, &self.branches, &self.courses, &self.pairs),
+            Some(field) => mask_features(field, scene, &self.branches, &self.courses, &self.pairs),
             None => skeleton_features(&self.branches, &self.courses, &self.pairs),
         };
-        let columns = feature_names(mask.is_some()).len();
+        let columns = Basis::of(mask, scene).feature_names().len();
         Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
     }
 
@@ -81,10 +112,11 @@ impl ContactTable {
         out
     }
 
-    /// The most probable blocks of each cluster.
-    pub fn blocks(&self, model: &ContactModel, mask: Option<&Field>) -> Vec<Blocks> {
-        let part = model.part(mask.is_some());
-        let tables = self.by_cluster(&part.trees.scores(&self.features(mask)));
+    /// The most probable blocks of each cluster; the image is left out where the model does not know images.
+    pub fn blocks(&self, model: &ContactModel, mask: Option<&Field>, scene: Option<&Scene>) -> Vec<Blocks> {
+        let scene = scene.filter(|_| model.image.is_some());
+        let part = model.part(Basis::of(mask, scene));
+        let tables = self.by_cluster(&part.trees.scores(&self.features(mask, scene)));
         let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
             Some(table) => most_probable(&table, cluster.ends.len(), &part.weights),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
@@ -95,8 +127,8 @@ impl ContactTable {
 
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
 /// was one junction. The nodes of `network` keep their rows.
-pub fn with_contacts(network: &Network, mask: Option<&Field>, model: &ContactModel) -> Opened {
+pub fn with_contacts(network: &Network, mask: Option<&Field>, scene: Option<&Scene>, model: &ContactModel) -> Opened {
     let table = ContactTable::new(network);
-    let blocks = table.blocks(model, mask);
+    let blocks = table.blocks(model, mask, scene);
     split(network, &table.branches, &blocks)
 }

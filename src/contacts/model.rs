@@ -1,11 +1,11 @@
-//! The contact model: boosted trees that score pairs of branch ends, and the weights of partitions, with a mask and without; its file.
+//! The contact model: boosted trees that score pairs of branch ends, and the weights of partitions, by what there is beside the centerlines; its file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::feature_names;
+use super::Basis;
 use super::partition::PartitionWeights;
 use crate::error::Fault;
 use crate::support::boosted_trees::{Boosted, BoostedEntry};
@@ -40,6 +40,8 @@ pub struct ContactModel {
     pub skeleton: ContactPart,
     /// For centerlines with their mask.
     pub mask: ContactPart,
+    /// For centerlines with their mask and an image.
+    pub image: Option<ContactPart>,
     /// Where it comes from.
     pub provenance: TreeProvenance<ContactScores>,
 }
@@ -52,6 +54,9 @@ pub struct ContactScores {
     pub of: String,
     /// Whether the mask was looked at.
     pub with_mask: bool,
+    /// The image that was looked at; empty without one.
+    #[serde(default)]
+    pub image: String,
     /// How many cases.
     pub cases: usize,
     /// How many pairs.
@@ -72,6 +77,7 @@ struct File {
     kind: String,
     skeleton: PartEntry,
     mask: PartEntry,
+    image: Option<PartEntry>,
     #[serde(default)]
     provenance: TreeProvenance<ContactScores>,
     #[serde(default)]
@@ -96,9 +102,13 @@ impl ContactModel {
         Self::read(SHIPPED).map(Arc::new).map_err(|fault| fault.in_file("contacts.toml".as_ref()))
     }
 
-    /// The part for centerlines with their mask, or without.
-    pub fn part(&self, with_mask: bool) -> &ContactPart {
-        if with_mask { &self.mask } else { &self.skeleton }
+    /// The part that goes by this; that of masks where the model does not know images.
+    pub fn part(&self, basis: Basis) -> &ContactPart {
+        match (basis, &self.image) {
+            (Basis::Skeleton, _) => &self.skeleton,
+            (Basis::Image, Some(image)) => image,
+            _ => &self.mask,
+        }
     }
 
     /// Reads a model that `willis train --model contacts` made, as TOML.
@@ -113,8 +123,9 @@ impl ContactModel {
             return Err(Fault::item("kind", file.kind, "expected contacts"));
         }
         Ok(Self {
-            skeleton: part("skeleton", &file.skeleton, false)?,
-            mask: part("mask", &file.mask, true)?,
+            skeleton: part("skeleton", &file.skeleton, Basis::Skeleton)?,
+            mask: part("mask", &file.mask, Basis::Mask)?,
+            image: file.image.map(|entry| part("image", &entry, Basis::Image)).transpose()?,
             provenance: TreeProvenance { figures: file.figures, ..file.provenance },
         })
     }
@@ -126,15 +137,21 @@ impl ContactModel {
     /// Those of `out`.
     pub fn write(&self, mut out: impl Write) -> io::Result<()> {
         write!(out, "{HEADING}")?;
-        for (name, with_mask) in [("skeleton", false), ("mask", true)] {
-            let part = self.part(with_mask);
-            writeln!(out, "\n[{name}]\nfeatures = {}", list(&feature_names(with_mask)))?;
+        for (name, basis) in [("skeleton", Basis::Skeleton), ("mask", Basis::Mask), ("image", Basis::Image)] {
+            if basis == Basis::Image && self.image.is_none() {
+                continue;
+            }
+            let part = self.part(basis);
+            writeln!(out, "\n[{name}]\nfeatures = {}", list(&basis.feature_names()))?;
             writeln!(out, "weights = {:?}", part.weights)?;
             writeln!(out, "\n[{name}.pairs]")?;
             part.trees.write(&mut out)?;
         }
         self.provenance.write(&mut out, FIGURES, |f, out| {
             writeln!(out, "of = {}\nwith_mask = {}", text(&f.of), f.with_mask)?;
+            if !f.image.is_empty() {
+                writeln!(out, "image = {}", text(&f.image))?;
+            }
             writeln!(out, "cases = {}\npairs = {}\njoined = {:?}", f.cases, f.pairs, f.joined)?;
             writeln!(out, "auc = {:?}\naverage_precision = {:?}", f.auc, f.average_precision)?;
             writeln!(out, "largest_bin_error = {:?}", f.largest_bin_error)
@@ -143,8 +160,8 @@ impl ContactModel {
     }
 }
 
-fn part(place: &str, entry: &PartEntry, with_mask: bool) -> Result<ContactPart, Fault> {
-    let names = feature_names(with_mask);
+fn part(place: &str, entry: &PartEntry, basis: Basis) -> Result<ContactPart, Fault> {
+    let names = basis.feature_names();
     if entry.features != names {
         let wrong = entry.features.iter().zip(&names).find(|(have, expected)| have != expected);
         let found = wrong.map_or_else(|| entry.features.len().to_string(), |(have, _)| have.clone());

@@ -21,6 +21,27 @@ pub struct Image {
     pub affine: Affine,
 }
 
+/// Probabilities are taken to be no nearer to 0 and 1 than this.
+const LEAST_PROBABLE: f32 = 1e-3;
+
+impl Image {
+    /// The log odds of an image of probabilities, of which those below 0.001 count as 0.001, and those above 0.999 as that.
+    ///
+    /// # Errors
+    ///
+    /// The first value that is no probability.
+    pub fn log_odds(mut self) -> Result<Self, f32> {
+        if let Some(x) = self.values.iter().find(|x| x.is_finite() && !(0.0..=1.0).contains(*x)) {
+            return Err(*x);
+        }
+        for x in &mut self.values {
+            let p = x.clamp(LEAST_PROBABLE, 1.0 - LEAST_PROBABLE);
+            *x = (p / (1.0 - p)).ln();
+        }
+        Ok(self)
+    }
+}
+
 /// The part of an image around some places, smoothed.
 #[derive(Debug, Clone)]
 pub struct Picture {
@@ -81,6 +102,21 @@ impl Picture {
         Some(Self { shape, values, inverse, at, steps })
     }
 
+    /// Takes from every voxel the mean of the voxels around it that count, by a Gaussian of this standard deviation (m). Where too few count
+    /// within its reach, the mean over a wider one is taken.
+    pub fn flatten(&mut self, sigma: f64, counts: impl Fn(usize) -> bool) {
+        let around = LocalMean::of(self, millimetres(sigma), counts);
+        let [x, y, _] = self.shape;
+        let along: Vec<(usize, f32)> = (0..x).map(|n| around.between(0, n)).collect();
+        for (row, line) in self.values.chunks_exact_mut(x).enumerate() {
+            let means = around.row(row % y, row / y);
+            for (value, (low, share)) in line.iter_mut().zip(&along) {
+                let [a, b] = [means[*low], means[(low + 1).min(means.len() - 1)]];
+                *value -= a + share * (b - a);
+            }
+        }
+    }
+
     /// Voxels along the three axes.
     pub fn shape(&self) -> [usize; 3] {
         self.shape
@@ -139,6 +175,84 @@ impl Picture {
         let along_x = |row: usize| between(v(row), v(row + next[0]), share[0]);
         let in_layer = |row: usize| between(along_x(row), along_x(row + next[1]), share[1]);
         Some(between(in_layer(row), in_layer(row + next[2]), share[2])).filter(|x| x.is_finite())
+    }
+}
+
+/// The mean of what counts around each place, on a grid of blocks of voxels.
+struct LocalMean {
+    shape: [usize; 3],
+    /// Voxels of a block along each axis.
+    block: [f64; 3],
+    mean: Vec<f32>,
+}
+
+/// A block is so many standard deviations wide.
+const BLOCK: f64 = 0.7;
+/// A mean that rests on less than this share of the blocks around gives way to the mean over twice the reach.
+const LEAST_SHARE: f32 = 0.02;
+
+impl LocalMean {
+    fn of(picture: &Picture, sigma: f64, counts: impl Fn(usize) -> bool) -> Self {
+        let voxels = picture.shape;
+        let along = picture.steps.map(|step| norm_squared(step).sqrt());
+        let size = [0, 1, 2].map(|axis| (BLOCK * sigma / along[axis]).round().max(1.0) as usize);
+        let shape = [0, 1, 2].map(|axis| voxels[axis].div_ceil(size[axis]));
+        let mut sum = vec![0.0_f32; shape.iter().product()];
+        let mut share = sum.clone();
+        for z in 0..voxels[2] {
+            for y in 0..voxels[1] {
+                let row = picture.row([0, y, z]);
+                let block = (z / size[2] * shape[1] + y / size[1]) * shape[0];
+                for x in 0..voxels[0] {
+                    let value = picture.values[row + x];
+                    if value.is_finite() && counts(row + x) {
+                        sum[block + x / size[0]] += value;
+                        share[block + x / size[0]] += 1.0;
+                    }
+                }
+            }
+        }
+        let whole = (size[0] * size[1] * size[2]) as f32;
+        share.iter_mut().zip(&mut sum).for_each(|(share, sum)| (*share, *sum) = (*share / whole, *sum / whole));
+        let mut mean = vec![0.0; sum.len()];
+        let mut is_known = vec![false; sum.len()];
+        let mut wide = 1.0;
+        let longest = shape.iter().copied().max().unwrap_or(1) as f64;
+        while wide < 2.0 * longest && is_known.contains(&false) {
+            let blurred = |values: &[f32]| {
+                let mut out = values.to_vec();
+                for axis in 0..3 {
+                    smooth_along(&mut out, shape, axis, wide * sigma / (along[axis] * size[axis] as f64));
+                }
+                out
+            };
+            let (sums, shares) = (blurred(&sum), blurred(&share));
+            for (row, is_known) in is_known.iter_mut().enumerate().filter(|(_, is_known)| !**is_known) {
+                if shares[row] >= LEAST_SHARE {
+                    (mean[row], *is_known) = (sums[row] / shares[row], true);
+                }
+            }
+            wide *= 2.0;
+        }
+        Self { shape, block: size.map(|size| size as f64), mean }
+    }
+
+    /// The block before the middle of a voxel along an axis, and how far that is on the way to the next one.
+    fn between(&self, axis: usize, voxel: usize) -> (usize, f32) {
+        let at = ((voxel as f64 + 0.5) / self.block[axis] - 0.5).clamp(0.0, (self.shape[axis] - 1) as f64);
+        (at as usize, at.fract() as f32)
+    }
+
+    /// The means along the first axis at a voxel of the other two.
+    fn row(&self, y: usize, z: usize) -> Vec<f32> {
+        let [(y, v), (z, w)] = [self.between(1, y), self.between(2, z)];
+        let of = |y: usize, z: usize| {
+            let first = (z.min(self.shape[2] - 1) * self.shape[1] + y.min(self.shape[1] - 1)) * self.shape[0];
+            &self.mean[first..first + self.shape[0]]
+        };
+        let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
+        let [near, far] = [z, z + 1].map(|z| of(y, z).iter().zip(of(y + 1, z)).map(move |(a, b)| mix(*a, *b, v)));
+        near.zip(far).map(|(a, b)| mix(a, b, w)).collect()
     }
 }
 

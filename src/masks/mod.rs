@@ -11,6 +11,8 @@
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
 //! | the picture beside a mask: smoothed, its value at any place | `image.rs` |
+//! | background, noise and the contrast of every vessel in it | `scene.rs` |
+//! | small pictures of it along a vessel | `strips.rs` |
 
 mod distance;
 mod field;
@@ -19,7 +21,9 @@ mod image;
 mod lumen;
 mod mask;
 mod partial;
+mod scene;
 mod skeleton;
+pub mod strips;
 mod thinning;
 mod trace;
 
@@ -29,5 +33,6 @@ pub use foreground::Foreground;
 pub use image::{Image, Picture};
 pub use mask::{Affine, Mask};
 pub use partial::{WallFinder, Walls};
+pub use scene::{Appearance, Centerlines, Level, Scene, Unseen, View};
 pub use thinning::thin;
 pub use trace::{RadiusFrom, Traced, trace};

@@ -17,7 +17,7 @@ use crate::contacts::with_contacts;
 use crate::decision::{SuggestedCut, suggested_cuts};
 use crate::error::{Error, Fault, Result};
 use crate::io::{ReadOptions, bytes_of, checksum, read_mask};
-use crate::masks::{Field, Foreground};
+use crate::masks::{Field, Foreground, Scene};
 use crate::network::Network;
 use crate::support::suggestions::did_you_mean;
 
@@ -129,8 +129,8 @@ impl Cuts {
     }
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested.
-    pub(crate) fn open(&self, graph: Network) -> (Network, Contacts) {
-        let opened = with_contacts(&graph, self.field.as_ref(), &self.model);
+    pub(crate) fn open(&self, graph: Network, scene: Option<&Scene>) -> (Network, Contacts) {
+        let opened = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
         if !self.only_suggests {
             return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() });
         }
@@ -146,6 +146,11 @@ impl Cuts {
     /// Whether there is a mask.
     pub(crate) fn has_mask(&self) -> bool {
         self.field.is_some()
+    }
+
+    /// Whether contacts are judged by this image.
+    pub(crate) fn looks_at(&self, scene: Option<&Scene>) -> bool {
+        self.has_mask() && self.model.image.is_some() && scene.is_some()
     }
 
     /// The record in run.json.

@@ -96,6 +96,7 @@ impl Inference {
             boundary,
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,
+            image_cuts: &self.prepared.image_cuts,
             result: &self.likelihood,
             rule: *keep,
             answer: &self.decision,

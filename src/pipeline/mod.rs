@@ -40,7 +40,7 @@ use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
 use crate::network::{Network, Origin};
-use crate::report::Provenance;
+use crate::report::{ImageCut, Provenance};
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
 use cuts::{Contacts, Cuts};
@@ -97,6 +97,8 @@ pub struct Prepared {
     pub(crate) cuts: Value,
     /// The record of the image in which candidates were looked at.
     pub(crate) image: Value,
+    /// What it shows along doubtful vessels.
+    pub(crate) image_cuts: Vec<ImageCut>,
     /// What is known of the contacts beside their vessels.
     pub(crate) contacts: Contacts,
     pub(crate) uniform_prior: bool,
@@ -152,13 +154,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::OutletsAllStated);
     }
     let mut provenance = input.provenance;
-    let looked = options
-        .image
-        .as_deref()
-        .map(|path| picture::Picture::load(path, options, &prior, &input.options, is_fragments))
-        .transpose()?;
+    let looked = picture::Picture::load(options, &prior, &input.options, is_fragments)?;
     let (image, view) = looked.unzip();
-    let (graph, unseen) = prior.graph(network, is_fragments, &boundary, &building, view)?;
+    let (graph, looked) = prior.graph(network, is_fragments, &boundary, &building, view)?;
+    let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
     if let Some((image, why)) = image.as_ref().zip(unseen) {
         let note = format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display());
         progress.step(Step::Note(&note));
@@ -168,15 +167,16 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
+    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
     let (graph, contacts) = match &cuts {
-        Some(cuts) => cuts.open(graph),
+        Some(cuts) => cuts.open(graph, scene),
         None => (graph, Contacts::default()),
     };
     if let Some(cuts) = &cuts {
         progress.step(if cuts.only_suggests() {
             Step::CutsSuggested { suggested: contacts.suggested.len() }
         } else {
-            Step::Cut { graph: &graph, with_mask: cuts.has_mask() }
+            Step::Cut { graph: &graph, with_mask: cuts.has_mask(), with_image: cuts.looks_at(scene) }
         });
     }
     let boundary = boundary.extended_to(graph.node_count());
@@ -194,6 +194,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(prior.usual_rule(&graph)),
+        image_cuts: scene.map(|scene| picture::pictures(scene, &graph)).unwrap_or_default(),
         graph,
         boundary,
         provenance,

@@ -9,13 +9,13 @@ use super::arteries::ArterySource;
 use super::boundary_options::BoundaryOptions;
 use super::cuts::Cut;
 use super::prior::Prior;
-use crate::candidates::joins::image::scene::Appearance;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::decision::Keep;
 use crate::error::Result;
 use crate::flow::FoundOutlets;
 use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use crate::io::ReadOptions;
+use crate::masks::Appearance;
 use crate::report::figures::{DEFAULT_DPI, check_dpi};
 use crate::sampling::{SamplingOptions, Uncertain};
 
@@ -35,7 +35,9 @@ pub struct InferOptions {
     pub mask: Option<PathBuf>,
     /// The image of the vessels, in which candidates are looked at.
     pub image: Option<PathBuf>,
-    /// How vessels look in it.
+    /// The probabilities of vessels that a segmenter gave, from 0 to 1, in which candidates are looked at in place of an image.
+    pub probability: Option<PathBuf>,
+    /// How vessels look in the image.
     pub vessels: Appearance,
     /// Where blood enters and leaves.
     pub boundary: BoundaryOptions,

@@ -1,47 +1,91 @@
-//! The image in which candidates are looked at.
+//! The image, or the probabilities of vessels, in which candidates are looked at.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
 use super::options::{InferOptions, SourceFile};
 use super::prior::LoadedPrior;
-use crate::candidates::joins::image::scene::{Appearance, Unseen, View};
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 use crate::io::{ReadOptions, read_image};
+use crate::masks::strips::Strip;
+use crate::masks::{Appearance, Scene, Unseen, View};
+use crate::network::{Network, Origin};
+use crate::report::ImageCut;
+use crate::support::geometry::Point;
+
+/// Vessels whose probability is at least so far from 0 and 1 get pictures, ...
+const LEAST_DOUBT: f64 = 0.02;
+/// ... the most doubtful of them, no more than this many.
+const MOST_PICTURES: usize = 200;
+
+/// Pictures of the image along doubtful vessels, by row.
+pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
+    let mut doubtful: Vec<(f64, usize)> = graph
+        .vessels()
+        .enumerate()
+        .filter(|(_, (_, vessel))| vessel.origin != Origin::Observed)
+        .filter_map(|(row, (_, vessel))| Some(((vessel.evidence?.probability - 0.5).abs(), row)))
+        .filter(|(from_half, _)| *from_half <= 0.5 - LEAST_DOUBT)
+        .collect();
+    doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    doubtful.truncate(MOST_PICTURES);
+    doubtful.sort_by_key(|(_, row)| *row);
+    let picture = |(_, row): (f64, usize)| {
+        let vessel = graph.vessel(row);
+        let path: Vec<Point> = vessel.path.iter().map(|point| point.position).collect();
+        Some(ImageCut::of(row, &Strip::new(scene, &path, vessel.radius)?))
+    };
+    doubtful.into_iter().filter_map(picture).collect()
+}
 
 /// Where an image was read from.
 pub(crate) struct Picture {
     source: SourceFile,
     appearance: Appearance,
+    is_probability: bool,
 }
 
 impl Picture {
-    /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the spacing of NumPy's arrays goes by.
+    /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the
+    /// spacing of NumPy's arrays goes by. `None` where none is given.
     ///
     /// # Errors
     ///
-    /// A prior that does not, a ready graph, an image that cannot be read.
+    /// Image and probabilities at once, a prior that does not look at images, a ready graph, a file that cannot be read, a value that is no
+    /// probability.
     pub(crate) fn load(
-        path: &Path,
         options: &InferOptions,
         prior: &LoadedPrior,
         input: &ReadOptions,
         is_fragments: bool,
-    ) -> Result<(Self, View)> {
+    ) -> Result<Option<(Self, View)>> {
+        let (name, path) = match (&options.image, &options.probability) {
+            (None, None) => return Ok(None),
+            (Some(path), None) => ("image", path),
+            (None, Some(path)) => ("probability", path),
+            (Some(_), Some(path)) => {
+                return Err(Error::parameter("probability", path.display(), "expected this or `image`, not both"));
+            }
+        };
+        let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
         if !is_fragments {
-            let accepted =
-                "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
-            return Err(Error::parameter("image", path.display(), accepted));
+            return refused(
+                "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)",
+            );
         }
         if !prior.looks_at_images() {
-            let accepted =
-                "goes with a model that knows images: `prior` weights:skeleton, which is the usual one of masks and skeletons";
-            return Err(Error::parameter("image", path.display(), accepted));
+            return refused(
+                "goes with a model that knows images: `prior` weights:skeleton, which is the usual one of masks and skeletons",
+            );
         }
         let (image, sha256) = read_image(path, input)?;
-        let source = SourceFile { path: path.to_owned(), sha256 };
-        Ok((Self { source, appearance: options.vessels }, View { image, appearance: options.vessels }))
+        let is_probability = options.probability.is_some();
+        let not_one = |x: f32| Fault::item("a voxel", x.to_string(), "expected probabilities from 0 to 1").in_file(path);
+        let image = if is_probability { image.log_odds().map_err(not_one)? } else { image };
+        let appearance = if is_probability { Appearance::Bright } else { options.vessels };
+        let source = SourceFile { path: path.clone(), sha256 };
+        Ok(Some((Self { source, appearance, is_probability }, View { image, appearance })))
     }
 
     pub(crate) fn path(&self) -> &PathBuf {
@@ -50,7 +94,10 @@ impl Picture {
 
     /// The record in run.json: the file, and why it was not used.
     pub(crate) fn record(&self, unseen: Option<Unseen>) -> Value {
-        let Self { source, appearance, .. } = self;
-        json!({ "path": source.path, "sha256": source.sha256, "vessels": appearance, "unused": unseen.map(|why| why.to_string()) })
+        let Self { source, appearance, is_probability } = self;
+        let unused = unseen.map(|why| why.to_string());
+        json!({
+            "path": source.path, "sha256": source.sha256, "vessels": appearance, "probabilities": is_probability, "unused": unused
+        })
     }
 }

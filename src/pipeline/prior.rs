@@ -10,16 +10,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::candidates::joins::image::scene::{Unseen, View};
 use crate::candidates::joins::model::JoinModel;
 use crate::candidates::kind::Kind;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
-use crate::candidates::{CandidateOptions, NEAREST, build, build_joins, build_with_evidence};
+use crate::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
 use crate::decision::{BEST_FIRST, Keep, RECONNECT, ROOT_FACTOR, has_evidence, knows_fragments};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Boundary;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
+use crate::masks::View;
 use crate::network::{Network, Origin, Role};
 use crate::support::suggestions::did_you_mean;
 
@@ -198,8 +198,8 @@ impl LoadedPrior {
         if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior. Why an image says nothing is
-    /// told too.
+    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior. The image as it was
+    /// measured is told too, or why it says nothing.
     pub(crate) fn graph(
         &self,
         network: Network,
@@ -207,8 +207,8 @@ impl LoadedPrior {
         boundary: &Boundary,
         options: &CandidateOptions,
         view: Option<View>,
-    ) -> Result<(Network, Option<Unseen>)> {
-        let mut unseen = None;
+    ) -> Result<(Network, Option<Looked>)> {
+        let mut looked = None;
         let mut graph = match self {
             _ if !is_fragments => network,
             Self::Evidence { weights, .. } => {
@@ -218,8 +218,8 @@ impl LoadedPrior {
                 build_with_evidence(&network, &inlets, options, weights)?
             }
             Self::Joins { model, .. } => {
-                let (graph, why) = build_joins(&network, options, model, view)?;
-                unseen = why;
+                let (graph, found) = build_joins(&network, options, model, view)?;
+                looked = found;
                 graph
             }
             _ => build(&network, options)?,
@@ -228,6 +228,6 @@ impl LoadedPrior {
             let read = if ending(&source.path) == "csv" { read_prior_csv } else { read_prior_npy };
             read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
         }
-        Ok((graph, unseen))
+        Ok((graph, looked))
     }
 }

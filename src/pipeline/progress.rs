@@ -64,8 +64,10 @@ pub enum Step<'a> {
     Cut {
         /// The over-connected graph with its contacts.
         graph: &'a Network,
-        /// Whether the mask was looked at.
+        /// Whether the mask was looked at, ...
         with_mask: bool,
+        /// ... and the image beside it.
+        with_image: bool,
     },
     /// Cuts were found and not made, there being no mask.
     CutsSuggested {

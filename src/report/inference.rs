@@ -2,6 +2,10 @@
 
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Serialize};
+
 use super::figures::convergence::convergence;
 use super::figures::heat_map::{Matrix, heat_map};
 use super::page::{Picture, infer_page, write_page};
@@ -13,6 +17,7 @@ use crate::flow::{Boundary, Circuit, pressures};
 use crate::io::{
     Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
+use crate::masks::strips::Strip;
 use crate::network::units::millimetres;
 use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
@@ -45,6 +50,24 @@ pub const DENSE_LIMIT: usize = 8192;
 /// The largest network that gets a page: a browser takes seconds for so many vessels.
 const PAGE_LIMIT: usize = 100_000;
 
+/// Small pictures of the image along one vessel, for the page; see [`Strip`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ImageCut {
+    /// The row of the vessel.
+    pub vessel: usize,
+    /// Sizes of the straightened picture along and across the vessel, mm.
+    pub size_mm: [f64; 2],
+    /// [`Strip::pixels`] in base64.
+    pub pixels: String,
+}
+
+impl ImageCut {
+    /// The pictures of a vessel, by row.
+    pub fn of(vessel: usize, strip: &Strip) -> Self {
+        Self { vessel, size_mm: strip.size.map(millimetres), pixels: STANDARD.encode(&strip.pixels) }
+    }
+}
+
 /// An inference and everything its files are made of.
 #[derive(Debug)]
 pub struct Outcome<'a> {
@@ -56,6 +79,8 @@ pub struct Outcome<'a> {
     pub suggested_cuts: &'a [SuggestedCut],
     /// How the vessels at each opened contact may be paired.
     pub pairings: &'a [Pairings],
+    /// What an image shows along doubtful vessels, by row.
+    pub image_cuts: &'a [ImageCut],
     /// What the samples say.
     pub result: &'a Likelihood,
     /// The rule that decided.

@@ -10,7 +10,7 @@ mod phenotype;
 pub mod run_record;
 mod simulation;
 
-pub use inference::{Outcome, agreement, write_outcome};
+pub use inference::{ImageCut, Outcome, agreement, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
 pub use run_record::{Provenance, Summary, outlets_found};

@@ -2,18 +2,21 @@
 //! partitions on scores of trees that never saw the subject.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 use ndarray::Array2;
 
 use super::boosting::boost;
 use super::cross_validation::fold_of;
-use super::example::Case;
+use super::example::{Case, image_name, shown};
 use super::minimise::minimise;
+use crate::candidates::kind::Kind;
+use crate::candidates::resample::Resampled;
 use crate::contacts::model::{ContactModel, ContactPart, ContactScores};
 use crate::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
 };
-use crate::contacts::{ContactTable, feature_names};
+use crate::contacts::{Basis, ContactTable};
 use crate::error::{Error, Result};
 use crate::io::{ReadOptions, read_mask};
 use crate::masks::{Field, Foreground};
@@ -37,6 +40,8 @@ pub struct ContactExample<'a> {
     of_skeleton: Array2<f32>,
     /// What the mask tells of them, where there is one.
     of_mask: Option<Array2<f32>>,
+    /// What mask and image tell of them, for each image, with its name.
+    of_images: Vec<(String, Array2<f32>)>,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
@@ -48,7 +53,7 @@ impl<'a> ContactExample<'a> {
     ///
     /// # Errors
     ///
-    /// A mask that cannot be read.
+    /// A mask or an image that cannot be read, an image that does not show the vessels.
     pub fn new(case: &'a Case) -> Result<Self> {
         let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
         let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
@@ -60,8 +65,15 @@ impl<'a> ContactExample<'a> {
             Some(a? == b?)
         });
         let joined: Vec<Option<bool>> = joined.collect();
-        let of_mask = field.as_ref().map(|field| table.features(Some(field)));
-        Ok(Self { case, of_skeleton: table.features(None), of_mask, table, joined, classes })
+        let of_mask = field.as_ref().map(|field| table.features(Some(field), None));
+        let images: &[PathBuf] = if field.is_some() { &case.images } else { &[] };
+        let extraction = Resampled::new(&case.network, Kind::Skeleton).extraction(&[])?;
+        let of_images = images.iter().map(|path| {
+            let scene = shown(path, &extraction)?;
+            Ok((image_name(path), table.features(field.as_ref(), Some(&scene))))
+        });
+        let of_images = of_images.collect::<Result<Vec<_>>>()?;
+        Ok(Self { case, of_skeleton: table.features(None, None), of_mask, of_images, table, joined, classes })
     }
 
     /// Whether there is a mask.
@@ -69,13 +81,14 @@ impl<'a> ContactExample<'a> {
         self.of_mask.is_some()
     }
 
-    /// The scores of the pairs by trees over the features of the mask, or of the skeleton.
-    fn scores(&self, trees: &Boosted, with_mask: bool) -> Vec<f64> {
-        trees.scores(self.features(with_mask))
-    }
-
-    fn features(&self, with_mask: bool) -> &Array2<f32> {
-        self.of_mask.as_ref().filter(|_| with_mask).unwrap_or(&self.of_skeleton)
+    /// What is measured of the pairs, each with the name of the image, which is empty without one.
+    fn views(&self, basis: Basis) -> Vec<View<'_>> {
+        let view = |image, features| View { e: self, image, features };
+        match basis {
+            Basis::Skeleton => vec![view("", &self.of_skeleton)],
+            Basis::Mask => self.of_mask.iter().map(|features| view("", features)).collect(),
+            Basis::Image => self.of_images.iter().map(|(image, features)| view(image.as_str(), features)).collect(),
+        }
     }
 
     /// Measures several cases.
@@ -125,55 +138,68 @@ struct Design {
     truth: usize,
 }
 
+/// A case as it is seen: without image, or in one.
+struct View<'a> {
+    e: &'a ContactExample<'a>,
+    image: &'a str,
+    /// Shape (pairs, features).
+    features: &'a Array2<f32>,
+}
+
 /// Fits the contact model to measured cases. The same cases give the same bits at any number of threads.
 ///
 /// # Errors
 ///
 /// No case with a mask, fewer subjects than inner folds, no pair of which anything is known.
 pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
-    let skeleton = fit_part(examples, false)?;
+    let skeleton = fit_part(examples, Basis::Skeleton)?;
     progress("without mask");
-    let with_mask: Vec<&ContactExample> = examples.iter().copied().filter(|e| e.has_mask()).collect();
-    let mask = fit_part(&with_mask, true)?;
+    let mask = fit_part(examples, Basis::Mask)?;
     progress("with mask");
+    let has_images = examples.iter().any(|e| !e.of_images.is_empty());
+    let image = has_images.then(|| fit_part(examples, Basis::Image)).transpose()?;
+    if has_images {
+        progress("with images");
+    }
     let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     let provenance = TreeProvenance::of(examples.len(), subjects.len());
-    Ok(ContactModel { skeleton, mask, provenance })
+    Ok(ContactModel { skeleton, mask, image, provenance })
 }
 
-fn fit_part(examples: &[&ContactExample], with_mask: bool) -> Result<ContactPart> {
-    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
+    let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+    let subjects: BTreeSet<&str> = views.iter().map(|view| view.e.case.subject.as_str()).collect();
     if subjects.len() < INNER {
         let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
-        return Err(Error::parameter("cases", format!("{} of {} subjects", examples.len(), subjects.len()), accepted));
+        return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects.len()), accepted));
     }
     let order: Vec<&str> = subjects.iter().copied().collect();
-    let fold = |e: &ContactExample| order.iter().position(|s| *s == e.case.subject).unwrap_or(0) % INNER;
-    let trees = fit_trees(examples, with_mask)?;
+    let fold = |view: &View| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
+    let trees = fit_trees(&views.iter().collect::<Vec<_>>(), basis)?;
     let mut designs = Vec::new();
     for held in 0..INNER {
-        let inner: Vec<&ContactExample> = examples.iter().copied().filter(|e| fold(e) != held).collect();
-        let trees = fit_trees(&inner, with_mask)?;
-        for e in examples.iter().filter(|e| fold(e) == held) {
-            designs.extend(e.designs(&e.scores(&trees, with_mask)));
+        let inner: Vec<&View> = views.iter().filter(|view| fold(view) != held).collect();
+        let trees = fit_trees(&inner, basis)?;
+        for view in views.iter().filter(|view| fold(view) == held) {
+            designs.extend(view.e.designs(&trees.scores(view.features)));
         }
     }
     Ok(ContactPart { trees, weights: fit_weights(&designs) })
 }
 
 /// Boosted trees over the pairs whose answer is known.
-fn fit_trees(examples: &[&ContactExample], with_mask: bool) -> Result<Boosted> {
-    let features: Vec<&Array2<f32>> = examples.iter().map(|e| e.features(with_mask)).collect();
+fn fit_trees(views: &[&View], basis: Basis) -> Result<Boosted> {
     let (mut rows, mut right) = (Vec::new(), Vec::new());
-    for (at, e) in examples.iter().enumerate() {
-        for (row, joined) in e.joined.iter().enumerate() {
+    for (at, view) in views.iter().enumerate() {
+        for (row, joined) in view.e.joined.iter().enumerate() {
             if let Some(joined) = joined {
                 rows.push((at, row));
                 right.push(*joined);
             }
         }
     }
-    boost(rows.len(), feature_names(with_mask).len(), |row, column| features[rows[row].0][[rows[row].1, column]], &right)
+    let columns = basis.feature_names().len();
+    boost(rows.len(), columns, |row, column| views[rows[row].0].features[[rows[row].1, column]], &right)
 }
 
 /// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
@@ -210,8 +236,9 @@ fn fit_weights(designs: &[Design]) -> PartitionWeights {
 /// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
 type Judged = (f64, f64, bool);
 
-fn judge(e: &ContactExample, part: &ContactPart, with_mask: bool) -> Vec<Judged> {
-    let scores = e.scores(&part.trees, with_mask);
+fn judge(view: &View, part: &ContactPart) -> Vec<Judged> {
+    let e = view.e;
+    let scores = part.trees.scores(view.features);
     let tables = e.table.by_cluster(&scores);
     let mut probability = Vec::with_capacity(scores.len());
     for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
@@ -249,23 +276,19 @@ pub fn cross_validate_contacts(
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
         for e in outer {
-            judged.push((e, false, judge(e, &model.skeleton, false)));
-            if e.has_mask() {
-                judged.push((e, true, judge(e, &model.mask, true)));
+            for basis in Basis::ALL {
+                judged.extend(e.views(basis).iter().map(|view| (e, (basis, view.image), judge(view, model.part(basis)))));
             }
         }
         models.push(model);
     }
-    let mut groups: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
-    for (e, with_mask, _) in &judged {
-        groups.insert((&e.case.data_set, &e.case.group, *with_mask));
-    }
-    let figures = groups.into_iter().map(|(data_set, group, with_mask)| {
+    let groups: BTreeSet<(&str, &str, (Basis, &str))> =
+        judged.iter().map(|(e, seen, _)| (e.case.data_set.as_str(), e.case.group.as_str(), *seen)).collect();
+    let figures = groups.into_iter().map(|(data_set, group, seen)| {
         let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
-        let of: Vec<&[Judged]> =
-            judged.iter().filter(|(e, mask, _)| own(e) && *mask == with_mask).map(|(.., j)| &j[..]).collect();
+        let of: Vec<&[Judged]> = judged.iter().filter(|(e, other, _)| own(e) && *other == seen).map(|(.., j)| &j[..]).collect();
         let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
-        scores_of(name, with_mask, &of)
+        scores_of(name, seen, &of)
     });
     let figures = figures.collect();
     Ok((models, figures))
@@ -274,7 +297,7 @@ pub fn cross_validate_contacts(
 const BINS: usize = 10;
 const LEAST_IN_BIN: f64 = 50.0;
 
-fn scores_of(of: String, with_mask: bool, cases: &[&[Judged]]) -> ContactScores {
+fn scores_of(of: String, (basis, image): (Basis, &str), cases: &[&[Judged]]) -> ContactScores {
     let mut all: Vec<Judged> = cases.iter().flat_map(|case| case.iter().copied()).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pairs = all.len();
@@ -297,7 +320,8 @@ fn scores_of(of: String, with_mask: bool, cases: &[&[Judged]]) -> ContactScores 
     }
     ContactScores {
         of,
-        with_mask,
+        with_mask: basis != Basis::Skeleton,
+        image: image.to_owned(),
         cases: cases.len(),
         pairs,
         joined: joined as f64 / pairs.max(1) as f64,

@@ -1,6 +1,6 @@
 //! A case: an extraction whose true connections are known.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
@@ -12,7 +12,9 @@ use crate::candidates::kind::Kind;
 use crate::candidates::model::feature_table::CandidateTable;
 use crate::candidates::resample::Resampled;
 use crate::candidates::search::{SearchOptions, search};
-use crate::error::Result;
+use crate::error::{Fault, Result};
+use crate::io::{ReadOptions, read_image};
+use crate::masks::{Appearance, Scene, View};
 use crate::network::Network;
 use crate::support::in_order;
 
@@ -93,4 +95,21 @@ impl<'a> Example<'a> {
 pub fn share_of(words: &[&str]) -> f64 {
     let digest = Sha256::digest(words.join("\u{0}").as_bytes());
     digest.iter().take(6).rev().fold(0.0, |x, byte| (x + f64::from(*byte)) / 256.0)
+}
+
+/// The image in a file, around the vessels of an extraction.
+///
+/// # Errors
+///
+/// A file that cannot be read, an image that does not show the vessels.
+pub fn shown(path: &Path, extraction: &Extraction) -> Result<Scene> {
+    let (image, _) = read_image(path, &ReadOptions::default())?;
+    Scene::new(&extraction.centerlines(), View { image, appearance: Appearance::Auto })
+        .map_err(|why| Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path))
+}
+
+/// The name of an image: that of its file before .nii.
+pub fn image_name(path: &Path) -> String {
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    name.split(".nii").next().unwrap_or_default().to_owned()
 }

@@ -5,18 +5,19 @@ use std::collections::BTreeSet;
 use ndarray::{Array2, Axis};
 
 use super::cross_validation::fold_of;
-use super::example::Case;
+use super::example::{Case, image_name, shown};
 use super::known_connections::{KnownConnections, Match};
 use super::logistic::calibrate;
 use super::scores::{average_precision, found};
-use crate::candidates::joins::JoinTable;
-use crate::candidates::joins::image::features::{IMAGE_FEATURES, ImageTable};
-use crate::candidates::joins::image::scene::{Appearance, Scene, View};
+use crate::candidates::features::Extraction;
+use crate::candidates::joins::image::features::IMAGE_FEATURES;
+use crate::candidates::joins::in_image::InImage;
 use crate::candidates::joins::model::{ImagePass, JoinModel, JoinScores};
+use crate::candidates::joins::rivals::Pairs;
+use crate::candidates::joins::{JoinTable, Scores};
 use crate::candidates::search::SearchOptions;
 use crate::decision::{BEST_FIRST, best_first};
-use crate::error::{Error, Fault, Result};
-use crate::io::{ReadOptions, read_image};
+use crate::error::{Error, Result};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 use crate::support::statistics::sigmoid;
@@ -31,14 +32,39 @@ pub struct JoinExample<'a> {
     pub case: &'a Case,
     /// Its candidates.
     pub table: JoinTable,
+    /// What is right of the pairs.
+    pub truth: PairTruth,
+    /// Of the connections, how many candidates it takes to make all of them.
+    pub needed: usize,
+    /// The images beside it.
+    pub images: Vec<ImageExample>,
+}
+
+/// What is right of some pairs.
+pub struct PairTruth {
     /// Per pair the connection that it makes, if it is right.
     pub matches: Vec<Option<Match>>,
     /// Per pair whether it is right or wrong.
     pub clear: Vec<bool>,
-    /// Of the connections, how many candidates it takes to make all of them.
-    pub needed: usize,
-    /// What the images beside it show, each with its name.
-    pub images: Vec<(String, ImageTable)>,
+}
+
+/// A skeleton in an image.
+pub struct ImageExample {
+    /// The name of the image.
+    pub name: String,
+    /// Its candidates there.
+    pub image: InImage,
+    /// What is right of their pairs.
+    pub truth: PairTruth,
+}
+
+impl PairTruth {
+    fn new(known: &KnownConnections, e: &Extraction, pairs: &Pairs) -> Self {
+        let matches: Vec<Option<Match>> = pairs.points.iter().map(|[a, b]| known.matching(*a, *b)).collect();
+        let clear = pairs.points.iter().zip(&matches);
+        let clear = clear.map(|(points, right)| right.is_some() || !known.is_unclear(points.map(|point| e.position[point])));
+        Self { clear: clear.collect(), matches }
+    }
 }
 
 impl<'a> JoinExample<'a> {
@@ -49,22 +75,14 @@ impl<'a> JoinExample<'a> {
     /// A node without a position, points that are crowded, an image that cannot be read or does not show the vessels.
     pub fn new(case: &'a Case) -> Result<Self> {
         let table = JoinTable::new(&case.network, SearchOptions::default().branches)?;
-        let truth: &KnownConnections = &case.truth;
-        let matches: Vec<Option<Match>> = table.pairs.points.iter().map(|[a, b]| truth.matching(*a, *b)).collect();
-        let position = |point: &usize| table.extraction.position[*point];
-        let clear = table.pairs.points.iter().zip(&matches);
-        let clear = clear.map(|([a, b], right)| right.is_some() || !truth.is_unclear([position(a), position(b)])).collect();
+        let of_pairs = |pairs: &Pairs| PairTruth::new(&case.truth, &table.extraction, pairs);
         let images = case.images.iter().map(|path| {
-            let (image, _) = read_image(path, &ReadOptions::default())?;
-            let scene = Scene::new(&table.extraction, View { image, appearance: Appearance::Auto }).map_err(|why| {
-                Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path)
-            })?;
-            let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            let name = name.split(".nii").next().unwrap_or_default().to_owned();
-            Ok((name, ImageTable::new(&scene, &table.extraction, &table.pairs, None)))
+            let scene = shown(path, &table.extraction)?;
+            let image = InImage::new(&table, &scene, None);
+            Ok(ImageExample { name: image_name(path), truth: of_pairs(&image.pairs), image })
         });
         let images = images.collect::<Result<Vec<_>>>()?;
-        Ok(Self { case, needed: truth.needed(), table, matches, clear, images })
+        Ok(Self { case, needed: case.truth.needed(), truth: of_pairs(&table.pairs), table, images })
     }
 
     /// Measures several cases.
@@ -78,7 +96,7 @@ impl<'a> JoinExample<'a> {
 
     /// How many of the candidates that the truth needs are among those found.
     pub fn reached(&self) -> usize {
-        found(self.matches.iter().flatten().copied())
+        found(self.truth.matches.iter().flatten().copied())
     }
 }
 
@@ -104,31 +122,35 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     let firsts: Vec<&Array2<f32>> = examples.iter().map(|e| &e.table.features).collect();
     let first = boost(examples, &firsts, &all)?;
     progress("pass 1");
-    let mut scores: Vec<Vec<f64>> = vec![Vec::new(); examples.len()];
+    let mut firsts_without = Vec::new();
+    let mut scores: Vec<Scores> = vec![Scores { first: Vec::new(), second: Vec::new() }; examples.len()];
     for held in 0..INNER {
         let trees = boost(examples, &firsts, &without(held))?;
         for at in within(held) {
-            scores[at] = trees.scores(firsts[at]);
+            scores[at].first = trees.scores(firsts[at]);
         }
+        firsts_without.push(trees);
     }
     progress("pass 1, out of fold");
-    let seconds = in_order(examples, |at, e| e.table.second(&scores[at]));
+    let seconds = in_order(examples, |at, e| e.table.second(&scores[at].first));
     let seconds: Vec<&Array2<f32>> = seconds.iter().collect();
     let second = boost(examples, &seconds, &all)?;
     progress("pass 2");
     let mut pairs = Vec::new();
+    // Per example and image the scores of its pairs.
+    let mut in_images: Vec<Vec<Vec<f64>>> = vec![Vec::new(); examples.len()];
     for held in 0..INNER {
         let trees = boost(examples, &seconds, &without(held))?;
         for at in within(held) {
             let e = examples[at];
-            let score = e.table.pairs.mean(&trees.scores(seconds[at]));
-            let rows = score.iter().zip(&e.matches).zip(&e.clear).filter(|(_, clear)| **clear);
+            scores[at].second = e.table.pairs.mean(&trees.scores(seconds[at]));
+            let rows = scores[at].second.iter().zip(&e.truth.matches).zip(&e.truth.clear).filter(|(_, clear)| **clear);
             pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), right.is_some(), 1.0)));
-            scores[at] = score;
+            in_images[at] = in_order(&e.images, |_, of| of.image.scores(&e.table, [&firsts_without[held], &trees], &scores[at]));
         }
     }
     progress("calibration");
-    let image = fit_image_pass(examples, &scores, &inner)?;
+    let image = fit_image_pass(examples, &in_images, &inner)?;
     if image.is_some() {
         progress("images");
     }
@@ -136,25 +158,23 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, image, provenance })
 }
 
-/// The pass over images, given scores that are out of fold, and the inner fold of each example; `None` without images.
-fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<f64>], inner: &[usize]) -> Result<Option<ImagePass>> {
-    let views: Vec<(usize, &ImageTable)> =
-        examples.iter().enumerate().flat_map(|(at, e)| e.images.iter().map(move |(_, image)| (at, image))).collect();
+/// The pass over images, given per example and image scores that are out of fold, and the inner fold of each example; `None` without images.
+fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[usize]) -> Result<Option<ImagePass>> {
+    let with_scores = |at: usize| examples[at].images.iter().zip(&scores[at]).map(move |(image, scores)| (at, image, scores));
+    let views: Vec<(usize, &ImageExample, &Vec<f64>)> = (0..examples.len()).flat_map(with_scores).collect();
     if views.is_empty() {
         return Ok(None);
     }
-    let features = in_order(&views, |_, (at, image)| {
-        image.features(&examples[*at].table.extraction, &examples[*at].table.pairs, &scores[*at])
-    });
+    let features = in_order(&views, |_, (at, of, scores)| of.image.features(&examples[*at].table, scores));
     let rows_of = |is_in: &dyn Fn(usize) -> bool| {
         let mut rows: Vec<(usize, usize)> = Vec::new();
-        for (view, (at, image)) in views.iter().enumerate().filter(|(_, (at, _))| is_in(*at)) {
-            let seen = |p: &usize| examples[*at].clear[*p] && image.is_seen(*p, scores[*at][*p]);
-            rows.extend((0..scores[*at].len()).filter(seen).map(|p| (view, p)));
+        for (view, (_, of, scores)) in views.iter().enumerate().filter(|(_, (at, ..))| is_in(*at)) {
+            let seen = |p: &usize| of.truth.clear[*p] && of.image.between.is_seen(*p, scores[*p]);
+            rows.extend((0..scores.len()).filter(seen).map(|p| (view, p)));
         }
         rows
     };
-    let is_right = |(view, pair): &(usize, usize)| examples[views[*view].0].matches[*pair].is_some();
+    let is_right = |(view, pair): &(usize, usize)| views[*view].1.truth.matches[*pair].is_some();
     let trees_of = |rows: &[(usize, usize)]| {
         let right: Vec<bool> = rows.iter().map(is_right).collect();
         let value = |row: usize, column: usize| features[rows[row].0][[rows[row].1, column]];
@@ -176,9 +196,9 @@ fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) 
     let mut right = Vec::new();
     for at in cases {
         let e = examples[*at];
-        for (row, pair) in e.table.pairs.of.iter().enumerate().filter(|(_, pair)| e.clear[**pair]) {
+        for (row, pair) in e.table.pairs.of.iter().enumerate().filter(|(_, pair)| e.truth.clear[**pair]) {
             rows.push((*at, row));
-            right.push(e.matches[*pair].is_some());
+            right.push(e.truth.matches[*pair].is_some());
         }
     }
     let columns = features.first().map_or(0, |f| f.len_of(Axis(1)));
@@ -186,19 +206,24 @@ fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) 
 }
 
 /// Probability of every pair of a case, and what is kept of them.
-struct Judged {
+struct Judged<'a> {
     /// The name of the image; empty without one.
-    image: String,
+    image: &'a str,
+    truth: &'a PairTruth,
     probability: Vec<f64>,
     kept: Vec<bool>,
 }
 
-fn judge(e: &JoinExample, model: &JoinModel, image: Option<&ImageTable>) -> Judged {
-    let probability = e.table.probabilities(model, &e.table.scores(model), image);
+fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>) -> Judged<'a> {
+    let scores = e.table.scores(model);
+    let (probability, pairs) = match of {
+        Some(of) => (e.table.probabilities_in(model, &scores, &of.image), &of.image.pairs),
+        None => (e.table.probabilities(model, &scores), &e.table.pairs),
+    };
     let ends: Vec<[Option<usize>; 2]> =
-        e.table.pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
+        pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
     let kept = best_first(&probability, &ends, BEST_FIRST);
-    Judged { image: String::new(), probability, kept }
+    Judged { image: of.map_or("", |of| &of.name), truth: of.map_or(&e.truth, |of| &of.truth), probability, kept }
 }
 
 /// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
@@ -218,12 +243,9 @@ pub fn cross_validate_joins(
         let inner: Vec<&JoinExample> = examples.iter().filter(|e| !held(e)).collect();
         let mut model = fit_joins(&inner, &mut |step| progress(fold + 1, step))?;
         let outer: Vec<&JoinExample> = examples.iter().filter(held).collect();
-        let views: Vec<(&JoinExample, Option<&(String, ImageTable)>)> =
+        let views: Vec<(&JoinExample, Option<&ImageExample>)> =
             outer.iter().flat_map(|e| std::iter::once(None).chain(e.images.iter().map(Some)).map(|image| (*e, image))).collect();
-        let found: Vec<Judged> = in_order(&views, |_, (e, image)| {
-            let judged = judge(e, &model, image.map(|(_, table)| table));
-            Judged { image: image.map_or_else(String::new, |(name, _)| name.clone()), ..judged }
-        });
+        let found: Vec<Judged> = in_order(&views, |_, (e, image)| judge(e, &model, *image));
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
         let pairs: Vec<(&JoinExample, &Judged)> = views.iter().map(|(e, _)| *e).zip(&found).collect();
@@ -239,8 +261,8 @@ pub fn cross_validate_joins(
 fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
     let mut groups: BTreeSet<(&str, &str, &str)> = BTreeSet::new();
     for (e, judged) in judged {
-        groups.insert((&e.case.data_set, "", &judged.image));
-        groups.insert((&e.case.data_set, &e.case.group, &judged.image));
+        groups.insert((&e.case.data_set, "", judged.image));
+        groups.insert((&e.case.data_set, &e.case.group, judged.image));
     }
     let of_group = |(data_set, group, image): (&str, &str, &str)| {
         let is_in = |e: &JoinExample| e.case.data_set == data_set && (group.is_empty() || e.case.group == group);
@@ -257,13 +279,14 @@ fn scores_of(name: String, of: &[&(&JoinExample, &Judged)]) -> JoinScores {
     let (mut precisions, mut bins) = (Vec::new(), [[0.0; 2]; BINS]);
     let (mut kept, mut right, mut needed, mut expected, mut all, mut true_pairs) = (0, 0, 0, 0.0, 0, 0);
     for (e, judged) in of {
-        let clear: Vec<usize> = (0..e.clear.len()).filter(|pair| e.clear[*pair]).collect();
-        let ranked = clear.iter().map(|pair| (judged.probability[*pair], e.matches[*pair])).collect();
+        let PairTruth { matches, clear } = judged.truth;
+        let clear: Vec<usize> = (0..clear.len()).filter(|pair| clear[*pair]).collect();
+        let ranked = clear.iter().map(|pair| (judged.probability[*pair], matches[*pair])).collect();
         if e.needed > 0 {
             precisions.push(average_precision(ranked, e.needed));
         }
         for pair in &clear {
-            let (p, is_right) = (judged.probability[*pair], e.matches[*pair].is_some());
+            let (p, is_right) = (judged.probability[*pair], matches[*pair].is_some());
             let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
             bin[0] += p;
             bin[1] += f64::from(u8::from(is_right));
@@ -272,9 +295,9 @@ fn scores_of(name: String, of: &[&(&JoinExample, &Judged)]) -> JoinScores {
         }
         all += clear.len();
         let chosen: Vec<usize> = clear.into_iter().filter(|pair| judged.kept[*pair]).collect();
-        let made = found(chosen.iter().filter_map(|pair| e.matches[*pair]));
+        let made = found(chosen.iter().filter_map(|pair| matches[*pair]));
         // A second candidate for the same connection is neither gain nor loss.
-        kept += made + chosen.iter().filter(|pair| e.matches[**pair].is_none()).count();
+        kept += made + chosen.iter().filter(|pair| matches[**pair].is_none()).count();
         right += made;
         needed += e.needed;
     }

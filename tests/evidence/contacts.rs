@@ -11,7 +11,7 @@ use willis::internals::contacts::pairings::Pairings;
 use willis::internals::contacts::partition::Blocks;
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
-use willis::internals::contacts::{ContactTable, feature_names};
+use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};
@@ -65,7 +65,7 @@ fn a_vessel_that_a_candidate_splits_is_one_branch() {
 #[test]
 fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
     let table = ContactTable::new(&crossing());
-    let features = table.features(None);
+    let features = table.features(None, None);
     let row = |i, j| table.pairs.iter().position(|p| p.ends == [i, j]).expect("a pair");
     let ends = &table.branches.clusters[0].ends;
     let end_of =
@@ -78,7 +78,7 @@ fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
     assert!(pair(0, 3) > 0.99 && pair(1, 4) > 0.99, "{} {}", pair(0, 3), pair(1, 4));
     assert!(pair(0, 1).abs() < 0.1 && pair(0, 4).abs() < 0.1);
     assert_eq!(pairs_of(&table.branches).len(), 6);
-    assert_eq!(features.ncols(), feature_names(false).len());
+    assert_eq!(features.ncols(), Basis::Skeleton.feature_names().len());
 }
 
 #[test]

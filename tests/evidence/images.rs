@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 
 use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::image::path::{Between, cheapest_path};
-use willis::internals::candidates::joins::image::scene::{Appearance, Scene, View};
 use willis::internals::io::{ReadOptions, read_image, write_nifti_image};
-use willis::internals::masks::{Image, Picture};
+use willis::internals::masks::{Appearance, Image, Picture, Scene, View};
 use willis::internals::network::Origin;
 use willis::internals::support::geometry::{Point, distance};
 use willis::{InferOptions, candidates, read};
@@ -18,7 +17,7 @@ use crate::joins::{straight, vessels};
 use crate::refused::refused;
 
 /// A broken tree as a mask, and its image.
-fn scan(here: &Path) -> (PathBuf, Image) {
+pub fn scan(here: &Path) -> (PathBuf, Image) {
     let made = willis(here, &["phantom", "tree", "--break", "--spacing", "0.7mm", "-o", "scan.nii.gz", "--image", "image.nii"]);
     assert!(made.status.success(), "{}", stderr(&made));
     let image = read_image(&here.join("image.nii"), &ReadOptions::default()).expect("an image").0;
@@ -35,7 +34,7 @@ fn probabilities(mask: &Path, image: Option<PathBuf>) -> BTreeMap<[String; 2], f
 }
 
 /// The image with other values, in a file of its own.
-fn written(here: &Path, name: &str, image: &Image) -> PathBuf {
+pub fn written(here: &Path, name: &str, image: &Image) -> PathBuf {
     let path = here.join(name);
     write_nifti_image(fs::File::create(&path).expect("a file"), image, false).expect("written");
     path
@@ -169,8 +168,13 @@ fn the_threshold_of_a_phantom_was_drawn_in_its_image() {
     assert!(above * 20 < inside.len(), "{above} of {}", inside.len());
 }
 
+/// A texture without a direction, by the place (mm), so that there is a noise to measure.
+pub fn ripple(p: Point) -> f64 {
+    0.02 * ((2.1 * p[0]).sin() + (1.7 * p[1] + 1.0).sin() + (1.9 * p[2] + 2.0).sin())
+}
+
 /// An image of voxels of 0.5 mm from the origin, by the value at each place (mm).
-fn drawn(shape: [usize; 3], value: impl Fn(Point) -> f64) -> Image {
+pub fn drawn(shape: [usize; 3], value: impl Fn(Point) -> f64) -> Image {
     let mut values = Vec::new();
     for z in 0..shape[2] {
         for y in 0..shape[1] {
@@ -187,8 +191,6 @@ fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none()
     // Two vessels along x with a gap of 12 mm, in which the image shows an arc 3 mm high.
     let course = |x: f64| if (24.0..=36.0).contains(&x) { 3.0 * (1.0 - ((x - 30.0) / 6.0).powi(2)) } else { 0.0 };
     let arc: Vec<Point> = (0..=1200).map(|n| f64::from(n) * 0.05).map(|x| [x, 15.0 + course(x), 15.0]).collect();
-    // A texture without a direction, so that there is a noise to measure.
-    let ripple = |p: Point| 0.02 * ((2.1 * p[0]).sin() + (1.7 * p[1] + 1.0).sin() + (1.9 * p[2] + 2.0).sin());
     let bright = |p: Point, upto: &dyn Fn(f64) -> bool| {
         let near = arc.iter().filter(|q| upto(q[0])).map(|q| distance(*q, p)).fold(f64::INFINITY, f64::min);
         ripple(p) + (-0.5 * (near / 0.6).powi(2)).exp()
@@ -201,8 +203,8 @@ fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none()
     let extraction = Extraction::new(&network, &[]).expect("points");
     let [mut costs, mut highest] = [[0.0; 2]; 2];
     for (n, image) in [&whole, &gap].into_iter().enumerate() {
-        let scene =
-            Scene::new(&extraction, View { image: image.clone(), appearance: Appearance::Auto }).expect("it shows the vessels");
+        let scene = Scene::new(&extraction.centerlines(), View { image: image.clone(), appearance: Appearance::Auto })
+            .expect("it shows the vessels");
         let ends = [[0.024, 0.015, 0.015], [0.036, 0.015, 0.015]];
         let level = scene.level(ends[0]);
         let between =

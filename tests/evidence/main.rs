@@ -14,6 +14,8 @@ mod vessels;
 mod candidates;
 mod contacts;
 mod features;
+mod image_outputs;
+mod image_search;
 mod images;
 mod joins;
 mod prior;

@@ -11,6 +11,7 @@ use crate::candidates::search::free_ends::{FreeEnd, free_ends};
 use crate::candidates::search::limits::check_junctions;
 use crate::candidates::search::point_index::PointIndex;
 use crate::error::{Error, Result};
+use crate::masks::Centerlines;
 use crate::network::centerlines::is_radius;
 use crate::network::{Network, Origin, PathPoint, Vessel, fragments};
 use crate::support::geometry::{Point, distance};
@@ -60,6 +61,11 @@ pub struct Extraction {
 }
 
 impl Extraction {
+    /// What an image is measured by: positions, averaged radii, branches.
+    pub fn centerlines(&self) -> Centerlines<'_> {
+        Centerlines { position: &self.position, radius: &self.smooth.radius, lines: &self.lines, spacing: self.spacing }
+    }
+
     /// The points of a network's observed vessels; `inlets` are nodes where blood is known to enter.
     ///
     /// # Errors

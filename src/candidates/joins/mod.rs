@@ -8,6 +8,7 @@
 pub mod course;
 pub mod features;
 pub mod image;
+pub mod in_image;
 pub mod model;
 pub mod rivals;
 pub mod search;
@@ -23,7 +24,7 @@ use crate::network::Network;
 use crate::support::boosted_trees::stored;
 use course::Course;
 use features::join_features;
-use image::features::ImageTable;
+use in_image::InImage;
 use model::JoinModel;
 use rivals::{Pairs, second_features};
 use search::search_joins;
@@ -34,6 +35,8 @@ pub struct JoinTable {
     pub resampled: Resampled,
     /// Its points.
     pub extraction: Extraction,
+    /// The course of each free end.
+    pub courses: Vec<Course>,
     /// The candidates, by free end.
     pub candidates: Vec<Candidate>,
     /// The candidates as pairs of points.
@@ -55,7 +58,7 @@ impl JoinTable {
         let candidates = search_joins(&extraction, &courses, branches)?;
         let features = join_features(&extraction, &courses, &candidates).mapv(stored);
         let pairs = Pairs::new(&extraction, &candidates);
-        Ok(Self { resampled, extraction, candidates, pairs, features })
+        Ok(Self { resampled, extraction, courses, candidates, pairs, features })
     }
 
     /// The features of the second pass, given the scores of the first.
@@ -65,22 +68,37 @@ impl JoinTable {
         concatenate(Axis(1), &[first.view(), self.features.view()]).unwrap_or(first)
     }
 
-    /// Per pair the mean score of its candidates in the second pass.
-    pub fn scores(&self, model: &JoinModel) -> Vec<f64> {
-        let second = self.second(&model.first.scores(&self.features));
-        self.pairs.mean(&model.second.scores(&second))
+    /// The scores of both passes.
+    pub fn scores(&self, model: &JoinModel) -> Scores {
+        let first = model.first.scores(&self.features);
+        let second = self.pairs.mean(&model.second.scores(&self.second(&first)));
+        Scores { first, second }
     }
 
-    /// Per pair its probability by shape, or by what an image shows where the model knows images and the image decides; `scores` are those of the
-    /// second pass.
-    pub fn probabilities(&self, model: &JoinModel, scores: &[f64], image: Option<&ImageTable>) -> Vec<f64> {
+    /// Per pair its probability by shape.
+    pub fn probabilities(&self, model: &JoinModel, scores: &Scores) -> Vec<f64> {
+        scores.second.iter().map(|score| model.probability(*score)).collect()
+    }
+
+    /// Per pair of a skeleton in an image its probability: by what the image shows where it decides, else by shape.
+    pub fn probabilities_in(&self, model: &JoinModel, scores: &Scores, image: &InImage) -> Vec<f64> {
+        let scores = image.scores(self, [&model.first, &model.second], scores);
         let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
-        if let Some((image, pass)) = image.zip(model.image.as_ref()) {
-            let seen = pass.trees.scores(&image.features(&self.extraction, &self.pairs, scores));
-            for (pair, score) in seen.into_iter().enumerate().filter(|(pair, _)| image.is_seen(*pair, scores[*pair])) {
+        if let Some(pass) = &model.image {
+            let seen = pass.trees.scores(&image.features(self, &scores));
+            for (pair, score) in seen.into_iter().enumerate().filter(|(pair, _)| image.between.is_seen(*pair, scores[*pair])) {
                 probability[pair] = pass.probability(score);
             }
         }
         probability
     }
+}
+
+/// Scores (log-odds) of the two passes over shape.
+#[derive(Debug, Clone)]
+pub struct Scores {
+    /// Per candidate that of the first pass.
+    pub first: Vec<f64>,
+    /// Per pair the mean of its candidates in the second pass.
+    pub second: Vec<f64>,
 }

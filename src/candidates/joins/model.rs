@@ -208,7 +208,8 @@ impl JoinModel {
 /// Checks that the features of a file are those that this program measures.
 fn check_features(place: &str, found: &[String], names: &[&str]) -> Result<(), Fault> {
     if let Some((have, expected)) = found.iter().zip(names).find(|(have, expected)| have != *expected) {
-        let meant = did_you_mean(have, names.iter().copied());
+        let is_known = names.contains(&have.as_str());
+        let meant = if is_known { String::new() } else { did_you_mean(have, names.iter().copied()) };
         return Err(Fault::item(place, format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
     }
     if found.len() != names.len() {

@@ -97,6 +97,11 @@ pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Re
     })
 }
 
+/// How long (m) the path along the vessels is at least, for a candidate within a fragment that bridges this gap (m).
+pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
+    (DETOUR * gap).max(DETOUR_WIDTHS * (2.0 * end.radius + extraction.spacing))
+}
+
 /// The candidates to the points that `choose` gives for a free end, with the number of points that it looked at.
 fn from_each_end(
     extraction: &Extraction,
@@ -127,10 +132,6 @@ fn from_each_end(
 }
 
 impl Neighbourhood<'_> {
-    fn width(&self) -> f64 {
-        2.0 * self.end.radius + self.extraction.spacing
-    }
-
     fn other_fragments(&self, options: &SearchOptions) -> Vec<usize> {
         let hits = self.others(options.branches, options.free_ends);
         let branches = self.by_branch(options.branches, &hits);
@@ -142,10 +143,10 @@ impl Neighbourhood<'_> {
 
     fn own_branches(&self, options: &SearchOptions, paths: &mut ShortestPaths) -> Vec<usize> {
         let graph = &self.extraction.graph;
-        let most = (DETOUR * self.reach).max(DETOUR_WIDTHS * self.width());
+        let most = least_detour(self.extraction, self.end, self.reach);
         graph.search(&[self.end.point], most, paths, |_, _| true);
         let hits = self.own(|h| {
-            let least = (DETOUR * h.distance).max(DETOUR_WIDTHS * self.width());
+            let least = least_detour(self.extraction, self.end, h.distance);
             steady(h.cos) > LOOP_COS && steady(graph.to_point(paths.lengths(), h.point)) > steady(least)
         });
         let branches = self.by_branch(options.own_branches, &hits);

@@ -27,6 +27,9 @@ pub struct CandidateArgs {
     /// The image that shows the vessels (NIfTI, MetaImage): gaps of a mask or of an automatic skeleton are looked at in it
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     image: Option<PathBuf>,
+    /// The probabilities of vessels from a segmenter (NIfTI, MetaImage), looked at in place of an image; it may be the input itself
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "vessels"], value_hint = clap::ValueHint::FilePath)]
+    probability: Option<PathBuf>,
     /// How vessels look in the image [default: auto]
     #[arg(long, requires = "image", value_parser = words::<Appearance>(&[("auto", "As most of them do"), ("bright", "TOF, CTA, contrast-enhanced MRA"),
         ("dark", "Black-blood MRI")]))]
@@ -70,6 +73,7 @@ impl CandidateArgs {
         }
         options.mask.clone_from(&self.mask);
         options.image.clone_from(&self.image);
+        options.probability.clone_from(&self.probability);
         options.vessels = self.vessels.unwrap_or(options.vessels);
         Ok(())
     }

@@ -252,9 +252,13 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
                 terminal.say("note", note);
             }
         }
-        Step::Cut { graph, with_mask } => {
+        Step::Cut { graph, with_mask, with_image } => {
             let contacts = graph.vessels().filter(|(_, v)| v.origin == Origin::Contact).count();
-            let how = if *with_mask { "the mask" } else { "the lines alone" };
+            let how = match (with_mask, with_image) {
+                (_, true) => "the mask and the image",
+                (true, false) => "the mask",
+                (false, false) => "the lines alone",
+            };
             terminal.say("cut", format!("{} between vessels that may only touch (by {how})", plural(contacts, "contact")));
         }
         Step::CutsSuggested { suggested: 0 } => {}

@@ -41,8 +41,10 @@ pub(super) trait TreeModel: Sized {
         progress: &mut dyn FnMut(usize, &str),
     ) -> Result<(Vec<Self>, Vec<Self::Scores>)>;
     fn say_scores(scores: &Self::Scores) -> String;
-    /// This model's pass over images added to another model, with its figures.
-    fn added_to(self, other: &Path) -> Result<Self>;
+    /// The model in a file.
+    fn read(text: &str) -> Result<Self, Fault>;
+    /// This model with the part for images of another one, and its figures of images.
+    fn with_images_of(self, other: Self) -> Self;
     fn provenance(&mut self) -> &mut TreeProvenance<Self::Scores>;
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
@@ -53,6 +55,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     let read = read_cases(&args.cases, M::MODEL)?;
     say_notes(terminal, &read.notes, "case");
     let all: Vec<&Case> = read.cases.iter().collect();
+    let onto = args.images_onto.as_ref().map(|path| read_model::<M>(path, &all)).transpose()?;
     if args.folds > 0 {
         check_folds(&all, args.folds)?;
     }
@@ -75,8 +78,8 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
         model.provenance().figures.clone_from(&figures);
     }
     let mut made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-    if let Some(other) = &args.images_onto {
-        model = model.added_to(other)?;
+    if let Some(onto) = onto {
+        model = onto.with_images_of(model);
         made_by = format!("{}; images: {made_by}", model.provenance().made_by);
     }
     let folds = folds.into_iter().filter(|_| args.save_folds);
@@ -107,7 +110,7 @@ impl TreeModel for JoinModel {
     fn say_read(of_set: &[JoinExample]) -> String {
         let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
         let connections = plural(sum(&|e| e.needed), "true connection");
-        let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.matches.len()), "candidate"));
+        let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.truth.matches.len()), "candidate"));
         format!("{connections}, {reached} of them within reach of {pairs}")
     }
 
@@ -138,21 +141,16 @@ impl TreeModel for JoinModel {
         )
     }
 
-    fn added_to(self, other: &Path) -> Result<Self> {
-        let bytes = bytes_of(other)?;
-        let here = |fault: Fault| fault.in_file(other);
-        let text = std::str::from_utf8(&bytes).map_err(|_| here(Fault::file("not UTF-8", "expected a model of skeletons")))?;
-        let mut model = Self::read(text).map_err(here)?;
-        let Some(image) = self.image else {
-            return Err(Error::parameter(
-                "images_onto",
-                other.display(),
-                "needs cases with images: image.nii.gz beside the truth",
-            ));
-        };
-        model.image = Some(image);
-        model.provenance.figures.extend(self.provenance.figures);
-        Ok(model)
+    fn read(text: &str) -> Result<Self, Fault> {
+        Self::read(text)
+    }
+
+    fn with_images_of(mut self, other: Self) -> Self {
+        self.image = other.image;
+        let is_new = |of: &JoinScores| other.provenance.figures.iter().all(|new| new.of != of.of);
+        self.provenance.figures.retain(is_new);
+        self.provenance.figures.extend(other.provenance.figures);
+        self
     }
 
     fn provenance(&mut self) -> &mut TreeProvenance<JoinScores> {
@@ -162,6 +160,17 @@ impl TreeModel for JoinModel {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         self.write(out)
     }
+}
+
+/// The model that gets the part for images, for cases that have some.
+fn read_model<M: TreeModel>(path: &Path, cases: &[&Case]) -> Result<M> {
+    if cases.iter().all(|case| case.images.is_empty()) {
+        let accepted = "needs cases with images: image.nii.gz beside the truth";
+        return Err(Error::parameter("images_onto", path.display(), accepted));
+    }
+    let bytes = bytes_of(path)?;
+    let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train` writes it");
+    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(M::read).map_err(|fault| fault.in_file(path))
 }
 
 impl TreeModel for ContactModel {
@@ -198,7 +207,11 @@ impl TreeModel for ContactModel {
     }
 
     fn say_scores(of: &ContactScores) -> String {
-        let with = if of.with_mask { "with mask" } else { "without" };
+        let with = match (of.with_mask, of.image.as_str()) {
+            (false, _) => "without".to_owned(),
+            (true, "") => "with mask".to_owned(),
+            (true, image) => format!("with mask and {image}"),
+        };
         let (auc, ap, error) = (of.auc, of.average_precision, of.largest_bin_error);
         let (cases, pairs) = (plural(of.cases, "case"), plural(of.pairs, "pair"));
         let name = &of.of;
@@ -207,8 +220,16 @@ impl TreeModel for ContactModel {
         )
     }
 
-    fn added_to(self, other: &Path) -> Result<Self> {
-        Err(Error::parameter("images_onto", other.display(), "goes with --model skeleton"))
+    fn read(text: &str) -> Result<Self, Fault> {
+        Self::read(text)
+    }
+
+    fn with_images_of(mut self, other: Self) -> Self {
+        self.image = other.image;
+        self.provenance.figures.retain(|of| of.image.is_empty());
+        let in_images = other.provenance.figures.into_iter().filter(|of| !of.image.is_empty());
+        self.provenance.figures.extend(in_images);
+        self
     }
 
     fn provenance(&mut self) -> &mut TreeProvenance<ContactScores> {

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::scene::Scene;
 use super::{Page, Table};
 use crate::io::{Column, Values};
+use crate::masks::strips::{ACROSS, ALONG};
 use crate::report::figures::colour::colour;
 
 /// Steps of the colour map; the page interpolates between them.
@@ -26,6 +27,7 @@ pub fn page(page: &Page) -> io::Result<Value> {
         "colours": (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect::<Vec<_>>(),
         "colourings": page.colourings,
         "threshold": page.threshold,
+        "image_cuts": { "along": ALONG, "across": ACROSS, "of": page.image_cuts },
         "figures": page.figures,
         "tables": page.tables.iter().map(table).collect::<io::Result<Vec<_>>>()?,
     }))

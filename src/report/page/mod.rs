@@ -19,6 +19,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::figures::{DEFAULT_DPI, Figure};
+use super::inference::ImageCut;
 use crate::error::Result;
 use crate::io::{Column, Values, escape};
 use scene::Scene;
@@ -36,6 +37,8 @@ pub struct Page {
     pub scene: std::result::Result<Scene, String>,
     /// The figures that can colour the vessels of the scene; the page starts with the first.
     pub colourings: Vec<Colouring>,
+    /// What an image shows along doubtful vessels.
+    pub image_cuts: Vec<ImageCut>,
     /// A threshold that the reader can move.
     pub threshold: Option<Threshold>,
     /// The pictures.
@@ -152,6 +155,7 @@ const RUN: Template = Template {
         include_str!("assets/threshold.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),
+        include_str!("assets/image.js"),
         include_str!("assets/page.js"),
     ],
 };

@@ -67,6 +67,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
         facts,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(&classes),
+        image_cuts: Vec::new(),
         threshold: None,
         figures,
         tables: all,

@@ -41,6 +41,7 @@ pub fn page(
         facts,
         scene: scene(simulated.network, simulated.boundary),
         colourings: colourings(perturbed),
+        image_cuts: Vec::new(),
         threshold: None,
         figures,
         tables: [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))]

@@ -6,17 +6,18 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
+use super::ahead::{Ahead, MOST_COST, MOST_MET};
 use super::path::{Between, CheapestPath, across, cheapest_path};
-use super::scene::{Level, Scene};
 use crate::candidates::features::Extraction;
 use crate::candidates::joins::rivals::Pairs;
+use crate::masks::{Level, Scene};
 use crate::support::boosted_trees::stored;
 use crate::support::geometry::{Point, distance, lerp, sub, unit};
 use crate::support::in_order;
 use crate::support::statistics::quantile;
 
 /// What the image stage sees, by name; `score` is that of the second pass.
-pub const IMAGE_FEATURES: [&str; 35] = [
+pub const IMAGE_FEATURES: [&str; 38] = [
     "score",
     "score_margin_near",
     "score_margin_far",
@@ -48,6 +49,9 @@ pub const IMAGE_FEATURES: [&str; 35] = [
     "path_tortuosity",
     "path_inside",
     "path_widest_dip",
+    "met_rank",
+    "met_cost",
+    "met_margin",
     "cost_margin_near",
     "cost_margin_far",
     "contrast_margin_near",
@@ -67,6 +71,8 @@ const LEAST_CONTRAST: f64 = 0.2;
 const DIP: f64 = 0.4;
 /// Pairs with a lower score (log-odds) than this are judged without the image: they would have to be a thousand times as probable.
 const LEAST_SCORE: f64 = -7.0;
+/// Added to the cost of the way to a vessel met, before its logarithm.
+const LEAST_COST: f64 = 0.01;
 /// Bounds of a margin, and its value where there is no rival.
 const MOST_MARGIN: f64 = 8.0;
 
@@ -74,8 +80,10 @@ const MOST_MARGIN: f64 = 8.0;
 pub struct ImageTable {
     /// Per pair its features but those of scores and rivals; `None` where the image ends.
     rows: Vec<Option<Seen>>,
-    /// Per pair the cheapest path.
+    /// Per pair the cheapest path, or the way to the vessel met.
     paths: Vec<Option<CheapestPath>>,
+    /// The first of the pairs that were found in the image.
+    first_met: usize,
 }
 
 /// What one pair shows.
@@ -89,22 +97,26 @@ struct Seen {
 }
 
 /// The features that need no score and no rival.
-const BETWEEN: usize = 28;
+const BETWEEN: usize = 31;
 
 impl ImageTable {
-    /// Measures pairs of points in an image, those that `scores` of the second pass leave possible; without scores all of them.
-    pub fn new(scene: &Scene, e: &Extraction, pairs: &Pairs, scores: Option<&[f64]>) -> Self {
+    /// Measures pairs of points in an image: those that `scores` of the second pass leave possible, without scores all; and the last of them,
+    /// which were found in the image by the ways given.
+    pub fn new(scene: &Scene, e: &Extraction, pairs: &Pairs, ahead: &Ahead, ways: &[&[Point]], scores: Option<&[f64]>) -> Self {
+        let first_met = pairs.points.len() - ways.len();
         let found = in_order(&pairs.points, |pair, points| {
-            let is_possible = scores.is_none_or(|scores| scores[pair] >= LEAST_SCORE);
-            if is_possible { see(scene, e, *points) } else { (None, None) }
+            let way = pair.checked_sub(first_met).map(|met| ways[met]);
+            let is_possible = way.is_some() || scores.is_none_or(|scores| scores[pair] >= LEAST_SCORE);
+            if is_possible { see(scene, e, *points, ahead, way) } else { (None, None) }
         });
         let (rows, paths) = found.into_iter().unzip();
-        Self { rows, paths }
+        Self { rows, paths, first_met }
     }
 
-    /// Whether the image decides about a pair with this score: it shows what lies between its points, and the pair is possible.
+    /// Whether the image decides about a pair with this score: it shows what lies between its points, and the pair is possible or was
+    /// found in the image.
     pub fn is_seen(&self, pair: usize, score: f64) -> bool {
-        self.rows[pair].is_some() && score >= LEAST_SCORE
+        self.rows[pair].is_some() && (score >= LEAST_SCORE || pair >= self.first_met)
     }
 
     /// The cheapest path of a pair from one of its points (m); `None` where nothing is seen.
@@ -119,7 +131,8 @@ impl ImageTable {
     /// A row a pair, a column one of [`IMAGE_FEATURES`], given the scores of the second pass; zeros where nothing is seen.
     pub fn features(&self, e: &Extraction, pairs: &Pairs, scores: &[f64]) -> Array2<f32> {
         let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (pair, points) in pairs.points.iter().enumerate().filter(|(pair, _)| scores[*pair] >= LEAST_SCORE) {
+        let is_rival = |pair: usize| scores[pair] >= LEAST_SCORE || pair >= self.first_met;
+        for (pair, points) in pairs.points.iter().enumerate().filter(|(pair, _)| is_rival(*pair)) {
             for point in points {
                 at.entry(*point).or_default().push(pair);
             }
@@ -133,7 +146,7 @@ impl ImageTable {
         };
         let mut out = Array2::zeros((pairs.points.len(), IMAGE_FEATURES.len()));
         for (pair, seen) in self.rows.iter().enumerate() {
-            let Some(seen) = seen.as_ref().filter(|_| scores[pair] >= LEAST_SCORE) else { continue };
+            let Some(seen) = seen.as_ref().filter(|_| is_rival(pair)) else { continue };
             let margins = |of: &dyn Fn(usize) -> Option<f64>| {
                 let [a, b] = pairs.points[pair].map(|point| margin(pair, point, of));
                 [a.min(b), a.max(b)]
@@ -160,7 +173,13 @@ struct Along {
     inside: f64,
 }
 
-fn see(scene: &Scene, e: &Extraction, points: [usize; 2]) -> (Option<Seen>, Option<CheapestPath>) {
+fn see(
+    scene: &Scene,
+    e: &Extraction,
+    points: [usize; 2],
+    ahead: &Ahead,
+    way: Option<&[Point]>,
+) -> (Option<Seen>, Option<CheapestPath>) {
     let h = e.spacing;
     let ends = points.map(|p| e.position[p]);
     let radius = points.map(|p| e.end_at[p].map_or(e.smooth.radius[p], |end| e.ends[end].radius));
@@ -175,7 +194,7 @@ fn see(scene: &Scene, e: &Extraction, points: [usize; 2]) -> (Option<Seen>, Opti
     let ring = radius[0].min(radius[1]) + RING * h;
     let between = Between { ends, own: radius.map(|r| r + h), background, contrast, spacing: h };
     let Some(line) = along(scene, &ends, radius, level, contrast, ring, h) else { return (None, None) };
-    let Some(path) = cheapest_path(scene, &between) else { return (None, None) };
+    let Some(path) = path_of(scene, &between, e, points, ahead, way) else { return (None, None) };
     let Some(course) = along(scene, &path.points, radius, level, contrast, ring, h) else { return (None, None) };
     let length: f64 = path.points.windows(2).map(|w| distance(w[0], w[1])).sum();
     let cost = (path.cost / (gap / h).max(1.0)).ln();
@@ -184,6 +203,7 @@ fn see(scene: &Scene, e: &Extraction, points: [usize; 2]) -> (Option<Seen>, Opti
     let quarter = |x: &[f64]| quantile(x, 0.25).unwrap_or(0.0);
     let steady_noise = noise.max(1e-3);
     let dip = longest(&course.contrast, |c| *c < DIP) as f64 * STEP;
+    let met = met(e, points, ahead);
     let values = [
         (gap / h + 0.1).ln(),
         (gap / (radius[0] + radius[1])).ln(),
@@ -213,8 +233,42 @@ fn see(scene: &Scene, e: &Extraction, points: [usize; 2]) -> (Option<Seen>, Opti
         (length / gap.max(h)).ln(),
         course.inside,
         dip,
+        met.0,
+        met.1,
+        met.2,
     ];
     (Some(Seen { values, cost, contrast: mean(&course.contrast) }), Some(path))
+}
+
+/// The cheapest path, or the way by which the pair was found.
+fn path_of(
+    scene: &Scene,
+    between: &Between,
+    e: &Extraction,
+    points: [usize; 2],
+    ahead: &Ahead,
+    way: Option<&[Point]>,
+) -> Option<CheapestPath> {
+    let Some(way) = way else { return cheapest_path(scene, between) };
+    let mut way = way.to_vec();
+    if way.first() != Some(&e.position[points[0]]) {
+        way.reverse();
+    }
+    let [a, b] = points;
+    let cost =
+        [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair)).map(|(_, cost, _)| cost).fold(MOST_COST, f64::min);
+    Some(CheapestPath { points: way, cost })
+}
+
+/// How a pair compares with the vessels met from its free ends: rank and ln of the cost, the least of both, and ln of that cost over the
+/// least of the other vessels.
+fn met(e: &Extraction, [a, b]: [usize; 2], ahead: &Ahead) -> (f64, f64, f64) {
+    let found = [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair));
+    let best = found.min_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
+    let ln = |cost: f64| (cost + LEAST_COST).ln();
+    best.map_or((MOST_MET as f64, ln(2.0 * MOST_COST), MOST_MARGIN), |(rank, cost, other)| {
+        (rank as f64, ln(cost), ln(cost) - ln(other.unwrap_or(MOST_COST)))
+    })
 }
 
 /// The longest run of places of a kind.

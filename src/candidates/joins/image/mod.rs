@@ -2,10 +2,10 @@
 //!
 //! | step | file |
 //! |---|---|
-//! | the image around the vessels: background, noise and the contrast of every vessel, each measured near by | `scene.rs` |
 //! | the cheapest path between two places | `path.rs` |
+//! | the vessels met first from each free end, which make more candidates | `ahead.rs` |
 //! | what lies on the straight line and on that path | `features.rs` |
 
+pub mod ahead;
 pub mod features;
 pub mod path;
-pub mod scene;

@@ -1,6 +1,6 @@
 //! The cheapest path through an image between two places, among those that go forward along the straight line between them.
 
-use super::scene::Scene;
+use crate::masks::Scene;
 use crate::support::geometry::{Point, cross, distance, lerp, sub, unit};
 
 /// Paths go through places on cross-sections of the line: cross-sections and places on them lie about so many spacings apart.
@@ -71,8 +71,7 @@ pub fn cheapest_path(scene: &Scene, between: &Between) -> Option<CheapestPath> {
         let away = |along: f64, own: f64| along * along + squared > own * own;
         let is_other = || away(s * ahead, between.own[0]) && away(gap - s * ahead, between.own[1]);
         let c = if c > 0.0 && scene.is_inside_at(index) && is_other() { 0.0 } else { c };
-        let share = (FLOOR / (c + FLOOR)) as f32;
-        share * share
+        price(c)
     };
     // Sections have a rim of places that no path goes through.
     let (wide, rim) = (side + 2, side + 3);
@@ -127,8 +126,14 @@ pub fn cheapest_path(scene: &Scene, between: &Between) -> Option<CheapestPath> {
     Some(CheapestPath { points: rounded(points), cost: f64::from(least[middle]) })
 }
 
+/// The cost of a step as a share of its length, by the contrast as a share of that of the vessels.
+pub(super) fn price(contrast: f64) -> f32 {
+    let share = (FLOOR / (contrast + FLOOR)) as f32;
+    share * share
+}
+
 /// The points with their corners taken off; the ends stay.
-fn rounded(mut points: Vec<Point>) -> Vec<Point> {
+pub(super) fn rounded(mut points: Vec<Point>) -> Vec<Point> {
     for _ in 0..2 {
         let old = points.clone();
         for (n, w) in old.windows(3).enumerate() {

@@ -24,7 +24,8 @@ function pick(row, turn = true) {
   const label = of.find("label")?.at(row);
   const rest = [...of.columns.filter(c => c.name !== "label" && c.name !== "uncertain"), ...live];
   const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
-  place.replaceChildren(make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), pairs(entries));
+  const image = of === vessels ? imageOf(row) : null;
+  place.replaceChildren(make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), ...(image ? [image] : []), pairs(entries));
 }
 
 function showFacts() {

@@ -1,11 +1,10 @@
-//! The image around the vessels of an extraction, by what is measured near each place: so units, window and bias field change nothing.
+//! The image around the centerlines of vessels, by what is measured near each place: so units, window and bias field change nothing.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::candidates::features::Extraction;
-use crate::masks::{Image, Picture};
+use super::image::{Image, Picture};
 use crate::network::units::millimetres;
 use crate::support::geometry::{Point, norm, norm_squared};
 use crate::support::statistics::median;
@@ -16,6 +15,8 @@ const SIGMA: f64 = 0.5;
 const MARGIN: f64 = 12.0;
 /// Background lies so many spacings outside the walls at least.
 const CLEAR: f64 = 1.5;
+/// What is no vessel is taken off as its mean around each place, by a Gaussian of so many spacings: so tissue counts for less.
+const TISSUE: f64 = 2.0;
 /// Background and noise are measured in cells of so many spacings, in at most so many voxels along each axis.
 const CELL: f64 = 16.0;
 const CELL_SAMPLES: usize = 12;
@@ -50,6 +51,19 @@ pub struct View {
     pub appearance: Appearance,
 }
 
+/// Centerlines as the image is measured by them.
+#[derive(Debug, Clone, Copy)]
+pub struct Centerlines<'a> {
+    /// Position of each point, m.
+    pub position: &'a [Point],
+    /// Radius of each point, m.
+    pub radius: &'a [f64],
+    /// The points of each vessel in order.
+    pub lines: &'a [Vec<usize>],
+    /// The distance between points, m.
+    pub spacing: f64,
+}
+
 /// Why an image says nothing of the vessels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unseen {
@@ -74,19 +88,21 @@ impl fmt::Display for Unseen {
     }
 }
 
-/// The image around the vessels of an extraction.
+/// The image around the centerlines of vessels.
 pub struct Scene {
     picture: Picture,
     background: Cells,
     noise: Cells,
     /// Whether each voxel is inside a vessel.
     lumen: Bits,
-    /// Per point of the extraction how far its vessel stands out there, positive; the unit is that of the image.
+    /// Per point of the centerlines how far its vessel stands out there, positive; the unit is that of the image.
     pub contrast: Vec<f64>,
     /// The median contrast.
     pub typical: f64,
     /// 1 where vessels are bright, -1 where they are dark.
     pub sign: f64,
+    /// The distance between the points of the centerlines, m.
+    pub spacing: f64,
 }
 
 /// Background and noise near a place.
@@ -99,20 +115,21 @@ pub struct Level {
 }
 
 impl Scene {
-    /// Measures an image around the vessels of an extraction.
+    /// Measures an image around centerlines.
     ///
     /// # Errors
     ///
     /// [`Unseen`], where the image does not show the vessels.
-    pub fn new(e: &Extraction, View { image, appearance }: View) -> Result<Self, Unseen> {
+    pub fn new(e: &Centerlines, View { image, appearance }: View) -> Result<Self, Unseen> {
         let h = e.spacing;
         let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1, 2].map(|k| e.position.iter().map(|p| p[k]).fold(start, pick));
         let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
         let wider = [low.map(|x| x - MARGIN * h), high.map(|x| x + MARGIN * h)];
         let away = apart(&image, [low, high]);
-        let Some(picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
+        let Some(mut picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
         let near = Bits::around(&picture, e, CLEAR * h);
         let lumen = Bits::around(&picture, e, 0.0);
+        picture.flatten(TISSUE * h, |voxel| !near.has(voxel));
         let (background, noise) = levels(&picture, &near, CELL * h).ok_or(Unseen::Unknown)?;
         let raw: Vec<Option<f64>> = e.position.iter().map(|p| Some(picture.value(*p)? - background.at(&picture, *p))).collect();
         let known: Vec<f64> = raw.iter().flatten().copied().collect();
@@ -125,14 +142,14 @@ impl Scene {
             Appearance::Auto => median(&known).map_or(1.0, |m| if m < 0.0 { -1.0 } else { 1.0 }),
         };
         let typical = median(&known).unwrap_or(0.0) * sign;
-        let stand_out = raw.iter().zip(&e.position).filter_map(|(x, p)| Some(sign * (*x)? / noise.at(&picture, *p)));
+        let stand_out = raw.iter().zip(e.position).filter_map(|(x, p)| Some(sign * (*x)? / noise.at(&picture, *p)));
         let stands_out = median(&stand_out.filter(|z| !z.is_nan()).collect::<Vec<f64>>()).unwrap_or(0.0);
         // Not a number is no contrast either.
         if !(stands_out >= LEAST_CONTRAST && typical > 0.0) {
             return Err(Unseen::Hidden(stands_out));
         }
         let mut contrast = vec![typical; e.position.len()];
-        for line in &e.lines {
+        for line in e.lines {
             for (at, point) in line.iter().enumerate() {
                 let window = &line[at.saturating_sub(WINDOW)..(at + WINDOW + 1).min(line.len())];
                 let values: Vec<f64> = window.iter().filter_map(|p| raw[*p]).map(|x| sign * x).collect();
@@ -141,7 +158,7 @@ impl Scene {
                 }
             }
         }
-        Ok(Self { picture, background, noise, lumen, contrast, typical, sign })
+        Ok(Self { picture, background, noise, lumen, contrast, typical, sign, spacing: h })
     }
 
     /// Background and noise at a place (m).
@@ -163,17 +180,17 @@ impl Scene {
     }
 
     /// The indices of a place (m) in the image, between voxels too.
-    pub(super) fn index(&self, place: Point) -> [f64; 3] {
+    pub fn index(&self, place: Point) -> [f64; 3] {
         self.picture.index(place)
     }
 
     /// As [`Scene::brightness`], at indices.
-    pub(super) fn brightness_at(&self, index: [f64; 3]) -> Option<f64> {
+    pub fn brightness_at(&self, index: [f64; 3]) -> Option<f64> {
         self.picture.value_at(index).map(|x| self.sign * x)
     }
 
     /// As [`Scene::is_inside`], at indices.
-    pub(super) fn is_inside_at(&self, index: [f64; 3]) -> bool {
+    pub fn is_inside_at(&self, index: [f64; 3]) -> bool {
         let shape = self.picture.shape();
         let nearest = index.map(|x| x + 0.5);
         let inside = (0..3).all(|axis| nearest[axis] >= 0.0 && nearest[axis] < shape[axis] as f64);
@@ -200,7 +217,7 @@ struct Bits(Vec<u64>);
 
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
-    fn around(picture: &Picture, e: &Extraction, more: f64) -> Self {
+    fn around(picture: &Picture, e: &Centerlines, more: f64) -> Self {
         let shape = picture.shape();
         let mut words = vec![0_u64; picture.values().len().div_ceil(64)];
         let steps = [0, 1, 2].map(|axis| picture.step(axis));
@@ -210,7 +227,7 @@ impl Bits {
             let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|p| picture.index(p));
             [0, 1, 2].map(|axis| norm(columns.map(|c| c[axis] - origin[axis])))
         };
-        for (position, radius) in e.position.iter().zip(&e.smooth.radius) {
+        for (position, radius) in e.position.iter().zip(e.radius) {
             let (centre, reach) = (picture.index(*position), radius + more);
             let range = |axis: usize| {
                 let half = unit[axis] * reach;
