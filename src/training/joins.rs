@@ -139,14 +139,14 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     let mut pairs = Vec::new();
     // Per example and image the scores of its pairs.
     let mut in_images: Vec<Vec<Vec<f64>>> = vec![Vec::new(); examples.len()];
-    for held in 0..INNER {
+    for (held, first_without) in firsts_without.iter().enumerate() {
         let trees = boost(examples, &seconds, &without(held))?;
         for at in within(held) {
             let e = examples[at];
             scores[at].second = e.table.pairs.mean(&trees.scores(seconds[at]));
             let rows = scores[at].second.iter().zip(&e.truth.matches).zip(&e.truth.clear).filter(|(_, clear)| **clear);
             pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), right.is_some(), 1.0)));
-            in_images[at] = in_order(&e.images, |_, of| of.image.scores(&e.table, [&firsts_without[held], &trees], &scores[at]));
+            in_images[at] = in_order(&e.images, |_, of| of.image.scores(&e.table, [first_without, &trees], &scores[at]));
         }
     }
     progress("calibration");
