@@ -45,6 +45,8 @@
 //! | whole topologies with their weights | `decision/whole_topologies.rs` |
 //! | the variant of a circle, and its probability | [`internals::circle_of_willis`] |
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod error;
 pub mod internals;
 
@@ -82,8 +84,8 @@ pub use network::{Network, RadiusRule};
 pub use perturbation::stenosis::Stenosis;
 pub use pipeline::{
     ArterySource, BoundaryOptions, Contents, Cut, FlowOptions, InferOptions, Inference, Input, ModulationRun, Phenotype,
-    Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, candidates, classify, infer, infer_with,
-    merge, modulate, modulate_with, prepare, read, simulate, simulate_with,
+    Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun, Step, WrittenFiles, candidates, classify,
+    infer, infer_with, merge, modulate, modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::error::{Error, Result};
+use crate::internals::io::{graph_columns, write_graphml};
+use crate::internals::network::Origin;
+use crate::internals::output::atomic::{StagedFile, write_file};
+use crate::{InferOptions, prepare, read};
 use clap::Args;
 use serde_json::json;
-use willis::error::{Error, Result};
-use willis::internals::io::{graph_columns, write_graphml};
-use willis::internals::network::Origin;
-use willis::internals::output::atomic::{StagedFile, write_file};
-use willis::{InferOptions, prepare, read};
 
 use super::args::boundary::{BoundaryArgs, for_input};
 use super::args::candidates::CandidateArgs;

@@ -4,13 +4,13 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::error::Error;
+use crate::internals::io::bytes_of;
+use crate::internals::output::atomic::{StagedFolder, replace_file};
+use crate::internals::output::{read_part, write_part};
+use crate::internals::sampling::PartialRun;
+use crate::{Progress, Step};
 use serde::{Deserialize, Serialize};
-use willis::error::Error;
-use willis::internals::io::bytes_of;
-use willis::internals::output::atomic::{StagedFolder, replace_file};
-use willis::internals::output::{read_part, write_part};
-use willis::internals::sampling::PartialRun;
-use willis::{Progress, Step};
 
 use super::print::{CountProgress, Terminal, count, say_step};
 

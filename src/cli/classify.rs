@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::error::Result;
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::names::RECORD;
+use crate::internals::pipeline::RunOptions;
+use crate::internals::report::cohort::{Figures, phenotype_figures};
+use crate::{ArterySource, InferOptions, Phenotype, classify, read};
 use clap::Args;
 use serde_json::Value;
-use willis::error::Result;
-use willis::internals::output::atomic::StagedFolder;
-use willis::internals::output::names::RECORD;
-use willis::internals::pipeline::RunOptions;
-use willis::internals::report::cohort::{Figures, phenotype_figures};
-use willis::{ArterySource, InferOptions, Phenotype, classify, read};
 
 use super::args::arteries::{ArteryArgs, for_input};
 use super::args::reading::ReadingArgs;
@@ -71,7 +71,8 @@ impl ClassifyArgs {
         Ok(())
     }
 
-    fn source(&self, input: &Path) -> Option<ArterySource> {
+    /// How the arteries of an input are known, where a person said it.
+    pub(super) fn source(&self, input: &Path) -> Option<ArterySource> {
         self.arteries.source().map(|source| for_input(&source, input))
     }
 

@@ -7,17 +7,17 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
+use crate::internals::io::{checksum_of_file, companion_files};
+use crate::internals::output::InProgress;
+use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
+use crate::internals::output::{read_json, write_json};
+use crate::internals::pipeline::RunOptions;
+use crate::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use willis::error::{Error, Fault, Result};
-use willis::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
-use willis::internals::io::{checksum_of_file, companion_files};
-use willis::internals::output::InProgress;
-use willis::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
-use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
-use willis::internals::output::{read_json, write_json};
-use willis::internals::pipeline::RunOptions;
-use willis::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
 
 use super::command_line::command_line;
 use super::print::notes::{counted, say_notes};
@@ -154,7 +154,7 @@ impl Ledger {
 
 /// The first option in which two sets of them differ, and in words what it is in the one and in the other.
 fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
-    let name = willis::internals::pipeline::differing(one, other)?;
+    let name = crate::internals::pipeline::differing(one, other)?;
     let said = |value: &Value| if value.is_null() { "not given".into() } else { value.to_string() };
     Some((name.replace('_', "-"), [said(&one[&name]), said(&other[&name])]))
 }

@@ -36,6 +36,11 @@ pub fn command_line_of(input: &Path, given: &[PathBuf]) -> String {
     written(given_words(), wording, "again")
 }
 
+/// The command line of a command with these words, where no line was typed.
+pub fn command_line_of_words(words: &[String], again: &str) -> String {
+    written(words.iter().cloned(), |word| Some(word.to_owned()), again)
+}
+
 /// The line of `willis infer` that makes the run of one mask that `willis bids` makes; `places` are the words that say which dataset,
 /// where to and which level.
 pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
@@ -67,7 +72,7 @@ fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[Strin
 
 /// The words of this process's command line.
 fn given_words() -> impl Iterator<Item = String> {
-    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())
+    super::GIVEN.read().map(|given| given.words.clone()).unwrap_or_default().into_iter()
 }
 
 /// The command line of `rest`, with every word that counts as `wording` has it.

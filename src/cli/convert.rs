@@ -1,17 +1,15 @@
 //! `willis convert`: a network from one format into another.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
 use std::path::PathBuf;
 
+use crate::error::{Fault, Result};
+use crate::internals::io::convert::Target;
+use crate::internals::io::{Format, unread_columns};
+use crate::internals::output::StagedFile;
+use crate::internals::pipeline::write_target;
+use crate::{Network, read};
 use clap::Args;
 use serde_json::json;
-use willis::error::{Error, Fault, Result};
-use willis::internals::io::convert::{Target, Written, losses, refusal, write_into};
-use willis::internals::io::{Format, unread_columns, write_loops};
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::write_file;
-use willis::{Network, read};
 
 use super::args::reading::InputArgs;
 use super::command_line::command_line;
@@ -114,40 +112,12 @@ pub fn check(target: &Target, force: bool) -> Result<()> {
 
 /// Writes the files of a target, says what is lost, and returns their names and what is lost.
 pub fn put(network: &Network, target: &Target, terminal: Terminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
-    let lost = losses(network, target.format);
-    let file = StagedFile::new(&target.path, force)?;
-    let nodes = target.nodes.as_ref().map(|path| StagedFile::new(path, force)).transpose()?;
-    let mut written = Written::default();
-    let made = write_file(&file.path(), |out| {
-        let Some(nodes) = &nodes else {
-            written = write_into(network, target, out, io::sink())?;
-            return Ok(());
-        };
-        let mut table = BufWriter::new(File::create(nodes.path())?);
-        written = write_into(network, target, out, &mut table)?;
-        table.into_inner()?.sync_all()
-    });
-    made.map_err(|error| match error {
-        Error::Write { source, .. } if source.kind() == io::ErrorKind::InvalidInput => refusal(target, &source),
-        other => other,
-    })?;
-    let mut staged = vec![(target.path.clone(), file)];
-    staged.extend(target.nodes.clone().zip(nodes));
-    if !written.loops.is_empty() {
-        let file = StagedFile::new(&target.loops(), force)?;
-        write_file(&file.path(), |out| write_loops(out, &written.loops))?;
-        staged.push((target.loops(), file));
-    }
-    let mut names = Vec::new();
-    for (path, file) in staged {
-        file.commit()?;
-        names.push(path.display().to_string());
-    }
+    let written = write_target(network, target, force)?;
     for note in &written.notes {
         terminal.say("note", note);
     }
-    for what in &lost {
+    for what in &written.lost {
         terminal.say("lost", what);
     }
-    Ok((names, lost))
+    Ok((written.files.iter().map(|path| path.display().to_string()).collect(), written.lost))
 }

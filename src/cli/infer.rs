@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::io::write_csv;
+use crate::internals::output::atomic::{StagedFolder, write_file};
+use crate::internals::output::names::AGREEMENT;
+use crate::internals::output::write_error;
+use crate::internals::pipeline::{RunOptions, blocks_of, samples_of};
+use crate::internals::report::cohort::{Figures, infer_figures};
+use crate::internals::report::figures::DEFAULT_DPI;
+use crate::internals::report::{Summary, agreement};
+use crate::{ArterySource, InferOptions, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare, read};
 use clap::Args;
 use serde_json::Value;
-use willis::error::{Error, Fault, Result};
-use willis::internals::io::write_csv;
-use willis::internals::output::atomic::{StagedFolder, write_file};
-use willis::internals::output::names::AGREEMENT;
-use willis::internals::output::write_error;
-use willis::internals::pipeline::{RunOptions, blocks_of, samples_of};
-use willis::internals::report::cohort::{Figures, infer_figures};
-use willis::internals::report::figures::DEFAULT_DPI;
-use willis::internals::report::{Summary, agreement};
-use willis::{ArterySource, InferOptions, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare, read};
 
 use super::args::arteries::{self, ArteryArgs};
 use super::args::boundary::{self, BoundaryArgs};
@@ -127,6 +127,19 @@ impl InferArgs {
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
+    }
+}
+
+impl InferArgs {
+    /// The options of the library for an input, of one run.
+    pub(super) fn meaning(&self, input: &Path) -> Result<InferOptions> {
+        let line = |_: &Path| String::new();
+        let work = Inferences::new(&self.inference, &line)?;
+        if work.runs.len() > 1 {
+            let given: Vec<String> = self.inference.sampling.epsilon.iter().map(f64::to_string).collect();
+            return Err(Error::parameter("epsilon", given.join(","), "expected one probability a run"));
+        }
+        Ok(work.for_input(input))
     }
 }
 

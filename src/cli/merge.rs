@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::names::{RECORD, SHARD};
+use crate::internals::pipeline::ShardRecord;
+use crate::merge;
 use clap::Args;
 use serde_json::Value;
-use willis::error::{Error, Fault, Result};
-use willis::internals::output::atomic::StagedFolder;
-use willis::internals::output::names::{RECORD, SHARD};
-use willis::internals::pipeline::ShardRecord;
-use willis::merge;
 
 use super::cohort::{Cohort, Failure, gather};
 use super::print::arteries::say_variant;

@@ -1,4 +1,7 @@
 //! The command line: one file per subcommand, each holding its arguments, their adapter to parameters, and `run`.
+//!
+//! [`main`] is the program. For bindings to other languages [`call`] runs a command inside of another program, and [`words`] tells what
+//! options mean.
 
 mod args;
 mod bids;
@@ -18,15 +21,18 @@ mod shell;
 mod simulate;
 mod subjects;
 mod train;
+pub mod words;
 
-use std::sync::OnceLock;
+use std::ffi::OsString;
+use std::sync::RwLock;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use willis::error::{Error, Result};
 
+use crate::error::{Error, Result};
 use args::figures::whole;
 use print::Terminal;
+pub use print::ask_to_stop;
 
 /// Find the plausible topology of vascular centerlines.
 ///
@@ -34,7 +40,7 @@ use print::Terminal;
 /// topology come out. Method: Moriconi et al. 2019, Towards Quantifying Neurovascular Resilience.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, max_term_width = 110, arg_required_else_help = true)]
-pub struct Cli {
+struct Cli {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
@@ -75,12 +81,45 @@ struct Common {
     force: bool,
 }
 
-/// The subcommand that is at work.
-static COMMAND: OnceLock<String> = OnceLock::new();
+/// The command line that is at work.
+static GIVEN: RwLock<Given> = RwLock::new(Given { words: Vec::new(), command: String::new() });
 
-/// Prints an error in one line.
-pub fn say_error(error: &Error) {
-    print::line(format_args!("willis: {}", with_flags(error)));
+/// A command line.
+struct Given {
+    /// Its words after the name of the program.
+    words: Vec<String>,
+    /// The subcommand, where errors name options as they are typed.
+    command: String,
+}
+
+/// Runs a command line, whose first word is the name of the program, and says in one line what is wrong with it; the exit status.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::read(words, true) {
+        Ok(cli) => cli,
+        Err(refused) => return refused.say(),
+    };
+    match cli.run() {
+        Ok(()) => 0,
+        Err(error) => {
+            print::line(format_args!("willis: {}", with_flags(&error)));
+            if error.is_usage() { 2 } else { 1 }
+        }
+    }
+}
+
+/// Runs a command inside of another program: its words without the name of the program, the first one being the subcommand. Nothing is
+/// said on standard error but with `--verbose`, signals stay with the other program, which may [`ask_to_stop`], and errors name fields
+/// (`max_gap`), not options. One at a time.
+///
+/// # Errors
+///
+/// What is wrong with the words, or what went wrong.
+pub fn call(words: Vec<String>) -> Result<()> {
+    print::stay_inside();
+    let verbose = words.iter().any(|word| word == "--verbose");
+    let quiet = (!verbose).then(|| OsString::from("--quiet"));
+    let words = [OsString::from("willis")].into_iter().chain(words.into_iter().map(OsString::from)).chain(quiet);
+    Cli::read(words, false).map_err(|refused| words::refusal(&refused.error))?.run()
 }
 
 /// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.
@@ -107,7 +146,8 @@ pub fn flags_in(text: &str) -> String {
 /// A field as the option of the subcommand at work.
 fn flag(field: &str) -> Option<String> {
     let flag = field.replace('_', "-");
-    let command = COMMAND.get().and_then(|command| Cli::builder().find_subcommand(command).cloned())?;
+    let name = GIVEN.read().map(|given| given.command.clone()).unwrap_or_default();
+    let command = Cli::builder().find_subcommand(name).cloned()?;
     let is_flag =
         |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
     let is_common = matches!(flag.as_str(), "threads" | "force");
@@ -125,34 +165,28 @@ impl Cli {
         })
     }
 
-    /// The command line, or the exit status after its help or its one-line error has been printed.
-    pub fn read() -> Result<Self, u8> {
-        let matches = Self::builder().try_get_matches();
-        if let Ok(matches) = &matches {
-            let _ = COMMAND.set(matches.subcommand_name().unwrap_or_default().to_owned());
+    /// The command line; from then on errors name its options as they are typed, where that is wanted.
+    fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, Refused> {
+        let all: Vec<OsString> = words.into_iter().collect();
+        let given: Vec<String> = all.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        let matches = Self::builder().try_get_matches_from(all);
+        if let Ok(mut now) = GIVEN.write() {
+            now.words.clone_from(&given);
+            let command = matches.as_ref().ok().and_then(|matches| matches.subcommand_name());
+            command.filter(|_| as_typed).unwrap_or_default().clone_into(&mut now.command);
         }
         let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
-        parsed.map_err(|error| {
-            let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
-            if !error.use_stderr() || without_command {
-                // Help and version go to standard output; a closed pipe is no fault.
-                let _ = error.print();
-                return if without_command { 2 } else { 0 };
-            }
-            let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-            print::line(format_args!("willis: {}", refusal::one_line(&error, &given)));
-            2
-        })
+        parsed.map_err(|error| Refused { error, given })
     }
 
     /// Runs the subcommand.
-    pub fn run(self) -> Result<()> {
+    fn run(self) -> Result<()> {
         if let Some(threads) = self.common.threads {
             if threads == 0 || threads > 4096 {
                 return Err(Error::parameter("threads", threads, "expected a number from 1 to 4096"));
             }
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-            pool.map_err(|e| Error::parameter("threads", threads, e.to_string()))?;
+            // Inside of another program there may be threads already, which do as well.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let terminal = Terminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
@@ -171,5 +205,25 @@ impl Cli {
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(terminal, force),
         }
+    }
+}
+
+/// Words that are no command line, or that ask for help.
+struct Refused {
+    error: clap::Error,
+    given: Vec<String>,
+}
+
+impl Refused {
+    /// Prints the help, or what is wrong in one line; the exit status.
+    fn say(self) -> u8 {
+        let without_command = self.error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+        if !self.error.use_stderr() || without_command {
+            // Help and version go to standard output; a closed pipe is no fault.
+            let _ = self.error.print();
+            return if without_command { 2 } else { 0 };
+        }
+        print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given)));
+        2
     }
 }

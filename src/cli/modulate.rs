@@ -1,16 +1,16 @@
 //! `willis modulate`: how pressures, flows and resilience respond to resistances that vary at random.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Result};
+use crate::internals::modulation::{Class, Reading};
+use crate::internals::network::units::pascals_per_square_metre;
+use crate::internals::network::vessels_called;
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::report::ModulationOutcome;
+use crate::internals::report::figures::DEFAULT_DPI;
+use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, modulate_with, read};
 use clap::Args;
-use willis::error::{Error, Result};
-use willis::internals::modulation::{Class, Reading};
-use willis::internals::network::units::pascals_per_square_metre;
-use willis::internals::network::vessels_called;
-use willis::internals::output::atomic::StagedFolder;
-use willis::internals::report::ModulationOutcome;
-use willis::internals::report::figures::DEFAULT_DPI;
-use willis::{ModulationOptions, Network, SaveOptions, modulate_with, read};
 
 use super::args::boundary::{BoundaryArgs, for_input};
 use super::args::figures::{viscosity, whole};
@@ -114,6 +114,13 @@ impl ModulateArgs {
         }
         terminal.say("written", self.output.display().to_string());
         Ok(())
+    }
+
+    /// The options of the library for an input and its network.
+    pub(super) fn meaning(&self, input: &Path, network: &Network) -> Result<(BoundaryOptions, ModulationOptions, Option<f64>)> {
+        let vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
+        let options = ModulationOptions { vessels, ..self.options()? };
+        Ok((for_input(&self.boundary.options()?, input), options, self.threshold()?))
     }
 
     fn options(&self) -> Result<ModulationOptions> {

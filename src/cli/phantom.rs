@@ -2,22 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use serde_json::{Value, json};
-use willis::Network;
-use willis::error::{Error, Result};
-use willis::internals::candidates::NEAREST;
-use willis::internals::flow::boundary_conditions::stated;
-use willis::internals::flow::{Boundary, FoundOutlets};
-use willis::internals::io::convert::{ENDINGS, Target};
-use willis::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image};
-use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::{Origin, fragments};
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::write_file;
-use willis::internals::phantom::{
+use crate::Network;
+use crate::error::{Error, Result};
+use crate::internals::candidates::NEAREST;
+use crate::internals::flow::boundary_conditions::stated;
+use crate::internals::flow::{Boundary, FoundOutlets};
+use crate::internals::io::convert::{ENDINGS, Target};
+use crate::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image};
+use crate::internals::network::centerlines::Centerlines;
+use crate::internals::network::{Origin, fragments};
+use crate::internals::output::StagedFile;
+use crate::internals::output::atomic::write_file;
+use crate::internals::phantom::{
     Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
+use clap::Args;
+use serde_json::{Value, json};
 
 use super::args::figures::{length, whole};
 use super::convert::{check, put};
@@ -112,6 +112,17 @@ impl PhantomArgs {
                 self.write_broken(&lines, &truth, terminal, force)
             }
         }
+    }
+
+    /// The whole anatomy, with its conditions.
+    pub(super) fn whole(&self) -> Result<Network> {
+        let kind: Kind = self.kind.parse()?;
+        if self.broken || self.image.is_some() {
+            return Err(Error::parameter("break", "", "makes files; give `output`"));
+        }
+        let network = self.anatomy(kind, &self.recipe(kind)?, Terminal::new(true, false))?;
+        let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
+        Ok(boundary.stated_in(network))
     }
 
     /// What the options ask for, where they go with the kind.

@@ -1,7 +1,7 @@
 //! What the command line parser refuses, in one line that says what to type instead.
 
+use crate::internals::support::suggestions::did_you_mean;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use willis::internals::support::suggestions::did_you_mean;
 
 use super::Cli;
 

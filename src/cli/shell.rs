@@ -3,10 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use crate::error::{Error, Result};
+use crate::internals::output::StagedFile;
+use crate::internals::output::atomic::write_file;
 use clap::Args;
-use willis::error::{Error, Result};
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::write_file;
 
 use super::Cli;
 use super::print::{Terminal, plural};

@@ -1,14 +1,14 @@
 //! `willis simulate`: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::error::{Error, Result};
+use crate::internals::network::quantity::Dimension;
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::report::figures::DEFAULT_DPI;
+use crate::{Change, FlowOptions, SaveOptions, Stenosis, read, simulate_with};
 use clap::Args;
-use willis::error::{Error, Result};
-use willis::internals::network::quantity::Dimension;
-use willis::internals::output::atomic::StagedFolder;
-use willis::internals::report::figures::DEFAULT_DPI;
-use willis::{Change, FlowOptions, SaveOptions, Stenosis, read, simulate_with};
 
 use super::args::boundary::{BoundaryArgs, for_input};
 use super::args::figures::{viscosity, whole};
@@ -87,6 +87,16 @@ impl SimulateArgs {
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
+    }
+}
+
+impl SimulateArgs {
+    /// The options of the library for an input.
+    pub(super) fn meaning(&self, input: &Path) -> Result<(FlowOptions, Vec<(String, Change)>)> {
+        let options =
+            FlowOptions { boundary: for_input(&self.boundary.options()?, input), viscosity: viscosity(&self.viscosity)? };
+        let changes = self.changes.parse()?.into_iter().map(|(name, change)| (name.to_owned(), change)).collect();
+        Ok((options, changes))
     }
 }
 

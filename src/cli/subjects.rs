@@ -4,10 +4,10 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::output::is_cohort_file;
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use glob::{MatchOptions, glob_with};
-use willis::error::{Error, Fault, Result};
-use willis::internals::output::is_cohort_file;
-use willis::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 
 use super::Cli;
 

@@ -10,7 +10,7 @@ use super::unit_check::{check_extent, unit_check};
 use super::xml;
 use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
-use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within};
+use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within, checksum};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::reader::plural;
 use crate::masks::{Foreground, RadiusFrom};
@@ -130,7 +130,22 @@ impl ReadOptions {
 ///
 /// A file that cannot be read, has no known format or wrong content; a loops file with a graph.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
-    let mut document = read_any(path, options)?;
+    completed(read_any(path, options)?, path, options)
+}
+
+/// Reads the bytes of a file that would be called `name`. Tables of two files are read from files only.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Document> {
+    let bytes = without_mark(bytes);
+    let format = format_of(name, bytes).map_err(|fault| fault.in_file(name))?;
+    completed(format.read(name, bytes, checksum(bytes), options)?, name, options)
+}
+
+/// What was read, checked, with the links of the file beside it.
+fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Result<Document> {
     let Document { content, notes, .. } = &mut document;
     check_extent(content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {

@@ -1,5 +1,7 @@
 //! The picture that a mask was made from, or that lies beside centerlines: a number for every voxel.
 
+use std::collections::VecDeque;
+
 use super::mask::Affine;
 use crate::network::units::{metres, millimetres};
 use crate::support::geometry::{Point, cross, dot, norm_squared};
@@ -104,17 +106,17 @@ impl Picture {
 
     /// Takes from every voxel the mean of the voxels around it that count, by a Gaussian of this standard deviation (m). Where too few count
     /// within its reach, the mean over a wider one is taken.
-    pub fn flatten(&mut self, sigma: f64, counts: impl Fn(usize) -> bool) {
+    pub fn flatten(&mut self, sigma: f64, counts: impl Fn(usize) -> bool + Sync) {
         let around = LocalMean::of(self, millimetres(sigma), counts);
         let [x, y, _] = self.shape;
         let along: Vec<(usize, f32)> = (0..x).map(|n| around.between(0, n)).collect();
-        for (row, line) in self.values.chunks_exact_mut(x).enumerate() {
+        in_chunks(&mut self.values, x, |row, line| {
             let means = around.row(row % y, row / y);
             for (value, (low, share)) in line.iter_mut().zip(&along) {
                 let [a, b] = [means[*low], means[(low + 1).min(means.len() - 1)]];
                 *value -= a + share * (b - a);
             }
-        }
+        });
     }
 
     /// Voxels along the three axes.
@@ -192,28 +194,32 @@ const BLOCK: f64 = 0.7;
 const LEAST_SHARE: f32 = 0.02;
 
 impl LocalMean {
-    fn of(picture: &Picture, sigma: f64, counts: impl Fn(usize) -> bool) -> Self {
+    fn of(picture: &Picture, sigma: f64, counts: impl Fn(usize) -> bool + Sync) -> Self {
         let voxels = picture.shape;
         let along = picture.steps.map(|step| norm_squared(step).sqrt());
         let size = [0, 1, 2].map(|axis| (BLOCK * sigma / along[axis]).round().max(1.0) as usize);
         let shape = [0, 1, 2].map(|axis| voxels[axis].div_ceil(size[axis]));
-        let mut sum = vec![0.0_f32; shape.iter().product()];
-        let mut share = sum.clone();
-        for z in 0..voxels[2] {
-            for y in 0..voxels[1] {
-                let row = picture.row([0, y, z]);
-                let block = (z / size[2] * shape[1] + y / size[1]) * shape[0];
-                for x in 0..voxels[0] {
-                    let value = picture.values[row + x];
-                    if value.is_finite() && counts(row + x) {
-                        sum[block + x / size[0]] += value;
-                        share[block + x / size[0]] += 1.0;
+        let whole = (size[0] * size[1] * size[2]) as f32;
+        // Per block the sum and the number of what counts, as shares of all its voxels.
+        let mut blocks = vec![[0.0_f32; 2]; shape.iter().product()];
+        in_chunks(&mut blocks, shape[0], |line, blocks| {
+            let range = |axis: usize, block: usize| block * size[axis]..((block + 1) * size[axis]).min(voxels[axis]);
+            for z in range(2, line / shape[1]) {
+                for y in range(1, line % shape[1]) {
+                    let first = picture.row([0, y, z]);
+                    for (at, block) in blocks.iter_mut().enumerate() {
+                        for voxel in range(0, at) {
+                            let value = picture.values[first + voxel];
+                            if value.is_finite() && counts(first + voxel) {
+                                *block = [block[0] + value, block[1] + 1.0];
+                            }
+                        }
                     }
                 }
             }
-        }
-        let whole = (size[0] * size[1] * size[2]) as f32;
-        share.iter_mut().zip(&mut sum).for_each(|(share, sum)| (*share, *sum) = (*share / whole, *sum / whole));
+        });
+        let [sum, share] = [0, 1].map(|k| blocks.iter().map(|block| block[k] / whole).collect::<Vec<f32>>());
+        drop(blocks);
         let mut mean = vec![0.0; sum.len()];
         let mut is_known = vec![false; sum.len()];
         let mut wide = 1.0;
@@ -267,7 +273,7 @@ fn smooth_along(values: &mut [f32], shape: [usize; 3], axis: usize, sigma: f64) 
     let kernel: Vec<f32> = (0..=reach).map(|o| (weight(o) / total) as f32).collect();
     let [x, y, z] = shape;
     match axis {
-        0 => in_chunks(values, x, |line| {
+        0 => in_chunks(values, x, |_, line| {
             let edge = |n: usize| std::iter::repeat_n(line[n], reach);
             let padded: Vec<f32> = edge(0).chain(line.iter().copied()).chain(edge(x - 1)).collect();
             line.fill(0.0);
@@ -276,34 +282,38 @@ fn smooth_along(values: &mut [f32], shape: [usize; 3], axis: usize, sigma: f64) 
                 add_both(line, before, after, if o == 0 { 0.5 * w } else { *w });
             }
         }),
-        1 => in_chunks(values, x * y, |layer| {
+        1 => in_chunks(values, x * y, |_, layer| {
             let old = layer.to_vec();
-            smooth_rows(layer, &old, x, 0, x, &kernel);
+            let row = |n: usize| &old[n * x..(n + 1) * x];
+            for (n, line) in layer.chunks_exact_mut(x).enumerate() {
+                line.fill(0.0);
+                for (o, w) in kernel.iter().enumerate() {
+                    add_both(line, row(n.saturating_sub(o)), row((n + o).min(y - 1)), if o == 0 { 0.5 * w } else { *w });
+                }
+            }
         }),
         _ => {
-            // Layer by layer of the second axis, so that no second image is needed.
-            let mut old = Vec::with_capacity(x * z);
-            for row in 0..y {
-                old.clear();
-                for layer in 0..z {
-                    let first = (layer * y + row) * x;
-                    old.extend_from_slice(&values[first..first + x]);
-                }
-                smooth_rows(values, &old, x, row * x, x * y, &kernel);
+            // From the first layer on, so that only as many old layers are kept as the kernel reaches back.
+            let size = x * y;
+            let mut before: VecDeque<Vec<f32>> = VecDeque::from(vec![values[..size].to_vec(); reach]);
+            for layer in 0..z {
+                let (done, after) = values.split_at_mut((layer + 1) * size);
+                let here = &mut done[layer * size..];
+                let own = here.to_vec();
+                let last = after.len().checked_sub(size).map(|first| &after[first..]);
+                // The old layer so many layers on; beyond the border the last one.
+                let ahead = |o: usize| after.get((o - 1) * size..o * size).or(last).unwrap_or(&own);
+                in_chunks(here, x, |row, line| {
+                    let range = row * x..(row + 1) * x;
+                    line.fill(0.0);
+                    add_both(line, &own[range.clone()], &own[range.clone()], 0.5 * kernel[0]);
+                    for (o, w) in kernel.iter().enumerate().skip(1) {
+                        add_both(line, &before[reach - o][range.clone()], &ahead(o)[range.clone()], *w);
+                    }
+                });
+                before.pop_front();
+                before.push_back(own);
             }
-        }
-    }
-}
-
-/// Averages rows of `width` values, given one after another in `old`, with those before and after; they are put `step` apart from `first` on.
-fn smooth_rows(out: &mut [f32], old: &[f32], width: usize, first: usize, step: usize, kernel: &[f32]) {
-    let count = old.len() / width;
-    let row = |n: usize| &old[n * width..(n + 1) * width];
-    for n in 0..count {
-        let out = &mut out[first + n * step..first + n * step + width];
-        out.fill(0.0);
-        for (o, w) in kernel.iter().enumerate() {
-            add_both(out, row(n.saturating_sub(o)), row((n + o).min(count - 1)), if o == 0 { 0.5 * w } else { *w });
         }
     }
 }

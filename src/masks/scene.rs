@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::image::{Image, Picture};
 use crate::network::units::millimetres;
-use crate::support::geometry::{Point, norm, norm_squared};
+use crate::support::geometry::{Point, dot, norm, norm_squared};
 use crate::support::statistics::median;
 
 /// The image is averaged with a Gaussian of so many spacings.
@@ -101,6 +101,8 @@ pub struct Scene {
     pub typical: f64,
     /// 1 where vessels are bright, -1 where they are dark.
     pub sign: f64,
+    /// The median noise at those points, as a share of the typical contrast.
+    pub noise_share: f64,
     /// The distance between the points of the centerlines, m.
     pub spacing: f64,
 }
@@ -142,7 +144,9 @@ impl Scene {
             Appearance::Auto => median(&known).map_or(1.0, |m| if m < 0.0 { -1.0 } else { 1.0 }),
         };
         let typical = median(&known).unwrap_or(0.0) * sign;
-        let stand_out = raw.iter().zip(e.position).filter_map(|(x, p)| Some(sign * (*x)? / noise.at(&picture, *p)));
+        let noises: Vec<f64> = e.position.iter().map(|p| noise.at(&picture, *p)).collect();
+        let noise_share = median(&noises).unwrap_or(0.0) / typical;
+        let stand_out = raw.iter().zip(&noises).filter_map(|(x, noise)| Some(sign * (*x)? / noise));
         let stands_out = median(&stand_out.filter(|z| !z.is_nan()).collect::<Vec<f64>>()).unwrap_or(0.0);
         // Not a number is no contrast either.
         if !(stands_out >= LEAST_CONTRAST && typical > 0.0) {
@@ -158,7 +162,7 @@ impl Scene {
                 }
             }
         }
-        Ok(Self { picture, background, noise, lumen, contrast, typical, sign, spacing: h })
+        Ok(Self { picture, background, noise, lumen, contrast, typical, sign, noise_share, spacing: h })
     }
 
     /// Background and noise at a place (m).
@@ -237,13 +241,20 @@ impl Bits {
             };
             for z in range(2) {
                 for y in range(1) {
-                    for x in range(0) {
-                        let by = [x as f64 - centre[0], y as f64 - centre[1], z as f64 - centre[2]];
-                        let to: Point = [0, 1, 2].map(|k| (0..3).map(|axis| steps[axis][k] * by[axis]).sum());
-                        if norm_squared(to) <= reach * reach {
-                            let row = picture.row([x as usize, y as usize, z as usize]);
-                            words[row / 64] |= 1 << (row % 64);
-                        }
+                    let by = [y as f64 - centre[1], z as f64 - centre[2]];
+                    let to: Point = [0, 1, 2].map(|k| steps[1][k] * by[0] + steps[2][k] * by[1]);
+                    // Along the first axis the ball is between two roots.
+                    let (a, b) = (norm_squared(steps[0]), dot(steps[0], to));
+                    let under_root = b * b - a * (norm_squared(to) - reach * reach);
+                    if under_root < 0.0 {
+                        continue;
+                    }
+                    let half = under_root.sqrt();
+                    let low = (centre[0] - (b + half) / a).ceil().max(0.0);
+                    let high = (centre[0] - (b - half) / a).floor().min((shape[0] - 1) as f64);
+                    if low <= high {
+                        let first = picture.row([0, y as usize, z as usize]);
+                        set(&mut words, first + low as usize, first + high as usize);
                     }
                 }
             }
@@ -253,6 +264,18 @@ impl Bits {
 
     fn has(&self, row: usize) -> bool {
         self.0[row / 64] >> (row % 64) & 1 == 1
+    }
+}
+
+/// Sets the bits from the first to the last.
+fn set(words: &mut [u64], first: usize, last: usize) {
+    let (from, upto) = (!0 << (first % 64), !0 >> (63 - last % 64));
+    if first / 64 == last / 64 {
+        words[first / 64] |= from & upto;
+    } else {
+        words[first / 64] |= from;
+        words[first / 64 + 1..last / 64].fill(!0);
+        words[last / 64] |= upto;
     }
 }
 
@@ -352,4 +375,35 @@ fn filled_from_neighbours(found: &[Option<[f64; 2]>], shape: [usize; 3]) -> Opti
         };
         found.iter().enumerate().map(|(row, of)| of.or_else(|| mean(row))).collect()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lumens_are_the_voxels_near_points() {
+        // Voxels of 0.5 x 0.7 x 0.9 mm, the axes turned and one of them oblique.
+        let affine = [[0.0, 0.7, 0.1, -4.0], [-0.5, 0.0, 0.0, 3.0], [0.0, 0.0, 0.9, 1.0]];
+        let shape = [70, 13, 11];
+        let image = Image { shape, values: vec![1.0; shape.iter().product()], affine };
+        let picture = Picture::of(image, [[-1.0; 3], [1.0; 3]], 1e-6).expect("the box is in the image");
+        let position = [[0.1e-3, -8e-3, 4e-3], [-3e-3, -20e-3, 8e-3], [2e-3, 2e-3, 1e-3], [40e-3, 0.0, 0.0]];
+        let radius = [1.1e-3, 2.6e-3, 0.9e-3, 1e-3];
+        let e = Centerlines { position: &position, radius: &radius, lines: &[], spacing: 1e-3 };
+        let bits = Bits::around(&picture, &e, 0.2e-3);
+        let mut inside = 0;
+        for z in 0..shape[2] {
+            for y in 0..shape[1] {
+                for x in 0..shape[0] {
+                    let at = picture.position([x, y, z].map(|index| index as f64));
+                    let apart = |p: &Point| [0, 1, 2].map(|k| p[k] - at[k]);
+                    let near = position.iter().zip(&radius).any(|(p, r)| norm(apart(p)) <= r + 0.2e-3);
+                    assert_eq!(bits.has(picture.row([x, y, z])), near, "{x} {y} {z}");
+                    inside += usize::from(near);
+                }
+            }
+        }
+        assert!((50..1000).contains(&inside), "{inside}");
+    }
 }

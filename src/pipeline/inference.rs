@@ -3,18 +3,21 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::shard::Solver;
 use super::{Prepared, SaveOptions};
 use crate::circle_of_willis::Posterior;
-use crate::decision::{Decision, Topology, decide, expected_errors, has_evidence};
-use crate::error::Result;
+use crate::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
+use crate::error::{Error, Result};
 use crate::flow::Boundary;
+use crate::io::Column;
 use crate::network::Network;
 use crate::output::atomic::StagedFolder;
 use crate::output::write_record;
 use crate::report::run_record::Built;
-use crate::report::{Outcome, Summary, phenotype_json, write_outcome, write_phenotype};
+use crate::report::{Outcome, Summary, phenotype_json, topology_columns, vessel_columns, write_outcome, write_phenotype};
 use crate::sampling::{Likelihood, Method, SamplingOptions};
 
 /// What a run found.
@@ -27,6 +30,16 @@ pub struct Inference {
     decision: Decision,
     posterior: Option<(Posterior, String)>,
     /// How long sampling took, on what; for run.json.
+    time: Value,
+}
+
+/// What a run is made of again.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    prepared: Arc<Prepared>,
+    sampling: SamplingOptions,
+    likelihood: Likelihood,
+    solver: Solver,
     time: Value,
 }
 
@@ -112,6 +125,60 @@ impl Inference {
             exact: self.sampling.exact,
             viscosity: self.sampling.viscosity,
         }
+    }
+
+    /// The same samples decided on by another rule.
+    ///
+    /// # Errors
+    ///
+    /// A rule that asks for evidence where there is none, or is out of its range.
+    pub fn decided_by(&self, rule: Keep) -> Result<Self> {
+        rule.validate()?;
+        let mut prepared = Prepared::clone(&self.prepared);
+        prepared.keep = rule;
+        prepared.options.infer.keep = Some(rule);
+        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
+    }
+
+    /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
+    ///
+    /// # Errors
+    ///
+    /// Pressures that cannot be solved for.
+    pub fn tables(&self) -> Result<[Vec<Column>; 2]> {
+        let outcome = self.outcome();
+        Ok([topology_columns(&outcome, &self.decision.kept)?, vessel_columns(&outcome)])
+    }
+
+    /// Everything that it takes to make it again with [`Inference::from_bytes`].
+    ///
+    /// # Errors
+    ///
+    /// A graph with numbers that are not finite.
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let stored = Stored {
+            prepared: self.prepared.clone(),
+            sampling: self.sampling.clone(),
+            likelihood: self.likelihood.clone(),
+            solver: Solver::of(self.method),
+            time: self.time.clone(),
+        };
+        serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
+    }
+
+    /// What [`Inference::to_bytes`] stored.
+    ///
+    /// # Errors
+    ///
+    /// Other bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let wrong = |why: String| Error::parameter("run", "cannot be read", why);
+        let Stored { prepared, sampling, likelihood, solver, time } =
+            serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+        if !prepared.is_whole() || !likelihood.fits(prepared.graph.vessel_count()) {
+            return Err(wrong("expected the bytes of a run".to_owned()));
+        }
+        prepared.decide(&sampling, likelihood, solver.method(), time)
     }
 
     /// How long sampling took, s.

@@ -7,7 +7,7 @@ use super::stored_run::StoredRun;
 use crate::circle_of_willis::split_where_labels_change;
 use crate::error::{Error, Result};
 use crate::io::tables::reader::plural;
-use crate::io::{Content, Document, Format, ReadOptions, read as read_file};
+use crate::io::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
 use crate::masks::{Foreground, RadiusFrom};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::LengthUnit;
@@ -61,7 +61,23 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     options.validate()?;
     let run = if path.is_dir() { Some(StoredRun::read(path)?) } else { None };
     let file = run.as_ref().map_or(path, |run| &run.graph);
-    let Document { format, content, mut notes, sha256, lumen } = read_file(file, options)?;
+    made_of(read_file(file, options)?, file, options, started, run.clone())
+}
+
+/// As [`read`], of the bytes of a file that would be called `name`: arrays of another program, packed as NPZ or NIfTI.
+///
+/// # Errors
+///
+/// As [`read`], naming `name` as the file.
+pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Input> {
+    let started = Instant::now();
+    options.validate()?;
+    made_of(read_file_bytes(name, bytes, options)?, name, options, started, None)
+}
+
+/// The input that a document is.
+fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Instant, run: Option<StoredRun>) -> Result<Input> {
+    let Document { format, content, mut notes, sha256, lumen } = document;
     let contents = match &content {
         Content::Centerlines(lines) => Contents::Centerlines(lines.points.len()),
         Content::Vessels(_) => Contents::Vessels,

@@ -13,18 +13,20 @@ mod progress;
 mod shard;
 mod simulate;
 mod stored_run;
+mod write;
 
 pub use arteries::ArterySource;
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use cuts::Cut;
 pub use inference::Inference;
-pub use input::{Contents, Input, read};
+pub use input::{Contents, Input, read, read_bytes};
 pub use options::{FlowOptions, InferOptions, Preset, RunOptions, SaveOptions, SourceFile};
 pub use prior::Prior;
 pub use progress::{Progress, Silent, Step};
 pub use shard::{Shard, ShardRecord, blocks_of, differing, merge, samples_of};
 pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
+pub use write::{WrittenFiles, write, write_target};
 
 use std::io::Write;
 use std::sync::Arc;
@@ -168,6 +170,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
+    if let Some(note) = image.as_ref().zip(scene).and_then(|(image, scene)| image.unusual(scene, &prior)) {
+        progress.step(Step::Note(&note));
+        provenance.notes.push(note);
+    }
     let (graph, contacts) = match &cuts {
         Some(cuts) => cuts.open(graph, scene),
         None => (graph, Contacts::default()),

@@ -88,6 +88,18 @@ impl Picture {
         Ok(Some((Self { source, appearance, is_probability }, View { image, appearance })))
     }
 
+    /// That the image is noisier than those that the model was fitted to, which makes its probabilities less sure. One with less noise is only
+    /// clearer.
+    pub(crate) fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
+        let noise = scene.noise_share;
+        let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
+        let path = self.path().display();
+        Some(format!(
+            "{path}: the noise is {noise:.2} of the contrast of vessels, which the model knows from {least:.2} to {most:.2}; \
+             its probabilities are less sure here"
+        ))
+    }
+
     pub(crate) fn path(&self) -> &PathBuf {
         &self.source.path
     }

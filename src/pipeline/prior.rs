@@ -193,6 +193,14 @@ impl LoadedPrior {
         matches!(self, Self::Joins { model, .. } if model.image.is_some())
     }
 
+    /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels.
+    pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Joins { model, .. } => model.image.as_ref().map(|image| image.noise),
+            _ => None,
+        }
+    }
+
     /// [`CandidateOptions::k`] where none is given.
     pub(crate) fn usual_k(&self) -> usize {
         if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }

@@ -56,7 +56,7 @@ pub struct ShardRecord {
 
 /// How the samples were computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Solver {
+pub(super) struct Solver {
     flow: String,
     size: usize,
     forest: String,
@@ -64,13 +64,13 @@ struct Solver {
 }
 
 impl Solver {
-    fn of(method: Method) -> Self {
+    pub(super) fn of(method: Method) -> Self {
         let Method { solver, solver_size, forest, forest_joins, .. } = method;
         Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
     }
 
     /// The same for the record of a run.
-    fn method(&self) -> Method {
+    pub(super) fn method(&self) -> Method {
         Method {
             solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("reference"),
             solver_size: self.size,
@@ -149,7 +149,7 @@ impl Prepared {
     }
 
     /// Whether its rows are all there, as they are unless it comes from a file.
-    fn is_whole(&self) -> bool {
+    pub(super) fn is_whole(&self) -> bool {
         let (nodes, boundary) = (self.graph.node_count(), &self.boundary);
         let conditions = boundary.conditions.iter().map(|(node, _)| node);
         boundary.roles.len() == nodes

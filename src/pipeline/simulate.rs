@@ -8,10 +8,13 @@ use serde_json::{Value, json};
 use super::{BoundaryOptions, FlowOptions, Input, Progress, SaveOptions, Silent, Step};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
+use crate::io::Column;
 use crate::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use crate::network::vessels_called;
 use crate::output::atomic::StagedFolder;
-use crate::report::{FlowRecord, ModulationOutcome, Simulated, write_modulation, write_simulated};
+use crate::report::{
+    FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, write_modulation, write_simulated,
+};
 use crate::sampling;
 use crate::simulation::{Change, Perturbation, Simulation};
 
@@ -81,6 +84,12 @@ impl SimulationRun<'_> {
     pub fn simulated(&self) -> Simulated<'_> {
         let Self { input, boundary, perturbations, simulation, viscosity, .. } = self;
         Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity: *viscosity }
+    }
+
+    /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
+    pub fn tables(&self) -> [Vec<Column>; 2] {
+        let simulated = self.simulated();
+        [simulated_nodes(&simulated), simulated_vessels(&simulated)]
     }
 
     /// The record of the run.

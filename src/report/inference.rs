@@ -194,6 +194,33 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     Ok(sum)
 }
 
+/// The vessels that are kept, with all nodes and their roles, and the rows of those vessels.
+fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>) {
+    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    for (node, role) in outcome.boundary.roles.iter().enumerate() {
+        graph.node_mut(node).role = Some(*role);
+    }
+    (graph, rows)
+}
+
+/// The columns of the nodes of a topology, with their pressures and conditions.
+fn columns_of_nodes(graph: &Network, outcome: &Outcome<'_>) -> Result<Vec<Column>> {
+    let circuit = Circuit::new(graph, outcome.boundary, outcome.viscosity)?;
+    let pressure = pressures::pressures(&circuit, |_| true)?;
+    let mut nodes = node_columns(graph, outcome.boundary, &pressure, &fragments(graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(graph, outcome.boundary));
+    Ok(nodes)
+}
+
+/// The columns of nodes.csv, for the vessels that are kept.
+///
+/// # Errors
+///
+/// Pressures that cannot be solved for.
+pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
+    columns_of_nodes(&kept_graph(outcome, kept).0, outcome)
+}
+
 /// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
 fn topology(
     folder: &Path,
@@ -203,14 +230,8 @@ fn topology(
     vessels: &[Column],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
-    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
-    for (node, role) in outcome.boundary.roles.iter().enumerate() {
-        graph.node_mut(node).role = Some(*role);
-    }
-    let circuit = Circuit::new(&graph, outcome.boundary, outcome.viscosity)?;
-    let pressure = pressures::pressures(&circuit, |_| true)?;
-    let mut nodes = node_columns(&graph, outcome.boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(&graph, outcome.boundary));
+    let (graph, rows) = kept_graph(outcome, kept);
+    let nodes = columns_of_nodes(&graph, outcome)?;
     let mut vessels = select(vessels, &rows);
     for column in vessels.iter_mut().filter(|column| column.name == "kept") {
         *column = Column::whole("kept", rows.iter().map(|_| 1));

@@ -1,5 +1,7 @@
 //! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
 
+use serde::{Deserialize, Serialize};
+
 use super::dyadic_sums::Summed;
 use crate::network::Network;
 
@@ -65,22 +67,26 @@ impl Summed for Sums {
 }
 
 /// The state of the uncertain vessels after some of the samples.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Samples so far.
     pub samples: u64,
     /// L of each uncertain vessel so far, in row order.
+    #[serde(with = "as_bits")]
     pub likelihood: Vec<f64>,
 }
 
 /// The result of the samples, per vessel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Likelihood {
     /// L of each vessel, W/m³.
+    #[serde(with = "as_bits")]
     pub likelihood: Vec<f64>,
     /// The Monte-Carlo standard error of L, W/m³.
+    #[serde(with = "as_bits")]
     pub std_error: Vec<f64>,
     /// Share of the samples with the vessel in the forest.
+    #[serde(with = "as_bits")]
     pub frequency: Vec<f64>,
     /// Whether the vessel was uncertain.
     pub uncertain: Vec<bool>,
@@ -94,7 +100,27 @@ pub struct Likelihood {
     pub trace: Vec<Snapshot>,
 }
 
+/// Numbers as their bits, so that any number comes back.
+mod as_bits {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(numbers: &[f64], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(numbers.iter().map(|x| x.to_bits()))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+        Ok(Vec::<u64>::deserialize(from)?.into_iter().map(f64::from_bits).collect())
+    }
+}
+
 impl Likelihood {
+    /// Whether it is of a graph of so many vessels.
+    pub fn fits(&self, vessels: usize) -> bool {
+        let uncertain = self.uncertain.iter().filter(|is| **is).count();
+        let all = [self.likelihood.len(), self.std_error.len(), self.frequency.len(), self.uncertain.len()];
+        all == [vessels; 4] && self.trace.iter().all(|snapshot| snapshot.likelihood.len() == uncertain)
+    }
+
     /// From the sums over all samples.
     pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
         let n = sums.samples.max(1) as f64;

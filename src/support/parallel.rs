@@ -7,7 +7,7 @@ pub fn in_order<'t, T: Sync, R: Send>(items: &'t [T], work: impl Fn(usize, &'t T
     items.par_iter().enumerate().map(|(number, item)| work(number, item)).collect()
 }
 
-/// Works on chunks of so many items at their place, in parallel.
-pub fn in_chunks<T: Send>(items: &mut [T], size: usize, work: impl Fn(&mut [T]) + Sync + Send) {
-    items.par_chunks_exact_mut(size).for_each(work);
+/// Works on chunks of so many items at their place, in parallel; the last may have fewer.
+pub fn in_chunks<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
+    items.par_chunks_mut(size).enumerate().for_each(|(number, chunk)| work(number, chunk));
 }

@@ -54,6 +54,8 @@ pub struct ImageExample {
     pub name: String,
     /// Its candidates there.
     pub image: InImage,
+    /// How noisy it is: see [`Scene::noise_share`](crate::masks::Scene::noise_share).
+    pub noise_share: f64,
     /// What is right of their pairs.
     pub truth: PairTruth,
 }
@@ -79,7 +81,8 @@ impl<'a> JoinExample<'a> {
         let images = case.images.iter().map(|path| {
             let scene = shown(path, &table.extraction)?;
             let image = InImage::new(&table, &scene, None);
-            Ok(ImageExample { name: image_name(path), truth: of_pairs(&image.pairs), image })
+            let (truth, noise_share) = (of_pairs(&image.pairs), scene.noise_share);
+            Ok(ImageExample { name: image_name(path), truth, image, noise_share })
         });
         let images = images.collect::<Result<Vec<_>>>()?;
         Ok(Self { case, needed: case.truth.needed(), truth: of_pairs(&table.pairs), table, images })
@@ -187,7 +190,9 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
         let rows = rows_of(&|at| inner[at] == held);
         pairs.extend(rows.iter().map(|row| (sigmoid(scores[row.0][row.1]), is_right(row), 1.0)));
     }
-    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(&pairs).0 }))
+    let noise = views.iter().map(|(_, of, _)| of.noise_share);
+    let noise = [noise.clone().fold(f64::INFINITY, f64::min), noise.fold(0.0, f64::max)];
+    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(&pairs).0, noise }))
 }
 
 /// Boosted trees over the candidates of some of the cases, those that are neither right nor wrong left out.

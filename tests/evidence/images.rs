@@ -107,6 +107,31 @@ fn an_image_with_other_voxels_says_the_same() {
 }
 
 #[test]
+fn an_image_with_more_noise_than_the_model_knows_is_told() {
+    let here = folder();
+    let (_, image) = scan(here.path());
+    let said = |amplitude: f32| {
+        let noise = |row: usize| (share_of(row) - 0.5) * amplitude;
+        let values = image.values.iter().enumerate().map(|(row, x)| x + noise(row)).collect();
+        written(here.path(), "noisy.nii", &Image { values, ..image.clone() });
+        let done = willis(here.path(), &["infer", "scan.nii.gz", "--image", "noisy.nii", "-o", "out", "-n", "1", "--force"]);
+        assert!(done.status.success(), "{}", stderr(&done));
+        stderr(&done)
+    };
+    let told = "noisy.nii: the noise is 0.";
+    assert!(!said(0.5).contains(told), "{}", said(0.5));
+    let loud = said(4.0);
+    assert!(loud.contains(told) && loud.contains("less sure") && !loud.contains("does not show"), "{loud}");
+}
+
+/// A number from 0 to 1 that looks random, the same for the same row.
+fn share_of(row: usize) -> f32 {
+    let mixed = (row as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    ((mixed ^ (mixed >> 32)) >> 40) as f32 / (1_u32 << 24) as f32
+}
+
+#[test]
 fn an_image_of_something_else_is_told_and_changes_nothing() {
     let here = folder();
     let (_, image) = scan(here.path());

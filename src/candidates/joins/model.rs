@@ -55,6 +55,8 @@ pub struct ImagePass {
     pub trees: Boosted,
     /// [`Calibration`] of their score.
     pub calibration: [f64; 3],
+    /// The least and the most [`noise_share`](crate::masks::Scene::noise_share) of the images that they were fitted to.
+    pub noise: [f64; 2],
 }
 
 /// How well a join model did on cases that it was not fitted to.
@@ -99,6 +101,7 @@ struct File {
 #[serde(deny_unknown_fields)]
 struct ImageEntry {
     calibration: [f64; 3],
+    noise: [f64; 2],
     features: Vec<String>,
     pass: BoostedEntry,
 }
@@ -157,8 +160,16 @@ impl JoinModel {
         let image = file.image.map(|image| {
             check_features("image.features", &image.features, &IMAGE_FEATURES)?;
             check_calibration("image.calibration", image.calibration)?;
+            let [least, most] = image.noise;
+            if !(least >= 0.0 && least <= most && most.is_finite()) {
+                return Err(Fault::item(
+                    "image.noise",
+                    format!("[{least}, {most}]"),
+                    "expected the least and the most, from 0 on",
+                ));
+            }
             let trees = Boosted::read("image.pass", &image.pass, IMAGE_FEATURES.len())?;
-            Ok(ImagePass { trees, calibration: image.calibration })
+            Ok(ImagePass { trees, calibration: image.calibration, noise: image.noise })
         });
         Ok(Self { first, second, calibration: file.calibration, image: image.transpose()?, provenance })
     }
@@ -181,7 +192,9 @@ impl JoinModel {
         }
         if let Some(image) = &self.image {
             let [a, b, c] = image.calibration;
-            writeln!(out, "\n{IMAGE}\n[image]\ncalibration = [{a:?}, {b:?}, {c:?}]\n")?;
+            let [least, most] = image.noise;
+            writeln!(out, "\n{IMAGE}\n[image]\ncalibration = [{a:?}, {b:?}, {c:?}]")?;
+            writeln!(out, "# The images had noise of such shares of the contrast of vessels.\nnoise = [{least:?}, {most:?}]\n")?;
             writeln!(out, "features = {}\n\n[image.pass]", list(&IMAGE_FEATURES.map(str::to_owned)))?;
             image.trees.write(&mut out)?;
         }

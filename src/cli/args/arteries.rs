@@ -1,7 +1,7 @@
 //! `--landmarks` and `--labels`: where the arteries of a Circle of Willis are in an input.
 
+use crate::{ArterySource, LabelScheme};
 use std::path::{Path, PathBuf};
-use willis::{ArterySource, LabelScheme};
 
 use clap::Args;
 

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::BoundaryOptions;
+use crate::error::Result;
+use crate::internals::pipeline::parse_found_outlets;
 use clap::Args;
-use willis::BoundaryOptions;
-use willis::error::Result;
-use willis::internals::pipeline::parse_found_outlets;
 
 use super::file_of;
 

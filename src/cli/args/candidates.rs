@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::error::Result;
+use crate::{Appearance, Attach, CandidateOptions, CandidateRadius, InferOptions};
 use clap::Args;
-use willis::error::Result;
-use willis::{Appearance, Attach, CandidateOptions, CandidateRadius, InferOptions};
 
 use super::figures::{length, whole};
 use super::words;

@@ -1,8 +1,8 @@
 //! Options that are figures: a count, a probability, a length, a viscosity, each as a person types it.
 
-use willis::error::{Error, Result};
-use willis::internals::network::quantity::Dimension;
-use willis::internals::network::units::millimetres;
+use crate::error::{Error, Result};
+use crate::internals::network::quantity::Dimension;
+use crate::internals::network::units::millimetres;
 
 /// The largest number up to which a figure with an exponent stands for every whole number.
 const WHOLE: f64 = 9_007_199_254_740_992.0;

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Result};
+use crate::internals::io::byte_count;
+use crate::internals::network::units::metres;
+use crate::internals::support::geometry::Point;
+use crate::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 use clap::Args;
 use serde::Serialize;
-use willis::error::{Error, Result};
-use willis::internals::io::byte_count;
-use willis::internals::network::units::metres;
-use willis::internals::support::geometry::Point;
-use willis::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 
 use super::figures::{length, spacing};
 use super::{file_of, words};

@@ -1,8 +1,8 @@
 //! `--epsilon`, `--samples` and the other options of sampling.
 
+use crate::error::{Error, Result};
+use crate::{Preset, SamplingOptions, Solver, Uncertain, Weight};
 use clap::Args;
-use willis::error::{Error, Result};
-use willis::{Preset, SamplingOptions, Solver, Uncertain, Weight};
 
 use super::figures::{probability, viscosity, whole};
 use super::words;

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::output::read_json;
 use serde_json::Value;
-use willis::error::{Error, Fault, Result};
-use willis::internals::output::read_json;
 
 /// The file that describes a dataset.
 pub const DESCRIPTION: &str = "dataset_description.json";

@@ -4,14 +4,14 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::io::Column;
+use crate::internals::output::StagedFile;
+use crate::internals::output::atomic::{replace_file, write_file};
+use crate::internals::output::names::{PAGE, TOPOLOGY};
+use crate::internals::output::write_error;
+use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
-use willis::error::{Error, Fault, Result};
-use willis::internals::io::Column;
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::{replace_file, write_file};
-use willis::internals::output::names::{PAGE, TOPOLOGY};
-use willis::internals::output::write_error;
-use willis::internals::report::bids_table::{sidecar, write_tsv};
 
 use super::dataset::{DESCRIPTION, Dataset, Mask, is_of_willis};
 use crate::cli::cohort::relative;

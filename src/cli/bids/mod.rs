@@ -7,14 +7,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, Fault, Result};
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
+use crate::internals::output::{read_json, write_json};
+use crate::internals::report::bids_table::bids_columns;
+use crate::internals::report::cohort::{Row, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
-use willis::error::{Error, Fault, Result};
-use willis::internals::output::atomic::StagedFolder;
-use willis::internals::output::names::{FAILURE, LEDGER, RECORD};
-use willis::internals::output::{read_json, write_json};
-use willis::internals::report::bids_table::bids_columns;
-use willis::internals::report::cohort::{Row, infer_figures};
 
 use super::cohort::{Cohort, Entry, Failure, Ledger, Work, gather, say_notes_of, work_on};
 use super::command_line::command_line_of_mask;

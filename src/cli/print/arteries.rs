@@ -1,6 +1,6 @@
 //! Prints what `willis infer` and `willis classify` know of a Circle of Willis.
 
-use willis::internals::circle_of_willis::{Collateral, Posterior, RING, TERRITORIES, Variant};
+use crate::internals::circle_of_willis::{Collateral, Posterior, RING, TERRITORIES, Variant};
 
 use super::{Terminal, brief};
 

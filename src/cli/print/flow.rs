@@ -1,11 +1,11 @@
 //! Prints what came out of `willis simulate`: resilience, inflow, and what a perturbation did to them.
 
-use willis::internals::flow::state::{LAMINAR_LIMIT, State};
-use willis::internals::network::Condition;
-use willis::internals::network::units::{millimetres, ml_per_min};
-use willis::internals::report::{MOST_COLLATERALS, Simulated};
-use willis::internals::simulation::{FlowChange, Perturbation, gains, reversals};
-use willis::{Change, Network, Stenosis};
+use crate::internals::flow::state::{LAMINAR_LIMIT, State};
+use crate::internals::network::Condition;
+use crate::internals::network::units::{millimetres, ml_per_min};
+use crate::internals::report::{MOST_COLLATERALS, Simulated};
+use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
+use crate::{Change, Network, Stenosis};
 
 use super::{Terminal, brief, count, plural};
 

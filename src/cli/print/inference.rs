@@ -1,12 +1,21 @@
 //! Prints what came out of `willis infer`.
 
-use willis::internals::report::Outcome;
-use willis::{Keep, Weight};
+use crate::internals::report::Outcome;
+use crate::{Keep, Weight};
 
 use super::{Terminal, brief, count, plural};
 
-/// What was kept, and what the kept graph looks like.
+/// Says what was kept, and what the kept graph looks like.
 pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
+    for (heading, fact) in outcome_lines(outcome, seconds) {
+        terminal.say(heading, fact);
+    }
+}
+
+/// What was kept, and what the kept graph looks like: facts under headings. Sampling took so many `seconds`.
+pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    let mut say = |heading, fact| lines.push((heading, fact));
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
     let took = if outcome.exact {
@@ -14,7 +23,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     } else {
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
-    terminal.say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    say("sampled", format!("{took}, {} solver", outcome.method.solver));
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (Keep::Probability(p), _) => format!("probability >= {p}"),
@@ -24,7 +33,7 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no uncertain vessel has L > 0".into(),
     };
-    terminal.say(
+    say(
         "kept",
         format!(
             "{} of {} ({cut}), {} pruned, {} undecided{}",
@@ -38,22 +47,22 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     let [observed, pruned] = kept.observed;
     if observed > 0 {
         let rule = if outcome.rule.asks_evidence() { "; this rule keeps them, --keep median does not" } else { "" };
-        terminal.say("observed", format!("{} of {} pruned{rule}", count(pruned as u64), plural(observed, "observed vessel")));
+        say("observed", format!("{} of {} pruned{rule}", count(pruned as u64), plural(observed, "observed vessel")));
     }
     if outcome.contacts() > 0 {
         let contacts = plural(outcome.contacts(), "contact");
-        terminal.say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cuts().count() as u64)));
+        say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cuts().count() as u64)));
     }
     if let Some(expected) = outcome.expected {
         let [wrong, missed] = [expected.wrong, expected.missed].map(brief);
-        terminal.say("expected", format!("{wrong} wrong and {missed} missed connections, by the probabilities"));
+        say("expected", format!("{wrong} wrong and {missed} missed connections, by the probabilities"));
     }
     let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
-    terminal.say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
+    say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
     let same = answer.kept == answer.above_median;
     if !same {
         let median = &outcome.above_median;
-        terminal.say(
+        say(
             "median",
             format!(
                 "{} of {} lie above the median of L: {}, {}, as topology-median",
@@ -64,4 +73,5 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
             ),
         );
     }
+    lines
 }

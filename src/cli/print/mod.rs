@@ -5,18 +5,19 @@ pub mod flow;
 pub mod inference;
 pub mod notes;
 
+use std::cell::RefCell;
 use std::io::{IsTerminal, Write};
 use std::sync::Once;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::internals::flow::Boundary;
+use crate::internals::io::Format;
+use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+use crate::internals::network::{Condition, Origin, Role, fragments};
+use crate::internals::pipeline::nothing_built;
+use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
-use willis::internals::flow::Boundary;
-use willis::internals::io::Format;
-use willis::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis::internals::network::{Condition, Origin, Role, fragments};
-use willis::internals::pipeline::nothing_built;
-use willis::{Contents, Input, Network, Step};
 
 use crate::cli::flags_in;
 
@@ -32,6 +33,20 @@ pub struct Terminal {
 /// How often Ctrl-C or SIGTERM has come.
 static STOPS: AtomicU8 = AtomicU8::new(0);
 static HANDLER: Once = Once::new();
+/// Whether the command runs inside of another program.
+static INSIDE: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// What this thread says, where that is not to be printed.
+    static TAKEN: RefCell<Option<Vec<(String, String)>>> = const { RefCell::new(None) };
+}
+
+/// What is said in some work, as facts under headings; nothing of it is printed.
+pub fn taken(work: impl FnOnce(Terminal)) -> Vec<(String, String)> {
+    TAKEN.set(Some(Vec::new()));
+    work(Terminal::new(false, false));
+    TAKEN.take().unwrap_or_default()
+}
 
 /// Between two progress lines where there is no terminal.
 const QUIET_TIME: Duration = Duration::from_secs(10);
@@ -65,7 +80,12 @@ impl Terminal {
 
     /// Prints a fact under a heading.
     pub fn say(self, heading: &str, fact: impl AsRef<str>) {
-        if !self.quiet {
+        let taken = TAKEN.with_borrow_mut(|taken| {
+            let lines = taken.as_mut()?;
+            lines.push((heading.to_owned(), flags_in(fact.as_ref())));
+            Some(())
+        });
+        if taken.is_none() && !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
             line(format_args!("{on}{heading:>10}{off}  {}", flags_in(fact.as_ref())));
@@ -111,12 +131,32 @@ impl Terminal {
 
 /// From now on Ctrl-C and SIGTERM only ask to stop.
 pub fn listen() {
+    if INSIDE.load(Ordering::Relaxed) {
+        return;
+    }
     HANDLER.call_once(|| {
         // Without a handler a signal ends the process at once, which leaves no output either.
         let _ = ctrlc::set_handler(|| {
-            let _ = STOPS.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_add(1)));
+            count_stop();
         });
     });
+}
+
+/// From now on signals are the business of the program around this one; what an earlier command was asked is forgotten.
+pub(super) fn stay_inside() {
+    INSIDE.store(true, Ordering::Relaxed);
+    STOPS.store(0, Ordering::Relaxed);
+}
+
+/// Asks the command that is at work to stop, as Ctrl-C does.
+pub fn ask_to_stop() {
+    // The second time even a command that would rather finish stops.
+    count_stop();
+    count_stop();
+}
+
+fn count_stop() {
+    let _ = STOPS.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_add(1)));
 }
 
 /// Whether Ctrl-C or SIGTERM has come.
@@ -277,7 +317,6 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
             let vessels = plural(graph.vessel_count(), "vessel");
             terminal.say("sampling", format!("{how}: {} of {vessels} uncertain", count(uncertain as u64)));
         }
-        _ => {}
     }
 }
 

@@ -7,17 +7,17 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
-use serde_json::{Value, json};
-use willis::error::{Error, Result};
-use willis::internals::candidates::joins::model::JoinModel;
-use willis::internals::candidates::model::HeldOutScores;
-use willis::internals::output::StagedFile;
-use willis::internals::output::atomic::write_file;
-use willis::internals::training::{
+use crate::error::{Error, Result};
+use crate::internals::candidates::joins::model::JoinModel;
+use crate::internals::candidates::model::HeldOutScores;
+use crate::internals::output::StagedFile;
+use crate::internals::output::atomic::write_file;
+use crate::internals::training::{
     Case, ContactModel, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit,
     goes_without_inlets, read_cases,
 };
+use clap::Args;
+use serde_json::{Value, json};
 
 use crate::cli::args::figures::whole;
 use crate::cli::command_line::command_line;

@@ -4,16 +4,16 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
-use serde::Serialize;
-use serde_json::json;
-use willis::error::{Error, Fault, Result};
-use willis::internals::candidates::joins::model::{JoinModel, JoinScores};
-use willis::internals::io::bytes_of;
-use willis::internals::support::tree_provenance::TreeProvenance;
-use willis::internals::training::{
+use crate::error::{Error, Fault, Result};
+use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
+use crate::internals::io::bytes_of;
+use crate::internals::support::tree_provenance::TreeProvenance;
+use crate::internals::training::{
     Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, check_folds, cross_validate_contacts,
     cross_validate_joins, fit_contacts, fit_joins, read_cases,
 };
+use serde::Serialize;
+use serde_json::json;
 
 use super::{Output, TrainArgs, or_none, save, summary};
 use crate::cli::command_line::command_line;

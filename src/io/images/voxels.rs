@@ -49,6 +49,9 @@ impl Voxels {
         let count = (self.bytes(most)? / self.size as u64) as usize;
         let mut values: Vec<f32> = Vec::new();
         let mut block = vec![0; BLOCK * self.size];
+        let value = |stored: &[u8]| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
+        // The values that one byte can store.
+        let of_byte: Option<Vec<f32>> = (self.size == 1).then(|| (0..=u8::MAX).map(|byte| value(&[byte])).collect());
         while values.len() < count {
             let wanted = (count - values.len()).min(BLOCK) * self.size;
             self.fill_block(&mut bytes, &mut block[..wanted], values.len(), count)?;
@@ -56,8 +59,10 @@ impl Voxels {
             if values.capacity() < values.len() + BLOCK {
                 values.reserve_exact((count - values.len()).min(GROWTH));
             }
-            let value = |stored| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
-            values.extend(block[..wanted].chunks_exact(self.size).map(value));
+            match &of_byte {
+                Some(of_byte) => values.extend(block[..wanted].iter().map(|byte| of_byte[usize::from(*byte)])),
+                None => values.extend(block[..wanted].chunks_exact(self.size).map(value)),
+            }
         }
         Ok(Image { shape: self.shape, values, affine: self.affine })
     }

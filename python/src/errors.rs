@@ -1,0 +1,36 @@
+//! Errors of the library as Python's `willis.WillisError`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use willis::Error;
+use willis::error::Place;
+
+/// The exception for an error.
+pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
+    made(py, error).unwrap_or_else(|failed| failed)
+}
+
+fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
+    let fields = PyDict::new(py);
+    match error {
+        Error::Input { path, place, found, accepted } => {
+            fields.set_item("file", path)?;
+            match place {
+                Place::File => {}
+                Place::Line(line) => fields.set_item("line", line)?,
+                Place::Item(item) => fields.set_item("item", item)?,
+            }
+            fields.set_item("value", found)?;
+            fields.set_item("expected", accepted)?;
+        }
+        Error::Parameter { name, value, accepted } => {
+            fields.set_item("item", name)?;
+            fields.set_item("value", value)?;
+            fields.set_item("expected", accepted)?;
+        }
+        Error::Read { path, .. } | Error::Write { path, .. } | Error::Exists { path } => fields.set_item("file", path)?,
+        _ => {}
+    }
+    let class = py.import("willis._errors")?.getattr("WillisError")?;
+    Ok(PyErr::from_value(class.call((error.to_string(),), Some(&fields))?))
+}

@@ -1,0 +1,163 @@
+//! Long work without the interpreter's lock, that Ctrl-C stops.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use willis::cli::words::said_of_step;
+use willis::{Progress, Step};
+
+use crate::errors::raised;
+
+/// Between two looks at Python's signals.
+const POLL: Duration = Duration::from_millis(50);
+
+/// What another thread may know of some work, and by which it may stop it.
+#[pyclass(frozen, module = "willis._willis")]
+#[derive(Debug, Default)]
+pub struct Watch {
+    stopped: AtomicBool,
+    done: AtomicU64,
+    total: AtomicU64,
+    said: Mutex<Vec<(String, String)>>,
+}
+
+#[pymethods]
+impl Watch {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks the work to stop.
+    fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+
+    /// Samples that are done, and all that there are to be; 0 before sampling.
+    fn samples(&self) -> (u64, u64) {
+        (self.done.load(Ordering::Relaxed), self.total.load(Ordering::Relaxed))
+    }
+}
+
+impl Watch {
+    fn take_said(&self) -> Vec<(String, String)> {
+        std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// The progress of some work, for the thread that watches.
+pub struct Follower<'a>(&'a Watch);
+
+impl Progress for Follower<'_> {
+    fn step(&mut self, step: Step<'_>) {
+        let said = said_of_step(&step);
+        self.0.said.lock().unwrap_or_else(PoisonError::into_inner).extend(said);
+    }
+
+    fn report(&mut self, done: u64, total: u64) -> bool {
+        self.0.done.store(done, Ordering::Relaxed);
+        self.0.total.store(total, Ordering::Relaxed);
+        !self.0.stopped.load(Ordering::Relaxed)
+    }
+}
+
+/// Threads where a call does not say how many; zero for those of rayon.
+static THREADS: AtomicUsize = AtomicUsize::new(0);
+static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+
+/// So many threads from now on, where a call does not say otherwise.
+pub fn set_num_threads(threads: usize) -> PyResult<()> {
+    pool(threads)?;
+    THREADS.store(threads, Ordering::Relaxed);
+    Ok(())
+}
+
+fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
+    if !(1..=4096).contains(&threads) {
+        return Err(PyValueError::new_err(format!("threads {threads}: expected a number from 1 to 4096")));
+    }
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = pools.get(&threads) {
+        return Ok(pool.clone());
+    }
+    let made = ThreadPoolBuilder::new().num_threads(threads).build();
+    let made = Arc::new(made.map_err(|e| PyRuntimeError::new_err(format!("threads {threads}: {e}")))?);
+    pools.insert(threads, made.clone());
+    Ok(made)
+}
+
+/// Does some work without the interpreter's lock. Meanwhile `progress` is called with the samples that are done and their total, and `say`
+/// with what there is to say, a heading and a fact; an exception of either, or a signal, stops the work. The outer error is of those.
+pub fn interruptible<T: Send>(
+    py: Python<'_>,
+    watch: &Watch,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    say: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&mut Follower<'_>) -> willis::Result<T> + Send,
+) -> PyResult<PyResult<T>> {
+    let threads = threads.or(Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0));
+    let pool = threads.map(pool).transpose()?;
+    let (finished, waiting) = (Mutex::new(false), Condvar::new());
+    let (result, stopped_by) = std::thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            // Dropped on a panic too, so that nobody waits for ever.
+            let _ends = Ends(&finished, &waiting);
+            let mut follower = Follower(watch);
+            match &pool {
+                Some(pool) => pool.install(|| work(&mut follower)),
+                None => work(&mut follower),
+            }
+        });
+        let mut stopped_by = None;
+        loop {
+            let is_finished = py.detach(|| {
+                let finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+                let waited = waiting.wait_timeout_while(finished, POLL, |finished| !*finished);
+                *waited.unwrap_or_else(PoisonError::into_inner).0
+            });
+            if stopped_by.is_none()
+                && let Err(stop) = py.check_signals().and_then(|()| tell(watch, progress, say))
+            {
+                watch.stop();
+                willis::cli::ask_to_stop();
+                stopped_by = Some(stop);
+            }
+            if is_finished {
+                break;
+            }
+        }
+        (py.detach(|| worker.join()), stopped_by)
+    });
+    if let Some(stop) = stopped_by {
+        return Err(stop);
+    }
+    let result = result.map_err(|_| PyRuntimeError::new_err("willis met a state that it does not know; please report it"))?;
+    Ok(result.map_err(|error| raised(py, &error)))
+}
+
+struct Ends<'a>(&'a Mutex<bool>, &'a Condvar);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.1.notify_all();
+    }
+}
+
+fn tell(watch: &Watch, progress: Option<&Bound<'_, PyAny>>, say: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    for (heading, fact) in watch.take_said() {
+        if let Some(say) = say {
+            say.call1((heading, fact))?;
+        }
+    }
+    match (progress, watch.samples()) {
+        (Some(progress), samples @ (_, 1..)) => progress.call1(samples).map(drop),
+        _ => Ok(()),
+    }
+}

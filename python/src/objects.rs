@@ -1,0 +1,431 @@
+//! What Python holds on to: an input, a run, a simulation, a modulation, a phenotype. Each is one call of the library.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use willis::cli::words;
+use willis::internals::report::Outcome;
+use willis::{
+    ArterySource, BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SaveOptions, Silent,
+};
+
+use crate::errors::raised;
+use crate::interrupt::{Watch, interruptible};
+use crate::tables;
+
+type Said = Vec<(String, String)>;
+
+/// A network that was read, or made of arrays.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Scan {
+    pub input: Arc<Input>,
+}
+
+impl Scan {
+    fn of(network: Network) -> Self {
+        Self { input: Arc::new(Input::from_network(network)) }
+    }
+
+    /// The name of the file; one that was handed over has none, and is called a network.
+    fn path(&self) -> &Path {
+        let name = &self.input.provenance.input;
+        Path::new(if name.is_empty() { "network" } else { name })
+    }
+}
+
+#[pymethods]
+impl Scan {
+    /// The name of the file.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.input.provenance.input
+    }
+
+    #[getter]
+    fn format(&self) -> &str {
+        &self.input.provenance.format
+    }
+
+    #[getter]
+    fn sha256(&self) -> &str {
+        &self.input.provenance.sha256
+    }
+
+    #[getter]
+    fn node_count(&self) -> usize {
+        self.input.network.node_count()
+    }
+
+    #[getter]
+    fn vessel_count(&self) -> usize {
+        self.input.network.vessel_count()
+    }
+
+    /// Whether candidates are to be built around its vessels.
+    #[getter]
+    fn is_fragments(&self) -> bool {
+        self.input.is_fragments
+    }
+
+    /// What the command says of it: facts under headings.
+    fn said(&self) -> Said {
+        words::said_of_input(&self.input)
+    }
+
+    /// The columns of its nodes and of its vessels.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
+        tables::of_network(py, &self.input.network)
+    }
+
+    /// The two nodes of each vessel (M, 2), the points of all vessels (P, 3) and their radii (P), mm, and where each vessel begins (M + 1).
+    #[allow(clippy::type_complexity, reason = "it is what Python gets")]
+    fn lines<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)>
+    {
+        tables::lines(py, &self.input.network)
+    }
+}
+
+/// Reads a file, or the folder of a run.
+#[pyfunction]
+pub fn read(py: Python<'_>, path: PathBuf, words: Vec<String>) -> PyResult<Scan> {
+    let read = || willis::read(&path, &words::reading(&path, &words)?);
+    interruptible(py, &Watch::default(), None, None, None, |_| read())?.map(|input| Scan { input: Arc::new(input) })
+}
+
+/// Reads the bytes of a file that would be called `name`.
+#[pyfunction]
+pub fn read_bytes(py: Python<'_>, name: &str, bytes: Vec<u8>, words: Vec<String>) -> PyResult<Scan> {
+    let name = Path::new(name);
+    let read = || willis::read_bytes(name, &bytes, &words::reading(name, &words)?);
+    interruptible(py, &Watch::default(), None, None, None, |_| read())?.map(|input| Scan { input: Arc::new(input) })
+}
+
+/// The whole anatomy of a phantom.
+#[pyfunction]
+pub fn phantom(py: Python<'_>, kind: String, words: Vec<String>) -> PyResult<Scan> {
+    interruptible(py, &Watch::default(), None, None, None, |_| words::phantom(&kind, &words))?.map(Scan::of)
+}
+
+/// The over-connected graph of a scan.
+#[pyfunction]
+#[pyo3(signature = (scan, words, watch, threads=None, say=None))]
+pub fn candidates(
+    py: Python<'_>,
+    scan: &Scan,
+    words: Vec<String>,
+    watch: &Watch,
+    threads: Option<usize>,
+    say: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Scan> {
+    let input = &scan.input;
+    let found = interruptible(py, watch, threads, None, say, |follower| {
+        let (options, line) = words::infer(scan.path(), &words)?;
+        let prepared = willis::prepare(input.as_ref().clone().with_command(line), &options, follower)?;
+        Ok(prepared.boundary.stated_in(prepared.graph.clone()))
+    })?;
+    found.map(Scan::of)
+}
+
+/// A run of infer.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Run {
+    run: Inference,
+}
+
+/// Finds the plausible topology of a scan, by the words of the command.
+#[pyfunction]
+#[pyo3(signature = (scan, words, watch, threads=None, progress=None, say=None))]
+pub fn infer(
+    py: Python<'_>,
+    scan: &Scan,
+    words: Vec<String>,
+    watch: &Watch,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    say: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Run> {
+    let input = &scan.input;
+    let run = interruptible(py, watch, threads, progress, say, |follower| {
+        let (options, line) = words::infer(scan.path(), &words)?;
+        willis::infer_with(&input.as_ref().clone().with_command(line), &options, follower)
+    })?;
+    run.map(|run| Run { run })
+}
+
+/// The samples `A..B` of a run, as the two files of a shard.
+#[pyfunction]
+#[pyo3(signature = (scan, words, range, watch, threads=None, progress=None, say=None))]
+#[allow(clippy::too_many_arguments, reason = "it is called by keywords")]
+pub fn infer_part<'py>(
+    py: Python<'py>,
+    scan: &Scan,
+    words: Vec<String>,
+    range: &str,
+    watch: &Watch,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    say: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
+    let input = &scan.input;
+    let files = interruptible(py, watch, threads, progress, say, |follower| {
+        let (options, line) = words::infer(scan.path(), &words)?;
+        let blocks = words::blocks_of(range, options.sampling.samples)?;
+        let prepared = willis::prepare(input.as_ref().clone().with_command(line), &options, follower)?;
+        let folder = temporary()?;
+        prepared.sample_range(&options.sampling, &blocks, follower)?.write(folder.path(), &SaveOptions::default())?;
+        Ok((bytes(&folder.path().join(SHARD[0]))?, bytes(&folder.path().join(SHARD[1]))?))
+    })?;
+    files.map(|(record, sums)| (PyBytes::new(py, &record), PyBytes::new(py, &sums)))
+}
+
+/// The files of a shard.
+const SHARD: [&str; 2] = ["shard.json", "shard.npz"];
+
+fn temporary() -> Result<tempfile::TempDir> {
+    tempfile::tempdir().map_err(|source| willis::Error::Write { path: std::env::temp_dir(), source })
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|source| willis::Error::Read { path: path.to_owned(), source })
+}
+
+/// A run put together from its shards, each the two files of one.
+#[pyfunction]
+pub fn merge(py: Python<'_>, shards: Vec<(Vec<u8>, Vec<u8>)>) -> PyResult<Run> {
+    let merged = interruptible(py, &Watch::default(), None, None, None, |_| {
+        let folder = temporary()?;
+        let mut folders = Vec::new();
+        for (number, (record, sums)) in shards.iter().enumerate() {
+            let shard = folder.path().join(number.to_string());
+            let made = std::fs::create_dir(&shard)
+                .and_then(|()| std::fs::write(shard.join(SHARD[0]), record))
+                .and_then(|()| std::fs::write(shard.join(SHARD[1]), sums));
+            made.map_err(|source| willis::Error::Write { path: shard.clone(), source })?;
+            folders.push(shard);
+        }
+        willis::merge(&folders, |_, _, _| {})
+    })?;
+    merged.map(|(run, _)| Run { run })
+}
+
+/// A run from its bytes.
+#[pyfunction]
+pub fn run_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Run> {
+    interruptible(py, &Watch::default(), None, None, None, |_| Inference::from_bytes(&bytes))?.map(|run| Run { run })
+}
+
+impl Run {
+    fn outcome(&self) -> Outcome<'_> {
+        self.run.outcome()
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// The graph that was sampled, with its conditions.
+    fn graph(&self, py: Python<'_>) -> Scan {
+        py.detach(|| Scan::of(self.run.boundary().stated_in(self.run.graph().clone())))
+    }
+
+    /// The plausible topology.
+    fn topology(&self, py: Python<'_>) -> Scan {
+        py.detach(|| Scan::of(self.run.topology()))
+    }
+
+    /// The columns of nodes.csv and of edges.csv.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
+        let [nodes, vessels] = py.detach(|| self.run.tables()).map_err(|e| raised(py, &e))?;
+        Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
+    }
+
+    /// The upper triangle of the likelihood matrix: rows, columns, values.
+    #[allow(clippy::type_complexity, reason = "it is what Python gets")]
+    fn matrix<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>) {
+        let cells = py.detach(|| self.run.likelihood().matrix(self.run.graph()));
+        let rows: Vec<u32> = cells.iter().map(|cell| cell.0).collect();
+        let columns: Vec<u32> = cells.iter().map(|cell| cell.1).collect();
+        let values: Vec<f64> = cells.iter().map(|cell| cell.2).collect();
+        (rows.into_pyarray(py), columns.into_pyarray(py), values.into_pyarray(py))
+    }
+
+    /// Per vessel whether it is kept.
+    fn kept<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        self.run.kept().to_vec().into_pyarray(py)
+    }
+
+    /// The rows of the vessels whose decision is not certain.
+    fn undecided<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        self.outcome().answer.undecided.iter().map(|row| *row as i64).collect::<Vec<i64>>().into_pyarray(py)
+    }
+
+    /// How many of the kept connections are expected to be wrong, and how many are missed; where there is evidence.
+    fn expected(&self) -> Option<(f64, f64)> {
+        self.outcome().expected.map(|expected| (expected.wrong, expected.missed))
+    }
+
+    /// What the command says of it: facts under headings.
+    fn said(&self) -> Said {
+        words::said_of_run(&self.run)
+    }
+
+    /// The probability of each variant, where arteries are known: phenotype.json of the run.
+    fn seconds(&self) -> f64 {
+        self.run.seconds()
+    }
+
+    /// The same samples decided on by another rule.
+    fn decided_by(&self, py: Python<'_>, rule: &str) -> PyResult<Self> {
+        let decided = py.detach(|| self.run.decided_by(rule.parse()?));
+        decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
+    }
+
+    /// Writes the folder of the command; what a person should know.
+    fn save(&self, py: Python<'_>, folder: PathBuf, dpi: u32) -> PyResult<Vec<String>> {
+        py.detach(|| self.run.save(&folder, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
+    }
+
+    /// All that it takes to make it again.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| self.run.to_bytes()).map_err(|e| raised(py, &e))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+/// The flow in a network as it is, and with its changes.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Simulation {
+    input: Arc<Input>,
+    options: FlowOptions,
+    changes: Vec<(String, Change)>,
+}
+
+impl Simulation {
+    fn solve(&self) -> Result<willis::SimulationRun<'_>> {
+        let changes: Vec<(&str, Change)> = self.changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
+        willis::simulate(&self.input, &changes, &self.options)
+    }
+}
+
+/// Solves the flow in a network by the words of the command.
+#[pyfunction]
+pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Simulation> {
+    let made = py.detach(|| {
+        let (options, changes) = words::simulate(scan.path(), &words)?;
+        let made = Simulation { input: Arc::new(scan.input.as_ref().clone().with_command(line)), options, changes };
+        made.solve().map(drop)?;
+        Ok(made)
+    });
+    made.map_err(|e| raised(py, &e))
+}
+
+#[pymethods]
+impl Simulation {
+    /// The columns of nodes.csv and of edges.csv.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
+        let [nodes, vessels] = py.detach(|| self.solve().map(|run| run.tables())).map_err(|e| raised(py, &e))?;
+        Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
+    }
+
+    /// What the command says of it: facts under headings.
+    fn said(&self, py: Python<'_>) -> PyResult<Said> {
+        py.detach(|| self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))
+    }
+
+    /// Writes the folder of the command; what a person should know.
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool, dpi: u32) -> PyResult<Vec<String>> {
+        let saved = py.detach(|| self.solve()?.save(&folder, force, &SaveOptions { dpi }));
+        saved.map_err(|e| raised(py, &e))
+    }
+}
+
+/// How a network responds to resistances that vary at random.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Modulation {
+    input: Arc<Input>,
+    boundary: BoundaryOptions,
+    options: ModulationOptions,
+    threshold: Option<f64>,
+    /// run.json.
+    #[pyo3(get)]
+    record: String,
+}
+
+/// Modulates the resistances of a network by the words of the command.
+#[pyfunction]
+#[pyo3(signature = (scan, words, line, watch, threads=None, progress=None, say=None))]
+#[allow(clippy::too_many_arguments, reason = "it is called by keywords")]
+pub fn modulate(
+    py: Python<'_>,
+    scan: &Scan,
+    words: Vec<String>,
+    line: String,
+    watch: &Watch,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    say: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Modulation> {
+    interruptible(py, watch, threads, progress, say, |follower| {
+        let input = Arc::new(scan.input.as_ref().clone().with_command(line));
+        let (boundary, options, threshold) = words::modulate(scan.path(), &input.network, &words)?;
+        let record = willis::modulate_with(&input, &boundary, &options, threshold, follower)?.record().to_string();
+        Ok(Modulation { input, boundary, options, threshold, record })
+    })?
+}
+
+#[pymethods]
+impl Modulation {
+    /// Writes the files of the command into a folder that is there.
+    fn write(&self, py: Python<'_>, folder: PathBuf, instances: bool, dpi: u32) -> PyResult<()> {
+        let Self { input, boundary, options, threshold, .. } = self;
+        interruptible(py, &Watch::default(), None, None, None, |follower| {
+            let run = willis::modulate_with(input, boundary, options, *threshold, follower)?;
+            run.write(&folder, instances, &SaveOptions { dpi })
+        })?
+    }
+}
+
+/// The phenotype of a Circle of Willis.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Phenotype {
+    phenotype: willis::Phenotype,
+}
+
+/// Classifies the Circle of Willis of a scan, or of the folder of a run, by the words of the command.
+#[pyfunction]
+pub fn classify(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Phenotype> {
+    let found = interruptible(py, &Watch::default(), None, None, None, |_| {
+        let source: Option<ArterySource> = words::classify(scan.path(), &words)?;
+        willis::classify(&scan.input.as_ref().clone().with_command(line), source.as_ref(), &mut Silent)
+    })?;
+    found.map(|phenotype| Phenotype { phenotype })
+}
+
+#[pymethods]
+impl Phenotype {
+    /// phenotype.json.
+    #[getter]
+    fn json(&self) -> String {
+        self.phenotype.json.to_string()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.phenotype.notes.clone()
+    }
+
+    #[getter]
+    fn known_by(&self) -> &str {
+        &self.phenotype.known_by
+    }
+
+    /// Writes the files of the command into a folder that is there.
+    fn write(&self, py: Python<'_>, folder: PathBuf, subject: &str) -> PyResult<()> {
+        py.detach(|| self.phenotype.write(&folder, subject)).map_err(|e| raised(py, &e))
+    }
+}

@@ -1,0 +1,172 @@
+"""The module against the command and against other readers. Run from the root of the project, with `willis` installed."""
+
+import filecmp
+import json
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+
+import willis
+
+BROKEN = "data/broken-circle-of-willis.swc"
+
+
+def command(*words):
+    subprocess.run([sys.executable, "-c", "import sys; from willis._command import main; sys.exit(main())", *words], check=True)
+
+
+def same_folders(a, b):
+    """Every file alike; of run.json all but the time."""
+    names = sorted(path.name for path in a.iterdir())
+    assert names == sorted(path.name for path in b.iterdir())
+    plain = [name for name in names if name not in ("run.json", "report.html")]
+    assert filecmp.cmpfiles(a, b, plain, shallow=False) == (plain, [], [])
+    records = [json.loads((folder / "run.json").read_text()) for folder in (a, b)]
+    for record in records:
+        del record["time"]
+    assert records[0] == records[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "given"),
+    [
+        ({}, []),
+        ({"epsilon": 0.25, "samples": 128, "seed": 7}, ["--epsilon", "0.25", "--samples", "128", "--seed", "7"]),
+        ({"keep": "median"}, ["--keep", "median"]),
+        ({"preset": "paper", "max_gap": 3}, ["--preset", "paper", "--max-gap", "3"]),
+        ({"outlets": "ground"}, ["--outlets", "ground"]),
+    ],
+)
+def test_a_run_is_that_of_the_command(tmp_path, options, given):
+    willis.infer(BROKEN, **options).save(tmp_path / "module")
+    command("infer", BROKEN, "-o", str(tmp_path / "command"), "--quiet", *given)
+    same_folders(tmp_path / "module", tmp_path / "command")
+
+
+def test_arrays_are_the_npz_of_them(tmp_path):
+    arrays = willis.read(BROKEN).to_arrays()
+    labels = arrays.get("labels")
+    scan = willis.centerlines(arrays["coords"], arrays["edges"], arrays["radii"], labels=labels)
+    np.savez(tmp_path / "arrays.npz", **{name: arrays[name] for name in ("coords", "edges", "radii", "labels") if name in arrays})
+    a, b = willis.infer(scan, samples=64), willis.infer(tmp_path / "arrays.npz", samples=64)
+    for name, values in a.edges.items():
+        np.testing.assert_array_equal(values, b.edges[name])
+
+
+def test_likelihood_is_that_of_the_file(tmp_path):
+    scipy = pytest.importorskip("scipy.sparse")
+    run = willis.infer(BROKEN)
+    run.save(tmp_path / "out")
+    saved = scipy.load_npz(tmp_path / "out" / "likelihood.npz")
+    assert abs(run.likelihood - saved).max() == 0
+    assert (run.likelihood != run.likelihood.T).nnz == 0
+
+
+def test_rekeep_pickle_and_shards():
+    run = willis.infer(BROKEN, samples=256)
+    median = run.rekeep("median")
+    assert (median.kept != run.kept).any()
+    np.testing.assert_array_equal(median.kept, willis.infer(BROKEN, samples=256, keep="median").kept)
+    again = pickle.loads(pickle.dumps(run))
+    np.testing.assert_array_equal(again.edges["likelihood"], run.edges["likelihood"])
+    assert str(again) == str(run)
+    shards = [willis.infer(BROKEN, samples=256, part=part) for part in ((64, 256), (0, 64))]
+    merged = willis.merge([pickle.loads(pickle.dumps(shard)) for shard in shards])
+    np.testing.assert_array_equal(merged.edges["likelihood"], run.edges["likelihood"])
+
+
+def test_errors_say_what_where_and_what_else(tmp_path):
+    path = tmp_path / "bad.swc"
+    path.write_text("1 0 0 0 0 1 -1\n2 0 1 0 x 1 1\n")
+    with pytest.raises(willis.WillisError) as caught:
+        willis.read(path)
+    assert caught.value.file == str(path) and caught.value.line == 2 and caught.value.expected
+    assert isinstance(caught.value, ValueError)
+    assert pickle.loads(pickle.dumps(caught.value)).line == 2
+    with pytest.raises(willis.WillisError, match="epsilon 2: expected"):
+        willis.infer(BROKEN, epsilon=2)
+    with pytest.raises(willis.WillisError, match="arrays.npz"):
+        willis.centerlines([[0, 0, 0], [1, 0, 0]], [[0, 5]], [1, 1])
+    with pytest.raises(willis.WillisError):
+        willis.centerlines([[0, 0, 0], [np.nan, 0, 0]], [[0, 1]], [1, 1])
+    with pytest.raises(willis.WillisError):
+        willis.infer(tmp_path / "not-there.swc")
+
+
+def test_simulate_narrows_what_is_named():
+    circle = willis.phantom("circle-of-willis")
+    label = next(label for label in circle.edges["label"] if label)
+    rest = willis.simulate(circle)
+    narrowed = willis.simulate(circle, stenosis={label: 0.7})
+    row = list(circle.edges["label"]).index(label)
+    before, after = (abs(run[row]) for run in (rest.edges["flow_mL_per_min"], narrowed.edges["flow_mL_per_min_perturbed"]))
+    assert after < before
+
+
+def test_networkx_has_every_vessel():
+    pytest.importorskip("networkx")
+    run = willis.infer(BROKEN, samples=64)
+    graph = run.topology.to_networkx()
+    assert graph.number_of_edges() == int(run.kept.sum())
+    lengths = sum(length for *_, length in graph.edges(data="length_mm"))
+    assert lengths == pytest.approx(run.edges["length_mm"][run.kept].sum(), rel=1e-9)
+
+
+def test_progress_is_told_and_may_stop():
+    heard = []
+    willis.infer(BROKEN, samples=2_000_000, progress=lambda done, total: heard.append((done, total)))
+    assert all(done <= total == 2_000_000 for done, total in heard)
+
+    def stop(done, total):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        willis.infer(BROKEN, samples=10**9, progress=stop)
+
+
+def test_ctrl_c_stops_a_long_run():
+    sent = []
+
+    def press():
+        time.sleep(0.5)
+        sent.append(time.monotonic())
+        signal.raise_signal(signal.SIGINT)
+
+    threading.Thread(target=press).start()
+    with pytest.raises(KeyboardInterrupt):
+        willis.infer(BROKEN, samples=10**9)
+    assert sent
+
+
+def test_two_threads_give_the_serial_answer():
+    alone = willis.infer(BROKEN, samples=20_000).edges["likelihood"]
+    found = {}
+
+    def work(number):
+        found[number] = willis.infer(BROKEN, samples=20_000, threads=1 + number, progress=False).edges["likelihood"]
+
+    threads = [threading.Thread(target=work, args=(number,)) for number in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for likelihood in found.values():
+        np.testing.assert_array_equal(likelihood, alone)
+
+
+def test_notes_are_warnings(tmp_path):
+    path = tmp_path / "mask.npy"
+    mask = np.zeros((40, 12, 12), dtype=np.uint8)
+    mask[2:38, 4:8, 4:8] = 1
+    np.save(path, mask)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        willis.read(path, spacing=0.5)
+    assert any(issubclass(one.category, willis.Note) for one in said)

@@ -1,0 +1,51 @@
+"""Options of Python as the words of the command, so that both mean the same."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+
+def text(value: Any) -> str:
+    """A value as it is typed."""
+    if isinstance(value, (list, tuple)) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0):
+        return ",".join(text(one) for one in value)
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float):
+        return repr(value)
+    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+
+
+def words(given: dict[str, Any], defaults: dict[str, Any]) -> list[str]:
+    """The options that are not at their default, in their order; a list of texts is an option for each."""
+    out: list[str] = []
+    for name, value in given.items():
+        if value is None or (name in defaults and _same(value, defaults[name])):
+            continue
+        flag = ("-" if len(name) == 1 else "--") + name.replace("_", "-")
+        if value is True:
+            out.append(flag)
+        elif value is False:
+            continue
+        elif isinstance(value, Repeated):
+            for one in value.values:
+                out.extend((flag, text(one)))
+        else:
+            out.extend((flag, text(value)))
+    return out
+
+
+def _same(value: Any, default: Any) -> bool:
+    try:
+        return bool(value == default)
+    except ValueError:
+        return False
+
+
+class Repeated:
+    """An option that is given once for each of several values."""
+
+    def __init__(self, values: Iterable[Any] | str | None) -> None:
+        self.values = [] if values is None else [values] if isinstance(values, (str, int)) else list(values)

@@ -1,0 +1,186 @@
+//! What the options of a command mean, for bindings to other languages: their names, their units and their defaults are those of the
+//! command, and so are their errors, which name fields (`max_gap`) as the library does.
+
+use std::path::Path;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Args, FromArgMatches};
+
+use super::args::reading::ReadingArgs;
+use super::classify::ClassifyArgs;
+use super::command_line::command_line_of_words;
+use super::infer::InferArgs;
+use super::modulate::ModulateArgs;
+use super::phantom::PhantomArgs;
+use super::print::arteries::say_variant;
+use super::print::flow::say_simulated;
+use super::print::inference::say_outcome;
+use super::print::{say_read, say_step, taken};
+use super::simulate::SimulateArgs;
+use crate::error::{Error, Result};
+use crate::{
+    ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network, ReadOptions,
+    SimulationRun, Step,
+};
+
+/// How an input is read, by the words that follow its name: `--units um`.
+///
+/// # Errors
+///
+/// A word that is no option, or a value that it does not take.
+pub fn reading(input: &Path, words: &[String]) -> Result<ReadOptions> {
+    parsed::<ReadingArgs>(&[], words)?.options(input)
+}
+
+/// How `willis infer` works on an input, by the words that follow its name, and the command line that repeats the run.
+///
+/// # Errors
+///
+/// A word that is no option, or a value that it does not take.
+pub fn infer(input: &Path, words: &[String]) -> Result<(InferOptions, String)> {
+    let name = input.to_string_lossy().into_owned();
+    let args = parsed::<InferArgs>(&[&name, "-o", "again"], words)?;
+    let line = [vec!["infer".to_owned(), name], words.to_vec()].concat();
+    Ok((args.meaning(input)?, command_line_of_words(&line, "again")))
+}
+
+/// Samples as a run of infer takes them: blocks of the range `A..B` of so many.
+pub use crate::internals::pipeline::blocks_of;
+
+/// What `willis simulate` does, by its words: the flow as it is, and the changes beside it, each of vessels by name.
+///
+/// # Errors
+///
+/// A word that is no option, or a value that it does not take.
+pub fn simulate(input: &Path, words: &[String]) -> Result<(FlowOptions, Vec<(String, Change)>)> {
+    parsed::<SimulateArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?.meaning(input)
+}
+
+/// What `willis modulate` does with a network, by its words: conditions, modulation, and the threshold of hypertension, Pa/m².
+///
+/// # Errors
+///
+/// A word that is no option, a value that it does not take, a vessel that is not there.
+pub fn modulate(input: &Path, network: &Network, words: &[String]) -> Result<(BoundaryOptions, ModulationOptions, Option<f64>)> {
+    parsed::<ModulateArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?.meaning(input, network)
+}
+
+/// How the arteries of an input are known, by the words of `willis classify`, where one of them says it.
+///
+/// # Errors
+///
+/// A word that is no option, or a value that it does not take.
+pub fn classify(input: &Path, words: &[String]) -> Result<Option<ArterySource>> {
+    Ok(parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?.source(input))
+}
+
+/// The whole anatomy that `willis phantom KIND` makes, by its words.
+///
+/// # Errors
+///
+/// A kind that is not known, a word that is no option, or a value that it does not take.
+pub fn phantom(kind: &str, words: &[String]) -> Result<Network> {
+    parsed::<PhantomArgs>(&[kind, "-o", "again.graphml"], words)?.whole()
+}
+
+/// What the command says of an input that it has read: facts under headings, of which `note` is what a person should know.
+pub fn said_of_input(input: &Input) -> Vec<(String, String)> {
+    taken(|terminal| say_read(terminal, input, false))
+}
+
+/// What the command says of a step: facts under headings.
+pub fn said_of_step(step: &Step<'_>) -> Vec<(String, String)> {
+    taken(|terminal| say_step(terminal, step))
+}
+
+/// What the command says of the answer of a run: facts under headings.
+pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
+    taken(|terminal| {
+        say_outcome(terminal, &run.outcome(), run.seconds());
+        if let Some((posterior, how)) = run.posterior() {
+            terminal.say("drawn", how);
+            say_variant(terminal, &posterior.best(), Some(posterior));
+        }
+    })
+}
+
+/// What the command says of a simulation: facts under headings.
+pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
+    taken(|terminal| say_simulated(terminal, &run.simulated()))
+}
+
+/// The arguments of a command, by words.
+fn parsed<A: Args + FromArgMatches>(first: &[&str], words: &[String]) -> Result<A> {
+    let command = A::augment_args(clap::Command::new("willis"));
+    let all = ["willis"].into_iter().chain(first.iter().copied()).chain(words.iter().map(String::as_str));
+    let matches = command.try_get_matches_from(all);
+    matches.and_then(|matches| A::from_arg_matches(&matches)).map_err(|error| refusal(&error))
+}
+
+/// What is wrong with words, as an error of the library.
+pub(super) fn refusal(error: &clap::Error) -> Error {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.clone()),
+        Some(ContextValue::Strings(texts)) => Some(texts.join(", ")),
+        _ => None,
+    };
+    let rendered = error.render().to_string();
+    let first = rendered.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    let Some(name) = text(ContextKind::InvalidArg).map(|arg| field(&arg)) else {
+        return Error::parameter("command", text(ContextKind::InvalidSubcommand).unwrap_or_default(), first);
+    };
+    let value = text(ContextKind::InvalidValue).unwrap_or_default();
+    let accepted = match error.kind() {
+        ErrorKind::ArgumentConflict => {
+            format!(
+                "does not go with {}",
+                text(ContextKind::PriorArg).map_or_else(|| "another option".to_owned(), |arg| field(&arg))
+            )
+        }
+        ErrorKind::UnknownArgument => "is no option of this command".to_owned(),
+        _ => match (std::error::Error::source(error), text(ContextKind::ValidValue)) {
+            (Some(source), _) => source.to_string(),
+            (None, Some(valid)) if !valid.is_empty() => format!("expected one of {valid}"),
+            _ => first,
+        },
+    };
+    Error::parameter(name, format!("\"{value}\""), accepted)
+}
+
+/// The field that an option is: `max_gap` for `--max-gap <LENGTH>`.
+fn field(arg: &str) -> String {
+    let name = arg.split([' ', '=', '[', '<']).next().unwrap_or_default();
+    name.trim_start_matches('-').replace('-', "_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn words_mean_what_the_command_means() {
+        let (options, line) = infer(Path::new("a b.swc"), &words("--epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90")).unwrap();
+        assert_eq!((options.sampling.epsilon, options.sampling.samples), (0.25, 64));
+        assert_eq!(options.candidates.max_gap, Some(0.005));
+        assert_eq!(options.boundary.inlet, ["1=90"]);
+        assert_eq!(line, "willis infer 'a b.swc' --epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90 -o again");
+        assert_eq!(infer(Path::new("x"), &[]).unwrap().0, InferOptions::default());
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let said = |line: &str| infer(Path::new("x.swc"), &words(line)).unwrap_err().to_string();
+        assert_eq!(said("--epsilon much"), "epsilon \"much\": expected a number from 0 to 1, such as 0.5");
+        assert_eq!(said("--max-gap -3mm"), "max_gap \"-3mm\": expected a positive length");
+        assert!(
+            said("--uncertain some").starts_with("uncertain \"some\": expected one of candidates, all"),
+            "{}",
+            said("--uncertain some")
+        );
+        assert!(said("--until stable -n 5").contains("does not go with"), "{}", said("--until stable -n 5"));
+    }
+}
