@@ -92,6 +92,9 @@ def test_errors_say_what_where_and_what_else(tmp_path):
     assert pickle.loads(pickle.dumps(caught.value)).line == 2
     with pytest.raises(willis.WillisError, match="epsilon 2: expected"):
         willis.infer(BROKEN, epsilon=2)
+    with pytest.raises(willis.WillisError, match="max_gap") as caught:
+        willis.infer(BROKEN, max_gap=-3)
+    assert caught.value.item == "max_gap" and "positive" in caught.value.expected
     with pytest.raises(willis.WillisError, match="arrays.npz"):
         willis.centerlines([[0, 0, 0], [1, 0, 0]], [[0, 5]], [1, 1])
     with pytest.raises(willis.WillisError):

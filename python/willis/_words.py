@@ -31,10 +31,15 @@ def words(given: dict[str, Any], defaults: dict[str, Any]) -> list[str]:
             continue
         elif isinstance(value, Repeated):
             for one in value.values:
-                out.extend((flag, text(one)))
+                out.extend(_pair(flag, text(one)))
         else:
-            out.extend((flag, text(value)))
+            out.extend(_pair(flag, text(value)))
     return out
+
+
+def _pair(flag: str, value: str) -> tuple[str, ...]:
+    """An option and its value; in one word where the value looks like an option."""
+    return (f"{flag}={value}",) if value.startswith("-") and flag.startswith("--") else (flag, value)
 
 
 def _same(value: Any, default: Any) -> bool:

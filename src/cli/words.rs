@@ -175,7 +175,7 @@ mod tests {
     fn errors_name_the_field() {
         let said = |line: &str| infer(Path::new("x.swc"), &words(line)).unwrap_err().to_string();
         assert_eq!(said("--epsilon much"), "epsilon \"much\": expected a number from 0 to 1, such as 0.5");
-        assert_eq!(said("--max-gap -3mm"), "max_gap \"-3mm\": expected a positive length");
+        assert_eq!(said("--max-gap=-3mm"), "max_gap \"-3mm\": expected a positive length");
         assert!(
             said("--uncertain some").starts_with("uncertain \"some\": expected one of candidates, all"),
             "{}",

@@ -388,7 +388,7 @@ mod tests {
         let shape = [70, 13, 11];
         let image = Image { shape, values: vec![1.0; shape.iter().product()], affine };
         let picture = Picture::of(image, [[-1.0; 3], [1.0; 3]], 1e-6).expect("the box is in the image");
-        let position = [[0.1e-3, -8e-3, 4e-3], [-3e-3, -20e-3, 8e-3], [2e-3, 2e-3, 1e-3], [40e-3, 0.0, 0.0]];
+        let position = [[0.1e-3, -8e-3, 4e-3], [-3e-3, -20e-3, 8e-3], [2.03e-3, 2.01e-3, 1.04e-3], [40e-3, 0.0, 0.0]];
         let radius = [1.1e-3, 2.6e-3, 0.9e-3, 1e-3];
         let e = Centerlines { position: &position, radius: &radius, lines: &[], spacing: 1e-3 };
         let bits = Bits::around(&picture, &e, 0.2e-3);
