@@ -135,6 +135,8 @@ def test_progress_is_told_and_may_stop():
 
 
 def test_ctrl_c_stops_a_long_run():
+    # A program in the background starts with the signal ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     sent = []
 
     def press():
@@ -143,8 +145,11 @@ def test_ctrl_c_stops_a_long_run():
         signal.raise_signal(signal.SIGINT)
 
     threading.Thread(target=press).start()
-    with pytest.raises(KeyboardInterrupt):
-        willis.infer(BROKEN, samples=10**9)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            willis.infer(BROKEN, samples=10**9)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert sent
 
 
