@@ -60,7 +60,6 @@ fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(objects::read, m)?,
         wrap_pyfunction!(objects::read_bytes, m)?,
         wrap_pyfunction!(objects::phantom, m)?,
-        wrap_pyfunction!(objects::candidates, m)?,
         wrap_pyfunction!(objects::infer, m)?,
         wrap_pyfunction!(objects::infer_part, m)?,
         wrap_pyfunction!(objects::merge, m)?,

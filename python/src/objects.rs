@@ -45,16 +45,6 @@ impl Scan {
     }
 
     #[getter]
-    fn format(&self) -> &str {
-        &self.input.provenance.format
-    }
-
-    #[getter]
-    fn sha256(&self) -> &str {
-        &self.input.provenance.sha256
-    }
-
-    #[getter]
     fn node_count(&self) -> usize {
         self.input.network.node_count()
     }
@@ -62,12 +52,6 @@ impl Scan {
     #[getter]
     fn vessel_count(&self) -> usize {
         self.input.network.vessel_count()
-    }
-
-    /// Whether candidates are to be built around its vessels.
-    #[getter]
-    fn is_fragments(&self) -> bool {
-        self.input.is_fragments
     }
 
     /// What the command says of it: facts under headings.
@@ -110,26 +94,6 @@ pub fn read_bytes(py: Python<'_>, name: &str, bytes: Vec<u8>, words: Vec<String>
 #[pyfunction]
 pub fn phantom(py: Python<'_>, kind: String, words: Vec<String>) -> PyResult<Scan> {
     interruptible(py, &Watch::default(), None, None, None, |_| words::phantom(&kind, &words))?.map(Scan::of)
-}
-
-/// The over-connected graph of a scan.
-#[pyfunction]
-#[pyo3(signature = (scan, words, watch, threads=None, say=None))]
-pub fn candidates(
-    py: Python<'_>,
-    scan: &Scan,
-    words: Vec<String>,
-    watch: &Watch,
-    threads: Option<usize>,
-    say: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Scan> {
-    let input = &scan.input;
-    let found = interruptible(py, watch, threads, None, say, |follower| {
-        let (options, line) = words::infer(scan.path(), &words)?;
-        let prepared = willis::prepare(input.as_ref().clone().with_command(line), &options, follower)?;
-        Ok(prepared.boundary.stated_in(prepared.graph.clone()))
-    })?;
-    found.map(Scan::of)
 }
 
 /// A run of infer.
@@ -274,11 +238,6 @@ impl Run {
         words::said_of_run(&self.run)
     }
 
-    /// The probability of each variant, where arteries are known: phenotype.json of the run.
-    fn seconds(&self) -> f64 {
-        self.run.seconds()
-    }
-
     /// The same samples decided on by another rule.
     fn decided_by(&self, py: Python<'_>, rule: &str) -> PyResult<Self> {
         let decided = py.detach(|| self.run.decided_by(rule.parse()?));
@@ -417,11 +376,6 @@ impl Phenotype {
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.phenotype.notes.clone()
-    }
-
-    #[getter]
-    fn known_by(&self) -> &str {
-        &self.phenotype.known_by
     }
 
     /// Writes the files of the command into a folder that is there.

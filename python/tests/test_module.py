@@ -178,3 +178,22 @@ def test_notes_are_warnings(tmp_path):
         warnings.simplefilter("always")
         willis.read(path, spacing=0.5)
     assert any(issubclass(one.category, willis.Note) for one in said)
+
+
+def test_modulation_and_phenotype_are_those_of_the_command(tmp_path):
+    path = str(tmp_path / "circle.graphml")
+    willis.phantom("circle-of-willis").save(path)
+    willis.modulate(path, samples=20, seed=3).save(tmp_path / "module")
+    command("modulate", path, "-o", str(tmp_path / "command"), "--samples", "20", "--seed", "3", "--quiet")
+    names = [p.name for p in (tmp_path / "command").iterdir() if p.suffix == ".csv"]
+    assert names and filecmp.cmpfiles(tmp_path / "module", tmp_path / "command", names, shallow=False)[0] == names
+    command("classify", path, "-o", str(tmp_path / "classified"), "--quiet")
+    classified = json.loads((tmp_path / "classified" / "phenotype.json").read_text())
+    found = willis.classify(path)
+    assert found.record == classified and found.probabilities is None
+
+
+def test_training_names_what_is_wrong(tmp_path):
+    with pytest.raises(willis.WillisError) as caught:
+        willis.train([tmp_path / "nowhere"], tmp_path / "weights.toml")
+    assert str(tmp_path / "nowhere") in str(caught.value) and not (tmp_path / "weights.toml").exists()

@@ -7,34 +7,44 @@ True
 """
 
 from ._api import (
+    Modulation,
     Network,
+    Phenotype,
     Run,
     Shard,
     Simulation,
     centerlines,
+    classify,
     infer,
     merge,
+    modulate,
     phantom,
     read,
     set_num_threads,
     simulate,
+    train,
 )
 from ._errors import Note, WillisError
 from ._willis import __version__
 
 __all__ = [
+    "Modulation",
     "Network",
     "Note",
+    "Phenotype",
     "Run",
     "Shard",
     "Simulation",
     "WillisError",
     "__version__",
     "centerlines",
+    "classify",
     "infer",
     "merge",
+    "modulate",
     "phantom",
     "read",
     "set_num_threads",
     "simulate",
+    "train",
 ]

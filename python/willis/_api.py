@@ -479,6 +479,112 @@ def simulate(
     return Simulation(_willis.simulate(network._scan, network._reading + made, ""))
 
 
+class Modulation:
+    """How a network responds to resistances that vary at random."""
+
+    def __init__(self, modulation: _willis.Modulation) -> None:
+        self._modulation = modulation
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What run.json of the command holds."""
+        return json.loads(self._modulation.record)
+
+    def save(self, folder: PathLike, *, save_samples: bool = False, dpi: int = 150) -> None:
+        """Writes the files of ``willis modulate`` into a new folder."""
+        Path(folder).mkdir()
+        self._modulation.write(Path(folder), save_samples, dpi)
+
+
+def modulate(
+    source: Source,
+    *,
+    classes: Sequence[tuple[float, float]] = ((0, 0.2), (0.2, 0.3), (0.3, 0.5)),
+    samples: int = 1000,
+    seed: int = 0,
+    reading: Literal["increment", "conductance", "literal", "geometry"] = "increment",
+    vessels: Sequence[str] | None = None,
+    viscosity: str = "3.5cP",
+    threshold: float | None = None,
+    threads: int | None = None,
+    progress: Progress = True,
+) -> Modulation:
+    """Modulates the resistances of a network at random: what ``willis modulate`` does.
+
+    ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2.
+    """
+    given = {
+        "classes": ",".join(f"{low!r}:{high!r}" for low, high in classes),
+        "samples": samples,
+        "seed": seed,
+        "reading": reading,
+        "vessels": vessels,
+        "viscosity": viscosity,
+        "threshold": threshold,
+    }
+    network = _network(source)
+    defaults = {**_defaults(modulate), "classes": "0:0.2,0.2:0.3,0.3:0.5"}
+    all_words = network._reading + words(given, defaults)
+    watch = _willis.Watch()
+    work = lambda told: _willis.modulate(network._scan, all_words, "", watch, threads, told, _say)  # noqa: E731
+    return Modulation(_followed(progress, work))
+
+
+class Phenotype:
+    """The variant of a Circle of Willis, with probabilities where the topology is uncertain."""
+
+    def __init__(self, phenotype: _willis.Phenotype) -> None:
+        self._phenotype = phenotype
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What phenotype.json of the command holds."""
+        return json.loads(self._phenotype.json)
+
+    @property
+    def probabilities(self) -> dict[str, float] | None:
+        """The probability of each segment; None for vessels that are taken as they are."""
+        found = self.record.get("probabilities")
+        return None if found is None else found["segments"]
+
+
+def classify(
+    source: Source | Run,
+    *,
+    landmarks: PathLike | None = None,
+    labels: Literal["names", "icafe", "topcow"] | None = None,
+) -> Phenotype:
+    """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""
+    made = words({"landmarks": landmarks, "labels": labels}, {})
+    with tempfile.TemporaryDirectory() as folder:
+        if isinstance(source, Run):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", Note)
+                source.save(Path(folder, "run"), dpi=36)
+                network = read(Path(folder, "run"))
+        else:
+            network = _network(source)
+        found = _willis.classify(network._scan, network._reading + made, "")
+    for note in found.notes:
+        _say("note", note)
+    return Phenotype(found)
+
+
+def train(
+    cases: Sequence[PathLike],
+    output: PathLike,
+    *,
+    model: Literal["tracing", "skeleton", "contacts"] = "tracing",
+    folds: int = 3,
+    save_folds: bool = False,
+    images_onto: PathLike | None = None,
+    force: bool = False,
+) -> None:
+    """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
+    given = {"model": model, "folds": folds, "save_folds": save_folds, "images_onto": images_onto, "force": force}
+    _willis.call(["train", *map(os.fspath, cases), "-o", os.fspath(output), *words(given, _defaults(train))])
+
+
 def phantom(
     kind: Literal["circle-of-willis", "cerebral", "tree", "arterial", "capillary"],
     *,
