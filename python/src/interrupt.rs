@@ -9,6 +9,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use willis::cli::words::said_of_step;
+use willis::internals::sampling::PartialRun;
 use willis::{Progress, Step};
 
 use crate::errors::raised;
@@ -24,13 +25,21 @@ pub struct Watch {
     done: AtomicU64,
     total: AtomicU64,
     said: Mutex<Vec<(String, String)>>,
+    /// Whether somebody waits for what is finished, and what was when somebody last did or the work ended.
+    wanted: AtomicBool,
+    /// Whether the last part is kept for those who ask later, and whether it is the last.
+    is_kept: AtomicBool,
+    is_last: AtomicBool,
+    part: Mutex<Option<PartialRun>>,
+    arrived: Condvar,
 }
 
 #[pymethods]
 impl Watch {
     #[new]
-    fn new() -> Self {
-        Self::default()
+    #[pyo3(signature = (keep=false))]
+    fn new(keep: bool) -> Self {
+        Self { is_kept: keep.into(), ..Self::default() }
     }
 
     /// Asks the work to stop.
@@ -48,6 +57,22 @@ impl Watch {
     fn take_said(&self) -> Vec<(String, String)> {
         std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner))
     }
+
+    /// The part of the work that is finished, waiting for its next step if need be; `None` where none came within `patience`.
+    pub fn part(&self, patience: Duration) -> Option<PartialRun> {
+        let part = self.part.lock().unwrap_or_else(PoisonError::into_inner);
+        self.wanted.store(!self.is_last.load(Ordering::Relaxed), Ordering::Relaxed);
+        let wanted = |_: &mut Option<PartialRun>| self.wanted.load(Ordering::Relaxed);
+        let (part, _) = self.arrived.wait_timeout_while(part, patience, wanted).unwrap_or_else(PoisonError::into_inner);
+        part.clone()
+    }
+
+    fn keep(&self, part: &PartialRun) {
+        let mut kept = self.part.lock().unwrap_or_else(PoisonError::into_inner);
+        *kept = Some(part.clone());
+        self.wanted.store(false, Ordering::Relaxed);
+        self.arrived.notify_all();
+    }
 }
 
 /// The progress of some work, for the thread that watches.
@@ -63,6 +88,19 @@ impl Progress for Follower<'_> {
         self.0.done.store(done, Ordering::Relaxed);
         self.0.total.store(total, Ordering::Relaxed);
         !self.0.stopped.load(Ordering::Relaxed)
+    }
+
+    fn finished(&mut self, part: &PartialRun) {
+        if self.0.wanted.load(Ordering::Relaxed) {
+            self.0.keep(part);
+        }
+    }
+
+    fn sampled(&mut self, part: &PartialRun, _is_complete: bool) {
+        if self.0.is_kept.load(Ordering::Relaxed) {
+            self.0.is_last.store(true, Ordering::Relaxed);
+            self.0.keep(part);
+        }
     }
 }
 

@@ -47,6 +47,7 @@ fn write(py: Python<'_>, scan: &objects::Scan, path: PathBuf, to: Option<String>
 fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<objects::Scan>()?;
+    m.add_class::<objects::Prepared>()?;
     m.add_class::<objects::Run>()?;
     m.add_class::<objects::Simulation>()?;
     m.add_class::<objects::Modulation>()?;
@@ -60,8 +61,7 @@ fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(objects::read, m)?,
         wrap_pyfunction!(objects::read_bytes, m)?,
         wrap_pyfunction!(objects::phantom, m)?,
-        wrap_pyfunction!(objects::infer, m)?,
-        wrap_pyfunction!(objects::infer_part, m)?,
+        wrap_pyfunction!(objects::prepare, m)?,
         wrap_pyfunction!(objects::merge, m)?,
         wrap_pyfunction!(objects::simulate, m)?,
         wrap_pyfunction!(objects::modulate, m)?,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -9,11 +10,12 @@ use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
 use willis::internals::report::Outcome;
 use willis::{
-    ArterySource, BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SaveOptions, Silent,
+    ArterySource, BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SamplingOptions,
+    SaveOptions, Silent,
 };
 
 use crate::errors::raised;
-use crate::interrupt::{Watch, interruptible};
+use crate::interrupt::{Follower, Watch, interruptible};
 use crate::tables;
 
 type Said = Vec<(String, String)>;
@@ -102,51 +104,86 @@ pub struct Run {
     run: Inference,
 }
 
-/// Finds the plausible topology of a scan, by the words of the command.
+/// The over-connected graph of a scan, before it is sampled, by the words of infer.
+#[pyclass(frozen, module = "willis._willis")]
+pub struct Prepared {
+    prepared: Arc<willis::Prepared>,
+    sampling: SamplingOptions,
+}
+
+/// Builds the over-connected graph of a scan, by the words of infer.
 #[pyfunction]
-#[pyo3(signature = (scan, words, watch, threads=None, progress=None, say=None))]
-pub fn infer(
+#[pyo3(signature = (scan, words, watch, threads=None, say=None))]
+pub fn prepare(
     py: Python<'_>,
     scan: &Scan,
     words: Vec<String>,
     watch: &Watch,
     threads: Option<usize>,
-    progress: Option<&Bound<'_, PyAny>>,
     say: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Run> {
+) -> PyResult<Prepared> {
     let input = &scan.input;
-    let run = interruptible(py, watch, threads, progress, say, |follower| {
+    interruptible(py, watch, threads, None, say, |follower| {
         let (options, line) = words::infer(scan.path(), &words)?;
-        willis::infer_with(&input.as_ref().clone().with_command(line), &options, follower)
-    })?;
-    run.map(|run| Run { run })
+        let prepared = willis::prepare(input.as_ref().clone().with_command(line), &options, follower)?;
+        Ok(Prepared { prepared, sampling: options.sampling })
+    })?
 }
 
-/// The samples `A..B` of a run, as the two files of a shard.
-#[pyfunction]
-#[pyo3(signature = (scan, words, range, watch, threads=None, progress=None, say=None))]
-#[allow(clippy::too_many_arguments, reason = "it is called by keywords")]
-pub fn infer_part<'py>(
-    py: Python<'py>,
-    scan: &Scan,
-    words: Vec<String>,
-    range: &str,
-    watch: &Watch,
-    threads: Option<usize>,
-    progress: Option<&Bound<'_, PyAny>>,
-    say: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
-    let input = &scan.input;
-    let files = interruptible(py, watch, threads, progress, say, |follower| {
-        let (options, line) = words::infer(scan.path(), &words)?;
-        let blocks = words::blocks_of(range, options.sampling.samples)?;
-        let prepared = willis::prepare(input.as_ref().clone().with_command(line), &options, follower)?;
-        let folder = temporary()?;
-        prepared.sample_range(&options.sampling, &blocks, follower)?.write(folder.path(), &SaveOptions::default())?;
-        Ok((bytes(&folder.path().join(SHARD[0]))?, bytes(&folder.path().join(SHARD[1]))?))
-    })?;
-    files.map(|(record, sums)| (PyBytes::new(py, &record), PyBytes::new(py, &sums)))
+#[pymethods]
+impl Prepared {
+    /// The graph, with its conditions.
+    fn graph(&self, py: Python<'_>) -> Scan {
+        py.detach(|| Scan::of(self.prepared.boundary.stated_in(self.prepared.graph.clone())))
+    }
+
+    /// Samples it, and decides.
+    #[pyo3(signature = (watch, threads=None, progress=None, say=None))]
+    fn sample(
+        &self,
+        py: Python<'_>,
+        watch: &Watch,
+        threads: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+        say: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Run> {
+        let work = |follower: &mut Follower<'_>| self.prepared.sample(&self.sampling, follower);
+        interruptible(py, watch, threads, progress, say, work)?.map(|run| Run { run })
+    }
+
+    /// The samples `A..B`, as the two files of a shard.
+    #[pyo3(signature = (range, watch, threads=None, progress=None, say=None))]
+    fn sample_range<'py>(
+        &self,
+        py: Python<'py>,
+        range: &str,
+        watch: &Watch,
+        threads: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+        say: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
+        let files = interruptible(py, watch, threads, progress, say, |follower| {
+            let blocks = words::blocks_of(range, self.sampling.samples)?;
+            let folder = temporary()?;
+            let shard = self.prepared.sample_range(&self.sampling, &blocks, follower)?;
+            shard.write(folder.path(), &SaveOptions::default())?;
+            Ok((bytes(&folder.path().join(SHARD[0]))?, bytes(&folder.path().join(SHARD[1]))?))
+        })?;
+        files.map(|(record, sums)| (PyBytes::new(py, &record), PyBytes::new(py, &sums)))
+    }
+
+    /// What the samples say that are finished by now; `None` where there are none.
+    fn so_far(&self, py: Python<'_>, watch: &Watch) -> PyResult<Option<Run>> {
+        let so_far = py.detach(|| {
+            let part = watch.part(PATIENCE).filter(|part| part.done() > 0)?;
+            Some(self.prepared.so_far(&self.sampling, &part))
+        });
+        so_far.transpose().map_err(|e| raised(py, &e)).map(|found| found.map(|run| Run { run }))
+    }
 }
+
+/// How long to wait for the next step of a run that is looked at.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The files of a shard.
 const SHARD: [&str; 2] = ["shard.json", "shard.npz"];

@@ -6,40 +6,37 @@
 True
 """
 
-from ._api import (
-    Modulation,
-    Network,
-    Phenotype,
-    Run,
-    Shard,
-    Simulation,
-    centerlines,
-    classify,
-    infer,
-    merge,
-    modulate,
-    phantom,
-    read,
-    set_num_threads,
-    simulate,
-    train,
-)
 from ._errors import Note, WillisError
+from ._flow import Modulation, Simulation, modulate, simulate
+from ._following import set_num_threads
+from ._network import Network, Table, centerlines, from_mask, from_networkx, from_skan, read
+from ._run import Handle, Run, SavedRun, Shard, candidates, infer, load, merge
+from ._study import Cohort, Phenotype, classify, cohort, phantom, train
 from ._willis import __version__
 
 __all__ = [
+    "Cohort",
+    "Handle",
     "Modulation",
     "Network",
     "Note",
     "Phenotype",
     "Run",
+    "SavedRun",
     "Shard",
     "Simulation",
+    "Table",
     "WillisError",
     "__version__",
+    "candidates",
     "centerlines",
     "classify",
+    "cohort",
+    "from_mask",
+    "from_networkx",
+    "from_skan",
     "infer",
+    "load",
     "merge",
     "modulate",
     "phantom",

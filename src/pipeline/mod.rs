@@ -259,6 +259,22 @@ impl Prepared {
         self.decide(options, sampled?, method, time)
     }
 
+    /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
+    /// depends on the threads, so it is a look and not a result.
+    ///
+    /// # Errors
+    ///
+    /// No sample is finished.
+    pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun) -> Result<Inference> {
+        let samples = part.done();
+        if samples == 0 {
+            return Err(Error::parameter("samples", samples, "expected finished ones"));
+        }
+        let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
+        let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
+        self.decide(&options, sampling.likelihood(part), sampling.method(), json!({}))
+    }
+
     /// Where the priors come from: a word, or a file with its SHA-256.
     pub fn prior(&self) -> &Value {
         &self.prior

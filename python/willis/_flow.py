@@ -1,0 +1,119 @@
+"""The flow in a network: with changes beside it, and with resistances that vary at random."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from . import _willis
+from ._errors import Note
+from ._following import PathLike, Progress, followed, say
+from ._network import Source, Table, defaults_of, network_of
+from ._words import Repeated, words
+
+
+class Simulation:
+    """The flow in a network as it is, and beside it with its changes."""
+
+    def __init__(self, simulation: _willis.Simulation) -> None:
+        self._simulation = simulation
+        self.nodes: Table
+        self.edges: Table
+        self.nodes, self.edges = map(Table, simulation.tables())
+
+    def save(self, folder: PathLike, *, force: bool = False, dpi: int = 150) -> None:
+        """Writes the folder that ``willis simulate`` writes."""
+        for note in self._simulation.save(Path(folder), force, dpi):
+            warnings.warn(note, Note, stacklevel=2)
+
+    def __str__(self) -> str:
+        return "\n".join(f"{heading:>10}  {fact}" for heading, fact in self._simulation.said())
+
+
+def simulate(
+    source: Source,
+    *,
+    stenosis: Mapping[str, float | str] | None = None,
+    occlude: Sequence[str] | None = None,
+    tortuosity: Mapping[str, float] | None = None,
+    viscosity: str = "3.5cP",
+    inlets: Sequence[str | int] | None = None,
+    outlets: str | Sequence[str | int] | None = None,
+    flows: Sequence[str] | None = None,
+    bc: PathLike | None = None,
+) -> Simulation:
+    """Solves the flow in a network, and beside it with all changes at once: what ``willis simulate`` does.
+
+    ``stenosis`` is the share of the diameter by which vessels, by label or ``edge:ROW``, are narrowed (0.7), or a text of the command
+    (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened.
+    """
+    rule = outlets if isinstance(outlets, str) else None
+    narrowed = {name: by if isinstance(by, str) else f"{100 * by:.15g}%" for name, by in (stenosis or {}).items()}
+    given = {
+        "stenosis": Repeated([f"{name}={by}" for name, by in narrowed.items()]),
+        "occlude": Repeated(occlude),
+        "tortuosity": Repeated([f"{name}={factor!r}" for name, factor in (tortuosity or {}).items()]),
+        "viscosity": viscosity,
+        "inlet": Repeated(inlets),
+        "outlet": Repeated(None if rule else outlets),
+        "flow": Repeated(flows),
+        "bc": bc,
+        "outlets": rule,
+    }
+    network = network_of(source)
+    made = words(given, defaults_of(simulate))
+    return Simulation(_willis.simulate(network._scan, network._reading + made, ""))
+
+
+class Modulation:
+    """How a network responds to resistances that vary at random."""
+
+    def __init__(self, modulation: _willis.Modulation) -> None:
+        self._modulation = modulation
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What run.json of the command holds."""
+        return json.loads(self._modulation.record)
+
+    def save(self, folder: PathLike, *, save_samples: bool = False, dpi: int = 150) -> None:
+        """Writes the files of ``willis modulate`` into a new folder."""
+        Path(folder).mkdir()
+        self._modulation.write(Path(folder), save_samples, dpi)
+
+
+def modulate(
+    source: Source,
+    *,
+    classes: Sequence[tuple[float, float]] = ((0, 0.2), (0.2, 0.3), (0.3, 0.5)),
+    samples: int = 1000,
+    seed: int = 0,
+    reading: Literal["increment", "conductance", "literal", "geometry"] = "increment",
+    vessels: Sequence[str] | None = None,
+    viscosity: str = "3.5cP",
+    threshold: float | None = None,
+    threads: int | None = None,
+    progress: Progress = True,
+) -> Modulation:
+    """Modulates the resistances of a network at random: what ``willis modulate`` does.
+
+    ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2.
+    """
+    given = {
+        "classes": ",".join(f"{low!r}:{high!r}" for low, high in classes),
+        "samples": samples,
+        "seed": seed,
+        "reading": reading,
+        "vessels": vessels,
+        "viscosity": viscosity,
+        "threshold": threshold,
+    }
+    network = network_of(source)
+    defaults = {**defaults_of(modulate), "classes": "0:0.2,0.2:0.3,0.3:0.5"}
+    all_words = network._reading + words(given, defaults)
+    watch = _willis.Watch()
+    work = lambda told: _willis.modulate(network._scan, all_words, "", watch, threads, told, say)  # noqa: E731
+    return Modulation(followed(progress, work))

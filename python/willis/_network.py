@@ -1,0 +1,336 @@
+"""Vessels as Python holds them, and where they come from and go to."""
+
+from __future__ import annotations
+
+import inspect
+import io
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _willis
+from ._errors import Note, WillisError
+from ._following import PathLike, say
+from ._words import words
+
+Reals = npt.NDArray[np.float64]
+Recipe = tuple[Callable[..., "Network"], tuple[Any, ...]]
+
+
+class Table(dict[str, npt.NDArray[Any]]):
+    """Columns by name, as NumPy arrays of one length."""
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` of the same columns."""
+        import pandas as pd
+
+        return pd.DataFrame(dict(self))
+
+
+class Network:
+    """Vessels: those of a file, of arrays, or of a topology.
+
+    Made by :func:`read`, :func:`centerlines` and the like; not by itself.
+    """
+
+    def __init__(self, scan: _willis.Scan, made: Recipe, reading: Sequence[str] = ()) -> None:
+        self._scan, self._made, self._reading = scan, made, list(reading)
+
+    @property
+    def nodes(self) -> Table:
+        """The nodes as arrays by column, with the names and units of nodes.csv."""
+        return Table(self._scan.tables()[0])
+
+    @property
+    def edges(self) -> Table:
+        """The vessels as arrays by column, with the names and units of edges.csv."""
+        return Table(self._scan.tables()[1])
+
+    @property
+    def n_nodes(self) -> int:
+        """How many nodes there are."""
+        return self._scan.node_count
+
+    @property
+    def n_edges(self) -> int:
+        """How many vessels there are."""
+        return self._scan.vessel_count
+
+    def lines(self) -> tuple[npt.NDArray[np.int64], list[Reals], list[Reals]]:
+        """The two nodes of each vessel (M, 2), and for each vessel its points (P, 3) and their radii (P), mm."""
+        ends, points, radii, first = self._scan.lines()
+        return ends, np.split(points, first[1:-1]), np.split(radii, first[1:-1])
+
+    def to_arrays(self) -> Table:
+        """The centerlines as ``coords`` (N, 3) and ``radii``, mm, ``edges`` (M, 2), and ``labels`` where there are any.
+
+        :func:`centerlines` takes them again. Where no vessel has points between its nodes, ``radii`` and ``lengths`` are those of the
+        edges.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "network.npz")
+            _willis.write(self._scan, path, None, False)
+            with np.load(path) as arrays:
+                return Table({name: arrays[name] for name in arrays.files})
+
+    def to_networkx(self) -> Any:
+        """A ``networkx.MultiGraph`` whose nodes and edges have the columns as attributes; nodes are rows."""
+        import networkx as nx
+
+        graph = nx.MultiGraph()
+        nodes, edges = self.nodes, self.edges
+        ends = self.lines()[0]
+        for row in range(self.n_nodes):
+            graph.add_node(row, **{name: values[row].item() for name, values in nodes.items()})
+        for row, (a, b) in enumerate(ends.tolist()):
+            graph.add_edge(a, b, key=row, **{name: values[row].item() for name, values in edges.items()})
+        return graph
+
+    def to_igraph(self) -> Any:
+        """An ``igraph.Graph`` whose vertices and edges have the columns as attributes; vertices are rows."""
+        import igraph
+
+        vertices = {name: values.tolist() for name, values in self.nodes.items()}
+        edges = {name: values.tolist() for name, values in self.edges.items()}
+        return igraph.Graph(self.n_nodes, self.lines()[0].tolist(), vertex_attrs=vertices, edge_attrs=edges)
+
+    def to_vtk(self) -> Any:
+        """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``Radius`` at its points, mm, and the columns."""
+        from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+        with self._as_file("network.vtp") as path:
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(str(path))
+            reader.Update()
+            return reader.GetOutput()
+
+    def to_navis(self) -> Any:
+        """A ``navis.NeuronList`` of one ``TreeNeuron`` (mm) a connected part; connections that close loops are left out, with a note."""
+        import navis
+
+        with self._as_file("network.swc") as path:
+            whole = navis.read_swc(str(path), units="mm")
+        return navis.NeuronList(navis.break_fragments(whole))
+
+    def to_skan(self) -> Any:
+        """A ``skan.csr.PathGraph`` of all points, in mm, with the radii as values; it takes what ``skan.Skeleton`` takes."""
+        from scipy.sparse import coo_array
+        from skan.csr import PathGraph
+
+        points, radii, edges = self._joined()
+        length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        rows, columns = np.concatenate([edges, edges[:, ::-1]]).T
+        # Points that lie on each other are as near as numbers allow: a length of zero would be no connection.
+        weights = np.maximum(np.tile(length, 2), np.finfo(float).tiny)
+        adjacency = coo_array((weights, (rows, columns)), shape=(len(points), len(points))).tocsr()
+        return PathGraph.from_graph(adj=adjacency, node_coordinates=points, node_values=radii)
+
+    def _joined(self) -> tuple[Reals, Reals, npt.NDArray[np.int64]]:
+        """All points once, the nodes first, their radii, and the rows that are joined."""
+        ends, lines, thickness = self.lines()
+        points: list[Reals] = [np.full((self.n_nodes, 3), np.nan)]
+        radii: list[Reals] = [np.zeros(self.n_nodes)]
+        joined = []
+        first = self.n_nodes
+        for (a, b), line, radius in zip(ends, lines, thickness):
+            points[0][[a, b]] = line[[0, -1]]
+            radii[0][[a, b]] = np.maximum(radii[0][[a, b]], radius[[0, -1]])
+            inner = len(line) - 2
+            row = np.concatenate([[a], np.arange(first, first + inner), [b]])
+            joined.append(np.column_stack([row[:-1], row[1:]]))
+            points.append(line[1:-1])
+            radii.append(radius[1:-1])
+            first += inner
+        edges = np.concatenate(joined) if joined else np.empty((0, 2), dtype=np.int64)
+        return np.concatenate(points), np.concatenate(radii), edges.astype(np.int64)
+
+    @contextmanager
+    def _as_file(self, name: str) -> Iterator[Path]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, name)
+            self.save(path)
+            yield path
+
+    def save(self, path: PathLike, *, to: str | None = None, force: bool = False) -> None:
+        """Writes a file; its ending says the format, as for ``willis convert``, unless ``to`` does."""
+        for note in _willis.write(self._scan, Path(path), to, force):
+            warnings.warn(note, Note, stacklevel=3)
+
+    def __repr__(self) -> str:
+        name = f" of {self._scan.name}" if self._scan.name else ""
+        return f"<willis.Network{name}: {self.n_nodes} nodes, {self.n_edges} vessels>"
+
+
+
+    def __reduce__(self) -> Recipe:
+        """It pickles as how it was made: a file by its path, arrays by their bytes, what a run found by the run."""
+        return self._made
+
+
+Source = Union[Network, PathLike]
+
+
+def read(
+    path: PathLike,
+    *,
+    units: Literal["mm", "um", "cm", "m", "voxel"] = "mm",
+    spacing: float | Sequence[float] | None = None,
+    radius_array: str | None = None,
+    radius: Literal["mean", "effective"] = "mean",
+    default_radius: float | str | None = None,
+    loops: PathLike | None = None,
+    observed: bool = False,
+    level: float | None = None,
+    radius_from: Literal["area", "distance", "inscribed"] = "area",
+    box: Sequence[float] | None = None,
+    max_input: int | str = "2GiB",
+) -> Network:
+    """Reads centerlines, a mask or a graph in any format that the command reads, or the folder of a run.
+
+    The options are those of ``willis infer``; lengths are in mm, unless they say otherwise (``"500um"``).
+
+    Raises
+    ------
+    WillisError
+        With file, line or item, value, and what is accepted.
+    """
+    given = {name: value for name, value in locals().items() if name != "path"}
+    return _read(Path(path).absolute(), Path(path), words(given, defaults_of(read)))
+
+
+def _read(place: Path, name: Path, reading: list[str]) -> Network:
+    network = Network(_willis.read(name if name.exists() else place, reading), (_read, (place, name, reading)), reading)
+    _tell_of(network)
+    return network
+
+
+def read_packed(name: str, packed: bytes, reading: list[str]) -> Network:
+    """Reads the bytes of a file that would be called so."""
+    network = Network(_willis.read_bytes(name, packed, reading), (read_packed, (name, packed, reading)), reading)
+    _tell_of(network)
+    return network
+
+
+def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
+    parameters = inspect.signature(function).parameters.items()
+    return {name: one.default for name, one in parameters if one.default is not inspect.Parameter.empty}
+
+
+def _tell_of(network: Network) -> None:
+    for heading, fact in network._scan.said():
+        say(heading, fact)
+
+
+def centerlines(
+    points: npt.ArrayLike,
+    edges: npt.ArrayLike,
+    radii: npt.ArrayLike,
+    *,
+    labels: npt.ArrayLike | None = None,
+    lengths: npt.ArrayLike | None = None,
+) -> Network:
+    """Centerlines of arrays: points (N, 3) and their radii (N), mm, and edges (M, 2), rows of the points.
+
+    ``radii`` (M) with ``lengths`` (M) are those of the edges, each of which is one vessel then. ``labels`` (M) name the edges, ``labels``
+    (N) the points. The same as reading the NPZ of these arrays.
+    """
+    arrays: dict[str, Any] = {
+        "coords": np.asarray(points, dtype=np.float64),
+        "edges": np.asarray(edges),
+        "radii": np.asarray(radii, dtype=np.float64),
+    }
+    if labels is not None:
+        arrays["labels"] = np.asarray(labels)
+    if lengths is not None:
+        arrays["lengths"] = np.asarray(lengths, dtype=np.float64)
+    for name, array in arrays.items():
+        if array.dtype == object:
+            raise WillisError(f"{name}: Python objects; expected numbers or text", item=name, expected="numbers or text")
+    packed = io.BytesIO()
+    np.savez(packed, **arrays)  # type: ignore[arg-type]
+    return read_packed("arrays.npz", packed.getvalue(), [])
+
+
+def from_networkx(graph: Any, *, observed: bool = False) -> Network:
+    """The vessels of a ``networkx`` graph, by the attributes that its GraphML would have.
+
+    Nodes have a position: ``x_mm y_mm z_mm``, ``x y z`` or ``pos``, mm. Edges have ``radius_mm`` and ``length_mm``, and may have ``label``,
+    ``origin``, ``prior``, ``certain`` and whatever else the page on inputs names. It is a ready candidate graph, as a file of
+    GraphML is; with ``observed``, its edges are what was seen, and candidates are built between them. What other attributes there are is
+    left out.
+    """
+    import networkx as nx
+
+    plain = nx.MultiGraph()
+    for node, values in graph.nodes(data=True):
+        plain.add_node(node, **_written(values))
+    # Keys that are no numbers are ids in GraphML, and edges may share them here.
+    for a, b, values in graph.edges(data=True):
+        plain.add_edge(a, b, **_written(values))
+    packed = io.BytesIO()
+    nx.write_graphml(plain, packed)
+    return read_packed("graph.graphml", packed.getvalue(), ["--observed"] if observed else [])
+
+
+def _written(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes that GraphML can hold; a position becomes three."""
+    out: dict[str, Any] = {}
+    for name, value in values.items():
+        value = value.item() if isinstance(value, np.generic) else value
+        if name == "pos" and not isinstance(value, str):
+            out.update(zip(("x_mm", "y_mm", "z_mm"), np.asarray(value, dtype=float).tolist()))
+        elif isinstance(value, (bool, int, float, str)) and not (isinstance(value, float) and np.isnan(value)):
+            out[str(name)] = value
+    return out
+
+
+def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None) -> Network:
+    """Centerlines of a ``skan.Skeleton`` in three dimensions, whose spacing is in mm.
+
+    ``radii`` (N), mm, are those of ``skeleton.coordinates``; without them, the values of the skeleton's image are the radii, as where it
+    was multiplied by the distance transform of the mask.
+    """
+    points = np.asarray(skeleton.coordinates, dtype=np.float64) * np.asarray(skeleton.spacing, dtype=np.float64)
+    values = skeleton.pixel_values if radii is None else radii
+    if radii is None and (values is None or np.asarray(values).dtype == bool):
+        raise WillisError("radii: the skeleton's image has no values; expected the radius of each point", item="radii")
+    paths = skeleton.paths.tocsr()
+    rows = np.split(paths.indices, paths.indptr[1:-1])
+    edges = [np.column_stack([row[:-1], row[1:]]) for row in rows]
+    return centerlines(points, np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64), np.asarray(values))
+
+
+def from_mask(
+    mask: npt.ArrayLike,
+    *,
+    spacing: float | Sequence[float],
+    level: float | None = None,
+    radius_from: Literal["area", "distance", "inscribed"] = "area",
+    box: Sequence[float] | None = None,
+    max_input: int | str = "2GiB",
+) -> Network:
+    """Centerlines of a segmentation: an array of x, y, z, where 0 is background and other whole numbers are classes.
+
+    ``spacing`` is the size of a voxel in mm, along each axis. ``level`` takes probabilities, in which what is above it is inside.
+    """
+    given = {name: value for name, value in locals().items() if name != "mask"}
+    array = np.asarray(mask)
+    if array.dtype == bool:
+        array = array.view(np.uint8) if array.flags.c_contiguous else array.astype(np.uint8)
+    if array.dtype == object:
+        raise WillisError("mask: Python objects; expected numbers", item="mask", expected="numbers")
+    packed = io.BytesIO()
+    np.save(packed, array, allow_pickle=False)
+    return read_packed("mask.npy", packed.getvalue(), words(given, defaults_of(from_mask)))
+
+
+def network_of(source: Source) -> Network:
+    return source if isinstance(source, Network) else read(source)
+
+

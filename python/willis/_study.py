@@ -1,0 +1,146 @@
+"""The Circle of Willis of one subject and of many, training, and test anatomy."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from . import _willis
+from ._errors import Note, WillisError
+from ._following import PathLike, say
+from ._network import Network, Source, Table, defaults_of, network_of, read
+from ._run import Run, SavedRun, infer, table_of
+from ._words import Repeated, words
+
+
+class Phenotype:
+    """The variant of a Circle of Willis, with probabilities where the topology is uncertain."""
+
+    def __init__(self, phenotype: _willis.Phenotype) -> None:
+        self._phenotype = phenotype
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What phenotype.json of the command holds."""
+        return json.loads(self._phenotype.json)
+
+    @property
+    def probabilities(self) -> dict[str, float] | None:
+        """The probability of each segment; None for vessels that are taken as they are."""
+        found = self.record.get("probabilities")
+        return None if found is None else found["segments"]
+
+
+def classify(
+    source: Source | Run | SavedRun,
+    *,
+    landmarks: PathLike | None = None,
+    labels: Literal["names", "icafe", "topcow"] | None = None,
+) -> Phenotype:
+    """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""
+    made = words({"landmarks": landmarks, "labels": labels}, {})
+    with tempfile.TemporaryDirectory() as folder:
+        if isinstance(source, Run):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", Note)
+                source.save(Path(folder, "run"), dpi=36)
+                network = read(Path(folder, "run"))
+        elif isinstance(source, SavedRun):
+            network = read(source.folder)
+        else:
+            network = network_of(source)
+        found = _willis.classify(network._scan, network._reading + made, "")
+    for note in found.notes:
+        say("note", note)
+    return Phenotype(found)
+
+
+class Cohort:
+    """Many subjects: the folder that ``willis infer`` makes of several inputs."""
+
+    def __init__(self, folder: Path, kept: tempfile.TemporaryDirectory[str] | None) -> None:
+        self.folder, self._kept = folder, kept
+        #: A row a subject, with the columns of cohort.csv.
+        self.subjects: Table = table_of(folder / "cohort.csv")
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row a subject."""
+        return self.subjects.to_pandas()
+
+    def run(self, subject: str) -> SavedRun:
+        """The run of a subject."""
+        return SavedRun(self.folder / subject)
+
+    def __len__(self) -> int:
+        return len(self.subjects["subject"])
+
+    def __repr__(self) -> str:
+        return f"<willis.Cohort: {len(self)} subjects>"
+
+
+def cohort(paths: Sequence[PathLike] | str, output: PathLike | None = None, **options: Any) -> Cohort:
+    """Infers the topology of many inputs: what ``willis infer`` does with several, or with a pattern (``"scans/*.swc"``).
+
+    ``options`` are those of :func:`read` and :func:`infer`; in ``landmarks`` and the like, ``{}`` is an input without its ending. Without
+    ``output``, the folder is a temporary one, which goes with what is returned. Inputs that fail are rows that say so, and a note.
+
+    Raises
+    ------
+    WillisError
+        Nothing was made: what is wrong, and what is accepted.
+    """
+    inputs = [paths] if isinstance(paths, str) else [os.fspath(path) for path in paths]
+    defaults = {**defaults_of(read), **defaults_of(infer)}
+    unknown = sorted(set(options) - set(defaults) | set(options) & {"part", "background", "threads", "progress"})
+    if unknown:
+        raise WillisError(f"{unknown[0]}: no option of a cohort; expected those of read and infer", item=unknown[0])
+    inlets, outlets, flows = (options.pop(name, None) for name in ("inlets", "outlets", "flows"))
+    rule = outlets if isinstance(outlets, str) else None
+    options |= {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
+    kept = tempfile.TemporaryDirectory() if output is None else None
+    folder = Path(output) if output is not None else Path(kept.name if kept else "", "cohort")
+    line = ["infer", *inputs, "-o", str(folder), "--quiet", *words(options, defaults)]
+    try:
+        _willis.call(line)
+    except WillisError as error:
+        if not (folder / "cohort.csv").exists():
+            raise
+        say("note", str(error))
+    return Cohort(folder, kept)
+
+
+def train(
+    cases: Sequence[PathLike],
+    output: PathLike,
+    *,
+    model: Literal["tracing", "skeleton", "contacts"] = "tracing",
+    folds: int = 3,
+    save_folds: bool = False,
+    images_onto: PathLike | None = None,
+    force: bool = False,
+) -> None:
+    """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
+    given = {"model": model, "folds": folds, "save_folds": save_folds, "images_onto": images_onto, "force": force}
+    _willis.call(["train", *map(os.fspath, cases), "-o", os.fspath(output), *words(given, defaults_of(train))])
+
+
+def phantom(
+    kind: Literal["circle-of-willis", "cerebral", "tree", "arterial", "capillary"],
+    *,
+    without: Sequence[str] | None = None,
+    edges: int | None = None,
+    seed: int | None = None,
+    spacing: float | str | None = None,
+) -> Network:
+    """Test anatomy with a known answer, whole; ``willis phantom --break`` makes files of broken ones."""
+    given = {"without": Repeated(without), "edges": edges, "seed": seed, "spacing": spacing}
+    return _phantom(kind, words(given, {}))
+
+
+def _phantom(kind: str, made: list[str]) -> Network:
+    return Network(_willis.phantom(kind, made), (_phantom, (kind, made)))
