@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -30,7 +30,9 @@ pub struct Watch {
     /// Whether the last part is kept for those who ask later, and whether it is the last.
     is_kept: AtomicBool,
     is_last: AtomicBool,
-    part: Mutex<Option<PartialRun>>,
+    part: Mutex<Option<(PartialRun, f64)>>,
+    /// When sampling began.
+    begun: Mutex<Option<Instant>>,
     arrived: Condvar,
 }
 
@@ -58,18 +60,19 @@ impl Watch {
         std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The part of the work that is finished, waiting for its next step if need be; `None` where none came within `patience`.
-    pub fn part(&self, patience: Duration) -> Option<PartialRun> {
+    /// The part of the work that is finished and how long it took, s, waiting for its next step if need be; `None` where none came within `patience`.
+    pub fn part(&self, patience: Duration) -> Option<(PartialRun, f64)> {
         let part = self.part.lock().unwrap_or_else(PoisonError::into_inner);
         self.wanted.store(!self.is_last.load(Ordering::Relaxed), Ordering::Relaxed);
-        let wanted = |_: &mut Option<PartialRun>| self.wanted.load(Ordering::Relaxed);
+        let wanted = |_: &mut Option<(PartialRun, f64)>| self.wanted.load(Ordering::Relaxed);
         let (part, _) = self.arrived.wait_timeout_while(part, patience, wanted).unwrap_or_else(PoisonError::into_inner);
         part.clone()
     }
 
     fn keep(&self, part: &PartialRun) {
+        let begun = *self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         let mut kept = self.part.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = Some(part.clone());
+        *kept = Some((part.clone(), begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64())));
         self.wanted.store(false, Ordering::Relaxed);
         self.arrived.notify_all();
     }
@@ -80,6 +83,9 @@ pub struct Follower<'a>(&'a Watch);
 
 impl Progress for Follower<'_> {
     fn step(&mut self, step: Step<'_>) {
+        if matches!(step, Step::Sampling { .. }) {
+            *self.0.begun.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        }
         let said = said_of_step(&step);
         self.0.said.lock().unwrap_or_else(PoisonError::into_inner).extend(said);
     }

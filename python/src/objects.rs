@@ -175,8 +175,8 @@ impl Prepared {
     /// What the samples say that are finished by now; `None` where there are none.
     fn so_far(&self, py: Python<'_>, watch: &Watch) -> PyResult<Option<Run>> {
         let so_far = py.detach(|| {
-            let part = watch.part(PATIENCE).filter(|part| part.done() > 0)?;
-            Some(self.prepared.so_far(&self.sampling, &part))
+            let (part, seconds) = watch.part(PATIENCE).filter(|(part, _)| part.done() > 0)?;
+            Some(self.prepared.so_far(&self.sampling, &part, seconds))
         });
         so_far.transpose().map_err(|e| raised(py, &e)).map(|found| found.map(|run| Run { run }))
     }

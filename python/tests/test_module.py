@@ -1,5 +1,6 @@
 """The module against the command and against other readers. Run from the root of the project, with `willis` installed."""
 
+import copy
 import filecmp
 import json
 import pickle
@@ -197,3 +198,50 @@ def test_training_names_what_is_wrong(tmp_path):
     with pytest.raises(willis.WillisError) as caught:
         willis.train([tmp_path / "nowhere"], tmp_path / "weights.toml")
     assert str(tmp_path / "nowhere") in str(caught.value) and not (tmp_path / "weights.toml").exists()
+
+
+def test_a_run_in_the_background():
+    alone = willis.infer(BROKEN, progress=False)
+    handle = willis.infer(BROKEN, background=True)
+    assert np.array_equal(handle.wait(60).edges["likelihood"], alone.edges["likelihood"])
+    assert handle.done and handle.result_so_far() is handle.wait()
+
+    handle = willis.infer(BROKEN, samples=10**9, background=True)
+    with pytest.raises(TimeoutError):
+        handle.wait(0.3)
+    look = handle.result_so_far()
+    assert look is not None
+    # Millions of samples say the same as a thousand, within four standard errors of a share of those.
+    many, few = look.edges["frequency"], alone.edges["frequency"]
+    assert np.mean(np.abs(many - few) <= 4 * np.sqrt(many * (1 - many) / 1000)) > 0.95
+    handle.cancel()
+    assert handle.done
+    done, total = handle.samples
+    assert 0 < done < total
+    with pytest.raises(willis.WillisError, match="stopped"):
+        handle.wait()
+    assert handle.result_so_far() is not None
+
+
+@pytest.mark.parametrize("make", [
+    lambda: willis.read(BROKEN),
+    lambda: willis.phantom("arterial", edges=100, seed=3),
+    lambda: willis.infer(BROKEN, progress=False).topology,
+    lambda: willis.candidates(BROKEN),
+    lambda: willis.centerlines([[0, 0, 0], [5, 0, 0]], [[0, 1]], [1, 1]),
+])
+def test_networks_pickle_and_copy(make):
+    network = make()
+    for again in (pickle.loads(pickle.dumps(network)), copy.deepcopy(network)):
+        for mine, its in ((network.edges, again.edges), (network.nodes, again.nodes)):
+            assert list(mine) == list(its)
+            assert all(np.array_equal(mine[name], its[name], equal_nan=mine[name].dtype.kind == "f") for name in mine)
+
+
+def test_candidates_are_those_of_the_command(tmp_path):
+    command("candidates", BROKEN, "-o", tmp_path / "theirs.graphml")
+    willis.candidates(BROKEN).save(tmp_path / "mine.graphml")
+    theirs, mine = (willis.read(tmp_path / name) for name in ("theirs.graphml", "mine.graphml"))
+    assert theirs.n_edges == mine.n_edges
+    for name, values in theirs.edges.items():
+        assert np.array_equal(values, mine.edges[name], equal_nan=values.dtype.kind == "f"), name

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, Union
+from xml.etree import ElementTree
 
 import numpy as np
 import numpy.typing as npt
@@ -101,7 +102,7 @@ class Network:
         return igraph.Graph(self.n_nodes, self.lines()[0].tolist(), vertex_attrs=vertices, edge_attrs=edges)
 
     def to_vtk(self) -> Any:
-        """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``Radius`` at its points, mm, and the columns."""
+        """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``MaximumInscribedSphereRadius`` at its points, mm, and the columns."""
         from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
         with self._as_file("network.vtp") as path:
@@ -111,12 +112,11 @@ class Network:
             return reader.GetOutput()
 
     def to_navis(self) -> Any:
-        """A ``navis.NeuronList`` of one ``TreeNeuron`` (mm) a connected part; connections that close loops are left out, with a note."""
+        """A ``navis.TreeNeuron``, mm, with a root a connected part; connections that close loops are left out, with a note."""
         import navis
 
         with self._as_file("network.swc") as path:
-            whole = navis.read_swc(str(path), units="mm")
-        return navis.NeuronList(navis.break_fragments(whole))
+            return navis.read_swc(path.read_text(encoding="utf-8"), units="mm", name=self._scan.name or "network")
 
     def to_skan(self) -> Any:
         """A ``skan.csr.PathGraph`` of all points, in mm, with the radii as values; it takes what ``skan.Skeleton`` takes."""
@@ -265,28 +265,44 @@ def from_networkx(graph: Any, *, observed: bool = False) -> Network:
     GraphML is; with ``observed``, its edges are what was seen, and candidates are built between them. What other attributes there are is
     left out.
     """
-    import networkx as nx
+    nodes = [(node, _plain(values)) for node, values in graph.nodes(data=True)]
+    edges = [(a, b, _plain(values)) for a, b, values in graph.edges(data=True)]
+    if all(isinstance(values.get("edge"), int) for *_, values in edges):
+        edges.sort(key=lambda edge: edge[2]["edge"])
+    ids = {node: str(values.get("id", node)) for node, values in nodes}
+    if len(set(ids.values())) < len(ids):
+        ids = {node: str(node) for node, _ in nodes}
+    root = ElementTree.Element("graphml", xmlns="http://graphml.graphdrawing.org/xmlns")
+    drawn = ElementTree.Element("graph", edgedefault="undirected")
+    keys: dict[tuple[str, str], str] = {}
 
-    plain = nx.MultiGraph()
-    for node, values in graph.nodes(data=True):
-        plain.add_node(node, **_written(values))
-    # Keys that are no numbers are ids in GraphML, and edges may share them here.
-    for a, b, values in graph.edges(data=True):
-        plain.add_edge(a, b, **_written(values))
-    packed = io.BytesIO()
-    nx.write_graphml(plain, packed)
-    return read_packed("graph.graphml", packed.getvalue(), ["--observed"] if observed else [])
+    def add(kind: str, values: dict[str, Any], **attributes: str) -> None:
+        element = ElementTree.SubElement(drawn, kind, attributes)
+        for name, value in values.items():
+            key = keys.setdefault((kind, name), f"{kind}{len(keys)}")
+            ElementTree.SubElement(element, "data", key=key).text = repr(value) if isinstance(value, float) else str(value)
+
+    for node, values in nodes:
+        add("node", values, id=ids[node])
+    for a, b, values in edges:
+        add("edge", values, source=ids[a], target=ids[b])
+    for (kind, name), key in keys.items():
+        given = [one[-1][name] for one in (nodes if kind == "node" else edges) if name in one[-1]]
+        number = "double" if all(isinstance(value, (int, float)) for value in given) else "string"
+        ElementTree.SubElement(root, "key", {"id": key, "for": kind, "attr.name": name, "attr.type": number})
+    root.append(drawn)
+    return read_packed("graph.graphml", ElementTree.tostring(root), ["--observed"] if observed else [])
 
 
-def _written(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes that GraphML can hold; a position becomes three."""
+def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes that are numbers or text; a position becomes three, and what is not known is left out."""
     out: dict[str, Any] = {}
     for name, value in values.items():
         value = value.item() if isinstance(value, np.generic) else value
         if name == "pos" and not isinstance(value, str):
             out.update(zip(("x_mm", "y_mm", "z_mm"), np.asarray(value, dtype=float).tolist()))
-        elif isinstance(value, (bool, int, float, str)) and not (isinstance(value, float) and np.isnan(value)):
-            out[str(name)] = value
+        elif isinstance(value, (bool, int, float, str)) and value == value and value != "":
+            out[str(name)] = int(value) if isinstance(value, bool) else value
     return out
 
 

@@ -104,7 +104,7 @@ def cohort(paths: Sequence[PathLike] | str, output: PathLike | None = None, **op
     options |= {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
     kept = tempfile.TemporaryDirectory() if output is None else None
     folder = Path(output) if output is not None else Path(kept.name if kept else "", "cohort")
-    line = ["infer", *inputs, "-o", str(folder), "--quiet", *words(options, defaults)]
+    line = ["infer", *inputs, "-o", str(folder), *words(options, defaults)]
     try:
         _willis.call(line)
     except WillisError as error:

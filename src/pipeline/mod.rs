@@ -260,19 +260,20 @@ impl Prepared {
     }
 
     /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
-    /// depends on the threads, so it is a look and not a result.
+    /// depends on the threads, so it is a look and not a result. `seconds` is how long they took.
     ///
     /// # Errors
     ///
     /// No sample is finished.
-    pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun) -> Result<Inference> {
+    pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun, seconds: f64) -> Result<Inference> {
         let samples = part.done();
         if samples == 0 {
             return Err(Error::parameter("samples", samples, "expected finished ones"));
         }
         let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
         let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
-        self.decide(&options, sampling.likelihood(part), sampling.method(), json!({}))
+        let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
+        self.decide(&options, sampling.likelihood(part), sampling.method(), time)
     }
 
     /// Where the priors come from: a word, or a file with its SHA-256.

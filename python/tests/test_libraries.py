@@ -1,0 +1,160 @@
+"""Round trips with the libraries of the field, each read back by that library or compared with its own arithmetic."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import willis
+
+BROKEN = "data/broken-circle-of-willis.swc"
+
+
+@pytest.fixture(scope="module")
+def run():
+    return willis.infer(BROKEN, progress=False)
+
+
+def same(a, b):
+    return np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+
+
+def test_networkx_there_and_back(run):
+    back = willis.from_networkx(run.graph.to_networkx())
+    before, after = run.graph.edges, back.edges
+    for name in ("label", "origin", "length_mm", "radius_mm", "prior", "probability"):
+        assert same(before[name], after[name]), name
+    # An edge of an undirected graph may come back with its ends exchanged.
+    ends = lambda table: np.sort(np.stack([table["node_a"], table["node_b"]]), axis=0)  # noqa: E731
+    assert np.array_equal(ends(before), ends(after))
+    for name, values in run.graph.nodes.items():
+        assert same(values, back.nodes[name]), name
+    again, once = willis.infer(back, progress=False), willis.infer(run.graph, progress=False)
+    assert np.allclose(again.edges["likelihood"], once.edges["likelihood"], rtol=1e-12)
+
+
+def test_a_graph_of_somebody_else():
+    nx = pytest.importorskip("networkx")
+    graph = nx.Graph()
+    for name, x in (("in", 0), ("a<b", 10), ("out", 20)):
+        graph.add_node(name, pos=(x, 0, 0))
+    graph.add_edge("in", "a<b", radius_mm=np.float32(1), length_mm=10)
+    graph.add_edge("a<b", "out", radius_mm=1.0, length_mm=10.0, weight=[1, 2])
+    flow = willis.simulate(willis.from_networkx(graph), inlets=["in=100"], outlets=["out"])
+    # Poiseuille, by hand: Q = pi r^4 dP / (8 mu l), mL/min.
+    by_hand = np.pi * 1e-12 * 100 * 133.322387415 / (8 * 3.5e-3 * 20e-3) * 6e7
+    assert flow.edges["flow_mL_per_min"] == pytest.approx([by_hand, by_hand], rel=1e-9)
+
+
+def test_igraph_has_every_vessel(run):
+    pytest.importorskip("igraph")
+    graph = run.graph.to_igraph()
+    assert (graph.vcount(), graph.ecount()) == (run.graph.n_nodes, run.graph.n_edges)
+    assert graph.es["radius_mm"] == run.graph.edges["radius_mm"].tolist()
+    assert [set(edge.tuple) for edge in graph.es] == list(map(set, run.graph.lines()[0].tolist()))
+
+
+def test_pandas_has_every_column(run):
+    pytest.importorskip("pandas")
+    frame = run.edges.to_pandas()
+    assert list(frame.columns) == list(run.edges)
+    assert frame["kept"].sum() == run.kept.sum()
+
+
+def test_vtk_has_every_line(run):
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    lines, radii = run.topology.lines()[1:]
+    drawn = run.topology.to_vtk()
+    assert drawn.GetNumberOfLines() == len(lines)
+    points, radius = vtk_to_numpy(drawn.GetPoints().GetData()), vtk_to_numpy(drawn.GetPointData().GetArray("MaximumInscribedSphereRadius"))
+    for cell, (line, thickness) in enumerate(zip(lines, radii)):
+        ids = drawn.GetCell(cell).GetPointIds()
+        rows = [ids.GetId(at) for at in range(ids.GetNumberOfIds())]
+        assert points[rows] == pytest.approx(line, abs=1e-5)
+        # A node is one point of several vessels, and has one radius.
+        assert radius[rows[1:-1]] == pytest.approx(thickness[1:-1], rel=1e-6)
+
+
+def test_skan_measures_the_same_lengths(run):
+    skan = pytest.importorskip("skan")
+    pytest.importorskip("scipy")
+    network = willis.read(BROKEN)
+    by_hand = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in network.lines()[1])
+    paths = network.to_skan()
+    assert skan.summarize(paths, separator="_")["branch_distance"].sum() == pytest.approx(by_hand, rel=1e-9)
+
+
+def test_skan_skeletons_come_in():
+    skan = pytest.importorskip("skan")
+    image = np.zeros((5, 30, 5), dtype=np.float32)
+    image[2, 2:28, 2] = 1.5
+    network = willis.from_skan(skan.Skeleton(image, spacing=(0.4, 0.5, 0.6)))
+    assert network.edges["length_mm"] == pytest.approx([25 * 0.5])
+    assert network.edges["radius_mm"] == pytest.approx([1.5])
+    with pytest.raises(willis.WillisError, match="radii"):
+        willis.from_skan(skan.Skeleton(image > 0, spacing=(0.4, 0.5, 0.6)))
+
+
+def test_navis_measures_the_same_cable(run):
+    navis = pytest.importorskip("navis")
+    network = willis.read(BROKEN)
+    by_hand = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in network.lines()[1])
+    neuron = network.to_navis()
+    assert isinstance(neuron, navis.TreeNeuron)
+    assert neuron.cable_length == pytest.approx(by_hand, rel=1e-5)
+    nodes = neuron.nodes.set_index("node_id")
+    rows = {node: row for row, node in enumerate(nodes.index)}
+    edges = [(rows[node], rows[parent]) for node, parent in nodes["parent_id"].items() if parent in rows]
+    back = willis.centerlines(nodes[["x", "y", "z"]].to_numpy(), edges, nodes["radius"].to_numpy())
+    assert back.edges["length_mm"].sum() == pytest.approx(by_hand, rel=1e-5)
+
+
+def test_a_mask_comes_in(tmp_path):
+    mask = np.zeros((20, 60, 20), dtype=bool)
+    mask[8:12, 4:56, 8:12] = True
+    network = willis.from_mask(mask, spacing=(0.5, 1.0, 0.5))
+    assert network.n_edges == 1
+    # Thinning takes up to a diameter, four voxels, off each end.
+    assert 52 - 8 <= network.edges["length_mm"][0] <= 52
+    # The radius of the circle with the area of the square, by its definition.
+    assert network.edges["radius_mm"] == pytest.approx([np.sqrt(4 / np.pi)], rel=0.03)
+    np.save(tmp_path / "mask.npy", mask)
+    assert same(willis.read(tmp_path / "mask.npy", spacing=(0.5, 1.0, 0.5)).edges["length_mm"], network.edges["length_mm"])
+    turned = willis.from_mask(np.asfortranarray(mask), spacing=(0.5, 1.0, 0.5))
+    assert same(turned.edges["length_mm"], network.edges["length_mm"])
+
+
+def test_back_from_its_folder(run, tmp_path):
+    run.save(tmp_path / "run")
+    loaded = willis.load(tmp_path / "run")
+    for mine, its in ((run.edges, loaded.edges), (run.nodes, loaded.nodes)):
+        assert list(mine) == list(its)
+        for name, values in mine.items():
+            assert values.dtype.kind == its[name].dtype.kind, name
+            assert same(values, its[name]), name
+    assert abs(run.likelihood - loaded.likelihood).max() == 0
+    assert (loaded.expected_wrong, loaded.expected_missed) == (run.expected_wrong, run.expected_missed)
+    assert same(loaded.undecided, run.undecided)
+    assert loaded.topology.n_edges == run.topology.n_edges == run.kept.sum()
+    with pytest.raises(willis.WillisError) as wrong:
+        willis.load(tmp_path)
+    assert wrong.value.file == str(tmp_path)
+
+
+def test_many_subjects_are_those_of_the_command(tmp_path):
+    inputs = [BROKEN, "data/circle-of-willis/complete.graphml"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", willis.Note)
+        study = willis.cohort(inputs, tmp_path / "study", samples=128)
+        alone = willis.infer(BROKEN, samples=128)
+    assert len(study) == 2 and set(study.subjects["status"]) == {"ok"}
+    assert same(study.run(study.subjects["subject"][0]).edges["likelihood"], alone.edges["likelihood"])
+    with pytest.raises(willis.WillisError, match="epsilom"):
+        willis.cohort(inputs, epsilom=0.1)
+
+
+def test_the_page_is_shown_in_a_notebook(run):
+    page = run._repr_html_()
+    assert page.startswith("<iframe") and "&lt;html" in page
