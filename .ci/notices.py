@@ -21,8 +21,9 @@ MARKS = {
 }
 HEAD = """Third-party software in willis
 
-The program links these crates in, some of them on some systems only, and the Rust standard library (MIT or Apache-2.0, The Rust Project
-Contributors). Where a crate offers several licences, the one named is the one taken. The texts of the licences follow the list.
+The program and its Python module link these crates in, some of them on some systems only, and the Rust standard library (MIT or
+Apache-2.0, The Rust Project Contributors). Where a crate offers several licences, the one named is the one taken. The texts of the
+licences follow the list.
 
 The pictures are drawn with the font Ubuntu Light, unmodified, which alone of the fonts in the crate epaint_default_fonts is used:
 Copyright 2010, 2011 Canonical Ltd., licensed under the Ubuntu Font Licence 1.0.
@@ -36,7 +37,8 @@ def linked():
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
     macro = lambda package: any("proc-macro" in target["kind"] for target in package["targets"])
-    open_, seen = [metadata["resolve"]["root"]], set()
+    ours = set(metadata["workspace_members"])
+    open_, seen = list(ours), set()
     while open_:
         here = open_.pop()
         if here in seen:
@@ -46,8 +48,7 @@ def linked():
             normal = any(kind["kind"] is None for kind in dependency["dep_kinds"])
             if normal and not macro(packages[dependency["pkg"]]):
                 open_.append(dependency["pkg"])
-    seen.remove(metadata["resolve"]["root"])
-    return sorted((packages[one] for one in seen), key=lambda package: (package["name"], package["version"]))
+    return sorted((packages[one] for one in seen - ours), key=lambda package: (package["name"], package["version"]))
 
 
 def of_text(package):

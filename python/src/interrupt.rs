@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use willis::cli::words::said_of_step;
 use willis::internals::sampling::PartialRun;
-use willis::{Progress, Step};
+use willis::{Error, Progress, Step};
 
 use crate::errors::raised;
 
@@ -115,15 +115,15 @@ static THREADS: AtomicUsize = AtomicUsize::new(0);
 static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
 
 /// So many threads from now on, where a call does not say otherwise.
-pub fn set_num_threads(threads: usize) -> PyResult<()> {
-    pool(threads)?;
+pub fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
+    pool(py, threads)?;
     THREADS.store(threads, Ordering::Relaxed);
     Ok(())
 }
 
-fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
+fn pool(py: Python<'_>, threads: usize) -> PyResult<Arc<ThreadPool>> {
     if !(1..=4096).contains(&threads) {
-        return Err(PyValueError::new_err(format!("threads {threads}: expected a number from 1 to 4096")));
+        return Err(raised(py, &Error::parameter("threads", threads, "expected a number from 1 to 4096")));
     }
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(pool) = pools.get(&threads) {
@@ -146,7 +146,7 @@ pub fn interruptible<T: Send>(
     work: impl FnOnce(&mut Follower<'_>) -> willis::Result<T> + Send,
 ) -> PyResult<PyResult<T>> {
     let threads = threads.or(Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0));
-    let pool = threads.map(pool).transpose()?;
+    let pool = threads.map(|threads| pool(py, threads)).transpose()?;
     let (finished, waiting) = (Mutex::new(false), Condvar::new());
     let (result, stopped_by) = std::thread::scope(|scope| {
         let worker = scope.spawn(|| {

@@ -30,8 +30,8 @@ fn call(py: Python<'_>, words: Vec<String>) -> PyResult<()> {
 
 /// So many threads from now on, where a call does not say otherwise.
 #[pyfunction]
-fn set_num_threads(threads: usize) -> PyResult<()> {
-    interrupt::set_num_threads(threads)
+fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
+    interrupt::set_num_threads(py, threads)
 }
 
 /// Writes a network as a file of any format; what a person should know.

@@ -77,7 +77,8 @@ class Modulation:
     @property
     def record(self) -> dict[str, Any]:
         """What run.json of the command holds."""
-        return json.loads(self._modulation.record)
+        record: dict[str, Any] = json.loads(self._modulation.record)
+        return record
 
     def save(self, folder: PathLike, *, save_samples: bool = False, dpi: int = 150) -> None:
         """Writes the files of ``willis modulate`` into a new folder."""

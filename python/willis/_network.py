@@ -253,7 +253,7 @@ def centerlines(
         if array.dtype == object:
             raise WillisError(f"{name}: Python objects; expected numbers or text", item=name, expected="numbers or text")
     packed = io.BytesIO()
-    np.savez(packed, **arrays)  # type: ignore[arg-type]
+    np.savez(packed, **arrays)
     return read_packed("arrays.npz", packed.getvalue(), [])
 
 

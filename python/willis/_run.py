@@ -322,7 +322,6 @@ def _prepared(
 def candidates(
     source: Source,
     *,
-    preset: Literal["paper"] | None = None,
     prior: PathLike | None = None,
     cut: PathLike | None = None,
     mask: PathLike | None = None,

@@ -27,7 +27,8 @@ class Phenotype:
     @property
     def record(self) -> dict[str, Any]:
         """What phenotype.json of the command holds."""
-        return json.loads(self._phenotype.json)
+        record: dict[str, Any] = json.loads(self._phenotype.json)
+        return record
 
     @property
     def probabilities(self) -> dict[str, float] | None:
@@ -120,13 +121,15 @@ def train(
     *,
     model: Literal["tracing", "skeleton", "contacts"] = "tracing",
     folds: int = 3,
+    l2: float = 0.002,
+    passes: int = 3,
     save_folds: bool = False,
     images_onto: PathLike | None = None,
     force: bool = False,
 ) -> None:
     """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
-    given = {"model": model, "folds": folds, "save_folds": save_folds, "images_onto": images_onto, "force": force}
-    _willis.call(["train", *map(os.fspath, cases), "-o", os.fspath(output), *words(given, defaults_of(train))])
+    given = {"model": model, "folds": folds, "l2": l2, "passes": passes, "save_folds": save_folds, "images_onto": images_onto, "force": force}
+    _willis.call(["train", *[os.fspath(case) for case in cases], "-o", os.fspath(output), *words(given, defaults_of(train))])
 
 
 def phantom(

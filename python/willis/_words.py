@@ -50,7 +50,8 @@ def _same(value: Any, default: Any) -> bool:
 
 
 class Repeated:
-    """An option that is given once for each of several values."""
+    """An option that is given once for each of several values, or for the only one."""
 
-    def __init__(self, values: Iterable[Any] | str | None) -> None:
-        self.values = [] if values is None else [values] if isinstance(values, (str, int)) else list(values)
+    def __init__(self, values: Any) -> None:
+        several = isinstance(values, Iterable) and not isinstance(values, str)
+        self.values = [] if values is None else list(values) if several else [values]

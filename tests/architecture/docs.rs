@@ -63,6 +63,8 @@ impl Reader<'_> {
                     assert!(asked.status.success(), "{place}: {line}: {}", String::from_utf8_lossy(&asked.stderr));
                 }
             }
+            // Those that use the module are run where it is installed, by python/tests.
+            "python" if block.body.contains("willis.") => {}
             "python" => self.draw(&place, &block.body),
             "" | "csv" | "toml" | "rust" | "bibtex" => {}
             other => panic!("{place}: a block of {other}, which nothing checks"),
@@ -134,7 +136,7 @@ fn read(page: &Page, and: impl FnOnce(&Path)) {
 #[test]
 fn the_readme_does_what_it_says() {
     let page = readme();
-    assert_eq!(page.blocks().iter().filter(|block| block.kind == "python").count(), 3, "one for each of the three uses");
+    assert_eq!(page.blocks().iter().filter(|block| block.kind == "python" && !block.body.contains("willis.")).count(), 3, "one for each of the three uses");
     read(&page, |here| assert_eq!(here.join("kept.png").exists(), std::env::var("WILLIS_PYTHON").is_ok()));
 }
 

@@ -1,0 +1,119 @@
+"""Whatever is handed over: a right answer or one clear error, never a panic."""
+
+import warnings
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis.extra import numpy as arrays
+
+import willis
+
+LINE = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]])
+PAIRS = np.array([[0, 1], [1, 2], [2, 3]])
+RADII = np.ones(4)
+
+
+def answered(call):
+    """Whether a call answers or says what is wrong; anything else is raised."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call()
+    except willis.WillisError as error:
+        assert str(error) and "\n" not in str(error)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        LINE.astype(np.float32),
+        np.asfortranarray(LINE),
+        LINE[::-1][::-1],
+        LINE.tolist(),
+        np.concatenate([LINE, LINE])[:4],
+        LINE.astype(int),
+        LINE.astype(">f8"),
+    ],
+)
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.uint8, np.uint64])
+def test_arrays_of_any_layout_are_the_same(points, kind):
+    pairs = PAIRS.astype(kind)
+    pairs.flags.writeable = False
+    network = willis.centerlines(points, pairs, RADII)
+    assert network.edges["length_mm"] == pytest.approx([3.0])
+
+
+@pytest.mark.parametrize(
+    ("points", "pairs", "radii"),
+    [
+        (LINE[:, :2], PAIRS, RADII),
+        (LINE.ravel(), PAIRS, RADII),
+        (LINE, PAIRS.ravel(), RADII),
+        (LINE, PAIRS - 1, RADII),
+        (LINE, PAIRS + 1, RADII),
+        (LINE, PAIRS + 0.5, RADII),
+        (LINE, PAIRS, RADII[:2]),
+        (LINE, PAIRS, -RADII),
+        (LINE * np.nan, PAIRS, RADII),
+        (LINE * np.inf, PAIRS, RADII),
+        (LINE, PAIRS, RADII * np.nan),
+        (LINE[:0], PAIRS[:0], RADII[:0]),
+        (LINE.astype(object), PAIRS.astype(object), RADII),
+    ],
+)
+def test_arrays_that_are_wrong_say_so(points, pairs, radii):
+    answered(lambda: willis.centerlines(points, pairs, radii))
+
+
+def test_what_must_be_refused_is():
+    for points, pairs, radii in [(LINE[:, :2], PAIRS, RADII), (LINE, PAIRS + 1, RADII), (LINE, PAIRS, RADII[:2]), (LINE * np.nan, PAIRS, RADII)]:
+        with pytest.raises(willis.WillisError):
+            willis.centerlines(points, pairs, radii)
+    with pytest.raises(willis.WillisError):
+        willis.from_mask(np.zeros((4, 4)), spacing=1)
+    with pytest.raises(willis.WillisError):
+        willis.set_num_threads(0)
+
+
+any_array = arrays.arrays(
+    dtype=st.one_of(arrays.floating_dtypes(sizes=(32, 64)), arrays.integer_dtypes(), st.just(np.dtype(bool))),
+    shape=arrays.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=6),
+)
+coordinates = arrays.arrays(np.float64, st.tuples(st.integers(0, 8), st.just(3)), elements=st.floats(-100, 100, width=32))
+rows = arrays.arrays(np.int64, st.tuples(st.integers(0, 10), st.just(2)), elements=st.integers(-2, 9))
+relaxed = settings(max_examples=3000, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+@relaxed
+@given(any_array, any_array, any_array)
+def test_any_arrays(points, pairs, radii):
+    answered(lambda: willis.centerlines(points, pairs, radii))
+
+
+@relaxed
+@given(coordinates, rows, st.data())
+def test_arrays_that_nearly_fit(points, pairs, data):
+    count = data.draw(st.sampled_from([len(points), len(pairs)]))
+    radii = data.draw(arrays.arrays(np.float64, count, elements=st.floats(allow_nan=True, allow_infinity=True)))
+    answered(lambda: willis.infer(willis.centerlines(points, pairs, radii), samples=64, progress=False))
+
+
+@relaxed
+@given(any_array, st.one_of(st.floats(), st.lists(st.floats(), max_size=4)))
+def test_any_mask(mask, spacing):
+    answered(lambda: willis.from_mask(mask, spacing=spacing))
+
+
+@relaxed
+@given(
+    st.dictionaries(
+        st.sampled_from(["epsilon", "samples", "seed", "keep", "k", "max_gap", "attach", "weight", "viscosity", "inlets", "outlets", "until"]),
+        st.one_of(st.none(), st.booleans(), st.integers(-(10**20), 300), st.floats(), st.text(max_size=8), st.lists(st.text(max_size=4), max_size=2)),
+        max_size=3,
+    )
+)
+def test_any_options(options):
+    network = willis.centerlines(LINE, PAIRS, RADII)
+    answered(lambda: willis.infer(network, progress=False, **options))
