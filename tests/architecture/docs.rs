@@ -136,7 +136,11 @@ fn read(page: &Page, and: impl FnOnce(&Path)) {
 #[test]
 fn the_readme_does_what_it_says() {
     let page = readme();
-    assert_eq!(page.blocks().iter().filter(|block| block.kind == "python" && !block.body.contains("willis.")).count(), 3, "one for each of the three uses");
+    assert_eq!(
+        page.blocks().iter().filter(|block| block.kind == "python" && !block.body.contains("willis.")).count(),
+        3,
+        "one for each of the three uses"
+    );
     read(&page, |here| assert_eq!(here.join("kept.png").exists(), std::env::var("WILLIS_PYTHON").is_ok()));
 }
 
