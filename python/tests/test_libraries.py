@@ -77,6 +77,14 @@ def test_vtk_has_every_line(run):
         assert radius[rows[1:-1]] == pytest.approx(thickness[1:-1], rel=1e-6)
 
 
+def test_vtk_comes_in(run):
+    pytest.importorskip("vtkmodules")
+    network = willis.read(BROKEN)
+    back = willis.from_vtk(network.to_vtk())
+    for name in ("length_mm", "radius_mm"):
+        assert back.edges[name] == pytest.approx(network.edges[name], rel=1e-6)
+
+
 def test_skan_measures_the_same_lengths(run):
     skan = pytest.importorskip("skan")
     pytest.importorskip("scipy")

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ def same_folders(a, b):
     """Every file alike; of run.json all but the time."""
     names = sorted(path.name for path in a.iterdir())
     assert names == sorted(path.name for path in b.iterdir())
-    plain = [name for name in names if name not in ("run.json", "report.html")]
+    plain = [name for name in names if name != "run.json"]
     assert filecmp.cmpfiles(a, b, plain, shallow=False) == (plain, [], [])
     records = [json.loads((folder / "run.json").read_text()) for folder in (a, b)]
     for record in records:
@@ -48,6 +49,19 @@ def same_folders(a, b):
 def test_a_run_is_that_of_the_command(tmp_path, options, given):
     willis.infer(BROKEN, **options).save(tmp_path / "module")
     command("infer", BROKEN, "-o", str(tmp_path / "command"), "--quiet", *given)
+    same_folders(tmp_path / "module", tmp_path / "command")
+
+
+@pytest.mark.parametrize("name", ["a.swc", "a.vtp", "a.vtk", "a.npz", "a.mrk.json", "a.tre", "a.csv", "scan.nii.gz", "complete.graphml", "without-L-P1.graphml"])
+def test_every_input_is_that_of_the_command(tmp_path, name):
+    data = Path("data")
+    source = next((path for path in (data / name, data / "circle-of-willis" / name) if path.exists()), tmp_path / name)
+    if not source.exists():
+        command("convert", BROKEN, str(source), "--quiet")
+    options = {"samples": 128, "uncertain": "all" if name.endswith("graphml") else None}
+    willis.infer(source, **options).save(tmp_path / "module")
+    given = ["--samples", "128", *(["--uncertain", "all"] if options["uncertain"] else [])]
+    command("infer", str(source), "-o", str(tmp_path / "command"), "--quiet", *given)
     same_folders(tmp_path / "module", tmp_path / "command")
 
 

@@ -9,7 +9,16 @@ True
 from ._errors import Note, WillisError
 from ._flow import Modulation, Simulation, modulate, simulate
 from ._following import set_num_threads
-from ._network import Network, Table, centerlines, from_mask, from_networkx, from_skan, read
+from ._network import (
+    Network,
+    Table,
+    centerlines,
+    from_mask,
+    from_networkx,
+    from_skan,
+    from_vtk,
+    read,
+)
 from ._run import Handle, Run, SavedRun, Shard, candidates, infer, load, merge
 from ._study import Cohort, Phenotype, classify, cohort, phantom, train
 from ._willis import __version__
@@ -35,6 +44,7 @@ __all__ = [
     "from_mask",
     "from_networkx",
     "from_skan",
+    "from_vtk",
     "infer",
     "load",
     "merge",

@@ -322,6 +322,21 @@ def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None) -> Network:
     return centerlines(points, np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64), np.asarray(values))
 
 
+def from_vtk(polydata: Any, *, radius_array: str | None = None) -> Network:
+    """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTP file of it.
+
+    ``radius_array`` is the point array that holds the radii, when it has an unusual name.
+    """
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(polydata)
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    packed = writer.GetOutputString().encode("latin-1")
+    return read_packed("lines.vtp", packed, words({"radius_array": radius_array}, {}))
+
+
 def from_mask(
     mask: npt.ArrayLike,
     *,
