@@ -1,5 +1,6 @@
 """What the pages say in Python, done: the blocks of a page that use the module, one after another, beside a copy of the data."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -26,3 +27,9 @@ def test_a_page_does_what_it_says(page, tmp_path):
     # In no file, as in a notebook: workers that are started do not run the page again.
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("notebook", sorted(Path("docs/notebooks").glob("*.ipynb")), ids=str)
+def test_notebooks_have_no_outputs(notebook):
+    cells = json.loads(notebook.read_text())["cells"]
+    assert cells and all(not cell.get("outputs") and cell.get("execution_count") is None for cell in cells)

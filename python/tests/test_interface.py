@@ -109,3 +109,13 @@ def test_types_of_the_columns():
 def test_examples_in_the_docstrings(name):
     module = willis if name == "__init__" else importlib.import_module(f"willis.{name}")
     assert doctest.testmod(module).failed == 0
+
+
+def test_a_second_interpreter_cannot_import_it():
+    interpreters = pytest.importorskip("_xxsubinterpreters")
+    other = interpreters.create()
+    script = "try:\n  import willis._willis\nexcept ImportError:\n  pass\nelse:\n  raise AssertionError"
+    try:
+        interpreters.run_string(other, script)
+    finally:
+        interpreters.destroy(other)

@@ -102,10 +102,12 @@ class Network:
         return igraph.Graph(self.n_nodes, self.lines()[0].tolist(), vertex_attrs=vertices, edge_attrs=edges)
 
     def to_vtk(self) -> Any:
-        """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``MaximumInscribedSphereRadius`` at its points, mm, and the columns."""
+        """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``MaximumInscribedSphereRadius`` at its points,
+        mm, and the columns. Ids of nodes, and nodes that only join two vessels, have no place in it.
+        """
         from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-        with self._as_file("network.vtp") as path:
+        with self._as_file("network.vtp", "ignore") as path:
             reader = vtkXMLPolyDataReader()
             reader.SetFileName(str(path))
             reader.Update()
@@ -151,10 +153,13 @@ class Network:
         return np.concatenate(points), np.concatenate(radii), edges.astype(np.int64)
 
     @contextmanager
-    def _as_file(self, name: str) -> Iterator[Path]:
+    def _as_file(self, name: str, notes: Literal["ignore", "default"] = "default") -> Iterator[Path]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, name)
-            self.save(path)
+            with warnings.catch_warnings():
+                if notes == "ignore":
+                    warnings.simplefilter("ignore", Note)
+                self.save(path)
             yield path
 
     def save(self, path: PathLike, *, to: str | None = None, force: bool = False) -> None:
