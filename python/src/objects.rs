@@ -328,6 +328,13 @@ impl Simulation {
         Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
     }
 
+    /// The columns of territories.csv and of transit.csv, if the blood was followed.
+    fn transport<'py>(&self, py: Python<'py>) -> PyResult<Option<[Bound<'py, PyDict>; 2]>> {
+        let found = py.detach(|| self.solve().map(|run| run.transport_tables())).map_err(|e| raised(py, &e))?;
+        let Some([territories, transit]) = found else { return Ok(None) };
+        Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
+    }
+
     /// What the command says of it: facts under headings.
     fn said(&self, py: Python<'_>) -> PyResult<Said> {
         py.detach(|| self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))

@@ -1,6 +1,7 @@
 """The module against the command and against other readers. Run from the root of the project, with `willis` installed."""
 
 import copy
+import csv
 import filecmp
 import json
 import pickle
@@ -259,3 +260,18 @@ def test_candidates_are_those_of_the_command(tmp_path):
     assert theirs.n_edges == mine.n_edges
     for name, values in theirs.edges.items():
         assert np.array_equal(values, mine.edges[name], equal_nan=values.dtype.kind == "f"), name
+
+
+def test_transport_is_that_of_the_command(tmp_path):
+    circle = "data/circle-of-willis/complete.graphml"
+    found = willis.simulate(circle, occlude=["L-ICA I"], transport=True)
+    command("simulate", circle, "-o", str(tmp_path / "out"), "--occlude", "L-ICA I", "--transport", "--quiet")
+    for name, table in (("territories", found.territories), ("transit", found.transit)):
+        with open(tmp_path / "out" / f"{name}.csv", newline="") as file:
+            header, *rows = csv.reader(file)
+        assert header == list(table)
+        assert len(rows) == len(next(iter(table.values())))
+    at = found.territories
+    shares = at["supply"][(at["kind"] == "outlet") & (at["label"] == "L-P2")]
+    assert shares.sum() == pytest.approx(1)
+    assert willis.simulate(circle).territories is None

@@ -23,6 +23,11 @@ class Simulation:
         self.nodes: Table
         self.edges: Table
         self.nodes, self.edges = map(Table, simulation.tables())
+        transport = simulation.transport()
+        #: Who feeds what, with the columns of territories.csv; None without ``transport``.
+        self.territories: Table | None = None if transport is None else Table(transport[0])
+        #: When blood arrives, with the columns of transit.csv; None without ``transport``.
+        self.transit: Table | None = None if transport is None else Table(transport[1])
 
     def save(self, folder: PathLike, *, force: bool = False, dpi: int = 150) -> None:
         """Writes the folder that ``willis simulate`` writes."""
@@ -44,11 +49,13 @@ def simulate(
     outlets: str | Sequence[str | int] | None = None,
     flows: Sequence[str] | None = None,
     bc: PathLike | None = None,
+    transport: bool = False,
 ) -> Simulation:
     """Solves the flow in a network, and beside it with all changes at once: what ``willis simulate`` does.
 
     ``stenosis`` is the share of the diameter by which vessels, by label or ``edge:ROW``, are narrowed (0.7), or a text of the command
-    (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened.
+    (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened. With ``transport``, the result has
+    ``territories`` and ``transit``: who feeds what, and when blood arrives.
     """
     rule = outlets if isinstance(outlets, str) else None
     narrowed = {name: by if isinstance(by, str) else f"{100 * by:.15g}%" for name, by in (stenosis or {}).items()}
@@ -62,6 +69,7 @@ def simulate(
         "flow": Repeated(flows),
         "bc": bc,
         "outlets": rule,
+        "transport": transport,
     }
     network = network_of(source)
     made = words(given, defaults_of(simulate))

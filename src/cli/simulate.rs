@@ -43,6 +43,9 @@ pub struct SimulateArgs {
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer", hide_short_help = true)]
     json: bool,
+    /// Follow the blood: territories.csv, who feeds what; transit.csv, when it arrives
+    #[arg(long)]
+    transport: bool,
     #[command(flatten)]
     changes: ChangeArgs,
     #[command(flatten)]
@@ -68,7 +71,7 @@ impl SimulateArgs {
         let start = Instant::now();
         let path = &self.input.input;
         let boundary = for_input(&self.boundary.options()?, path);
-        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)? };
+        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)?, transport: self.transport };
         let changes = self.changes.parse()?;
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
@@ -93,8 +96,8 @@ impl SimulateArgs {
 impl SimulateArgs {
     /// The options of the library for an input.
     pub(super) fn meaning(&self, input: &Path) -> Result<(FlowOptions, Vec<(String, Change)>)> {
-        let options =
-            FlowOptions { boundary: for_input(&self.boundary.options()?, input), viscosity: viscosity(&self.viscosity)? };
+        let boundary = for_input(&self.boundary.options()?, input);
+        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)?, transport: self.transport };
         let changes = self.changes.parse()?.into_iter().map(|(name, change)| (name.to_owned(), change)).collect();
         Ok((options, changes))
     }

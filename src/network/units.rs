@@ -18,6 +18,11 @@ pub fn millimetres(m: f64) -> f64 {
     m * 1e3
 }
 
+/// ms from s.
+pub fn milliseconds(seconds: f64) -> f64 {
+    seconds * 1e3
+}
+
 /// The length (m) after it was written to a file in millimetres and read again.
 pub fn as_stored(m: f64) -> f64 {
     metres(millimetres(m))

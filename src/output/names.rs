@@ -16,6 +16,10 @@ pub const PAGE: &str = "report.html";
 pub const DENSE_LIKELIHOOD: &str = "likelihood.npy";
 /// The likelihood matrix.
 pub const LIKELIHOOD: &str = "likelihood.npz";
+/// Who feeds what.
+pub const TERRITORIES: &str = "territories.csv";
+/// When blood arrives.
+pub const TRANSIT: &str = "transit.csv";
 /// The over-connected graph that was sampled.
 pub const GRAPH: &str = "candidates.graphml";
 /// What was kept, with an ending for each format.
@@ -24,6 +28,8 @@ pub const TOPOLOGY: &str = "topology";
 pub const MEDIAN_TOPOLOGY: &str = "topology-median";
 /// The flow as a picture.
 pub const FLOW_PICTURE: &str = "flow";
+/// Whose blood every outlet gets, as a picture.
+pub const TERRITORY_PICTURE: &str = "territories";
 /// The likelihood matrix as a picture.
 pub const LIKELIHOOD_PICTURE: &str = "likelihood";
 /// The likelihood against the samples as a picture.

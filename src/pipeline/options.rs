@@ -99,11 +99,13 @@ pub struct FlowOptions {
     /// Blood viscosity µ, Pa s, positive.
     #[serde(rename = "viscosity_Pa_s")]
     pub viscosity: f64,
+    /// Whether to follow the blood: who feeds what, and when it arrives.
+    pub transport: bool,
 }
 
 impl Default for FlowOptions {
     fn default() -> Self {
-        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY }
+        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false }
     }
 }
 

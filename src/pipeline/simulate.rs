@@ -13,9 +13,11 @@ use crate::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use crate::network::vessels_called;
 use crate::output::atomic::StagedFolder;
 use crate::report::{
-    FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, write_modulation, write_simulated,
+    FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
+    write_modulation, write_simulated,
 };
 use crate::sampling;
+use crate::simulation::transport::Transports;
 use crate::simulation::{Change, Perturbation, Simulation};
 
 /// The flow in a network as it is, and beside it with vessels changed.
@@ -27,6 +29,7 @@ pub struct SimulationRun<'a> {
     perturbations: Vec<Perturbation>,
     simulation: Simulation,
     viscosity: f64,
+    transports: Option<Transports>,
 }
 
 /// Solves the flow of an input as it is, and beside it with all `changes` at once; each names its vessels, by label or `edge:ROW`.
@@ -60,7 +63,9 @@ pub fn simulate_with<'a>(
     let (boundary, outlets) = conditions(input, &options.boundary, progress)?;
     let viscosity = options.viscosity;
     let simulation = crate::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
-    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity })
+    let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
+    let transports = options.transport.then(follow).transpose()?;
+    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity, transports })
 }
 
 /// The boundary conditions of a network whose vessels are taken as they are; outlets that are found are ground, unless said otherwise.
@@ -82,14 +87,21 @@ impl SimulationRun<'_> {
 
     /// Everything that the files of the run are made of.
     pub fn simulated(&self) -> Simulated<'_> {
-        let Self { input, boundary, perturbations, simulation, viscosity, .. } = self;
-        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity: *viscosity }
+        let Self { input, boundary, perturbations, simulation, viscosity, transports, .. } = self;
+        let (viscosity, transports) = (*viscosity, transports.as_ref());
+        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity, transports }
     }
 
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
     pub fn tables(&self) -> [Vec<Column>; 2] {
         let simulated = self.simulated();
         [simulated_nodes(&simulated), simulated_vessels(&simulated)]
+    }
+
+    /// The tables of who feeds what and when blood arrives, as territories.csv and transit.csv have them, if that was asked for.
+    pub fn transport_tables(&self) -> Option<[Vec<Column>; 2]> {
+        let (simulated, transports) = (self.simulated(), self.transports.as_ref()?);
+        Some([territory_columns(&simulated, transports), transit_columns(&simulated, transports)])
     }
 
     /// The record of the run.

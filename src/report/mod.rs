@@ -9,6 +9,7 @@ pub mod page;
 mod phenotype;
 pub mod run_record;
 mod simulation;
+mod transport;
 
 pub use inference::{ImageCut, Outcome, agreement, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
@@ -17,3 +18,4 @@ pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::node_columns as simulated_nodes;
 pub use simulation::vessel_columns as simulated_vessels;
 pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, write_simulated};
+pub use transport::{end_name, territory_columns, transit_columns};

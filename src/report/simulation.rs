@@ -10,6 +10,7 @@ use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
 use super::page::{Picture, simulation_page, write_page};
 use super::run_record::{Provenance, conditions, outlets_found};
+use super::transport::{transport_columns, write_transports};
 use crate::error::Result;
 use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use crate::flow::{Boundary, FoundOutlets};
@@ -19,6 +20,7 @@ use crate::network::{Network, RadiusRule, Role};
 use crate::output::atomic::write_file;
 use crate::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
+use crate::simulation::transport::Transports;
 use crate::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
 
 /// How many collaterals are listed, those of the largest gain of flow.
@@ -153,6 +155,7 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
         let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
         columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
     }
+    columns.extend(simulated.transports.map(|found| transport_columns(simulated, found)).unwrap_or_default());
     columns
 }
 
@@ -184,6 +187,15 @@ pub struct Simulated<'a> {
     pub result: &'a Simulation,
     /// Blood viscosity, Pa s.
     pub viscosity: f64,
+    /// Where the blood comes from and when, if it was asked for.
+    pub transports: Option<&'a Transports>,
+}
+
+impl Simulated<'_> {
+    /// The state whose columns end so.
+    pub(super) fn state(&self, suffix: &str) -> Option<&State> {
+        if suffix.is_empty() { Some(&self.result.unperturbed) } else { self.result.perturbed.as_ref() }
+    }
 }
 
 /// Writes every file of a simulation into a folder and returns notes about files that are left out.
@@ -205,7 +217,12 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     let bars = flow_bars(&flows(simulated))?;
     bars.write(folder, dpi)?;
     let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
-    let figures = vec![Picture::new("Flow", caption, &bars)?];
+    let mut figures = vec![Picture::new("Flow", caption, &bars)?];
+    if let Some(transports) = simulated.transports {
+        let territories = write_transports(folder, simulated, transports, dpi)?;
+        let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
+        figures.push(Picture::new("Territories", caption, &territories)?);
+    }
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;

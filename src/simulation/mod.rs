@@ -1,5 +1,7 @@
 //! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
 
+pub mod transport;
+
 use crate::error::{Error, Result};
 use crate::flow::floating_components::drives_flow;
 use crate::flow::poiseuille::check_viscosity;

@@ -20,3 +20,4 @@ mod peel;
 mod properties;
 mod simulate;
 mod svzerod;
+mod transport;

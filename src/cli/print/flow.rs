@@ -2,13 +2,16 @@
 
 use crate::internals::flow::state::{LAMINAR_LIMIT, State};
 use crate::internals::network::Condition;
-use crate::internals::network::units::{millimetres, ml_per_min};
-use crate::internals::report::{MOST_COLLATERALS, Simulated};
+use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
+use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
+use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{Change, Network, Stenosis};
 
 use super::{Terminal, brief, count, plural};
 
+/// The least share of an outlet's blood that is named.
+const LEAST_SHARE: f64 = 0.005;
 /// Vessels named in a warning.
 const NAMED: usize = 6;
 
@@ -20,6 +23,7 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
     say_beyond_laminar(terminal, network, before, "");
     say_stranded(terminal, simulated, before, "");
+    say_transport(terminal, simulated, simulated.transports.map(|found| &found.unperturbed), "");
     let Some(after) = &simulated.result.perturbed else { return };
 
     for perturbation in simulated.perturbations {
@@ -32,6 +36,8 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
     say_beyond_laminar(terminal, network, after, " after the perturbation");
     say_stranded(terminal, simulated, after, " after the perturbation");
+    let transport = simulated.transports.and_then(|found| found.perturbed.as_ref());
+    say_transport(terminal, simulated, transport, " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));
     if lost > 0 {
@@ -71,6 +77,31 @@ fn say_beyond_laminar(terminal: Terminal, network: &Network, state: &State, when
                 count(LAMINAR_LIMIT as u64)
             ),
         );
+    }
+}
+
+/// The outlets of each inlet's territory, and when blood reaches them.
+fn say_transport(terminal: Terminal, simulated: &Simulated<'_>, transport: Option<&Transport>, when: &str) {
+    let Some(transport) = transport else { return };
+    let network = simulated.network;
+    for (at, source) in transport.sources.iter().enumerate() {
+        let fed = transport.exits.iter().filter_map(|(exit, _)| {
+            let share = transport.nodes[*exit].as_ref()?.supply[at];
+            (share >= LEAST_SHARE).then(|| (end_name(network, *exit), share))
+        });
+        let mut fed: Vec<(String, f64)> = fed.collect();
+        fed.sort_by(|a, b| (b.1 as f32).total_cmp(&(a.1 as f32)));
+        let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
+        let first: Vec<String> = fed.iter().take(NAMED).map(words).collect();
+        let fed = format!("{}{}", first.join(", "), more(fed.len(), NAMED));
+        terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
+    }
+    let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
+    let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
+    arrivals.sort_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)));
+    if let (Some(first), Some(last)) = (arrivals.first(), arrivals.last()) {
+        let words = |(exit, mean): &(usize, f64)| format!("{} ({:.0} ms)", end_name(network, *exit), milliseconds(*mean));
+        terminal.say("arrival", format!("first at {}, last at {}{when}", words(first), words(last)));
     }
 }
 

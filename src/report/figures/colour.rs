@@ -18,6 +18,14 @@ pub const PERTURBED: Rgb = [0xe6, 0x9f, 0x00];
 pub const EACH: Rgb = [0x56, 0xb4, 0xe9];
 /// Figures of the whole network (Okabe & Ito's orange).
 pub const WHOLE: Rgb = [0xe6, 0x9f, 0x00];
+/// Further kinds of one thing: Okabe & Ito's bluish green, reddish purple and yellow, ...
+pub const GREEN: Rgb = [0x00, 0x9e, 0x73];
+/// ... each other than the colours above, ...
+pub const PURPLE: Rgb = [0xcc, 0x79, 0xa7];
+/// ... in this order.
+pub const YELLOW: Rgb = [0xf0, 0xe4, 0x42];
+/// What has no colour of its own.
+pub const GREY: Rgb = [0xa9, 0xad, 0xb3];
 /// Text, axes and the threshold.
 pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
 /// Grid lines.

@@ -1,4 +1,4 @@
-//! The pictures of a run as PNG and SVG: the likelihood matrix and its convergence, flows, responses to modulation, hypertension.
+//! The pictures of a run as PNG and SVG: the likelihood matrix and its convergence, flows, whose blood it is, responses to modulation, hypertension.
 //!
 //! The pictures need no installed font, and the same input gives the same bytes.
 
@@ -13,6 +13,7 @@ mod font;
 pub(crate) mod heat_map;
 pub(crate) mod hypertension;
 pub(crate) mod modulation;
+pub(crate) mod supply_bars;
 mod svg;
 
 pub use colour::{ZERO, colour};
@@ -22,3 +23,4 @@ pub use flow_bars::{VesselFlow, flow_bars};
 pub use heat_map::{Matrix, heat_map};
 pub use hypertension::{Histogram, Histograms, hypertension};
 pub use modulation::{Boxes, Panel, modulation};
+pub use supply_bars::{OutletSupply, supply_bars};

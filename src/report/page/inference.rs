@@ -79,6 +79,7 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
         scale,
         uncertain_only,
         variants: vec![(String::new(), 0, String::from(column))],
+        legend: Vec::new(),
     };
     let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),

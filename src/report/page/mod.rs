@@ -18,6 +18,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::figures::colour::Rgb;
 use super::figures::{DEFAULT_DPI, Figure};
 use super::inference::ImageCut;
 use crate::error::Result;
@@ -83,6 +84,8 @@ pub enum Scale {
     Linear,
     /// By its value, with one colour for each side of zero.
     Diverging,
+    /// It is a colour itself, red · 2¹⁶ + green · 2⁸ + blue.
+    Mixed,
 }
 
 /// A figure that colours the vessels.
@@ -98,6 +101,8 @@ pub struct Colouring {
     pub uncertain_only: bool,
     /// Its variants: name, number of the table, and column. All variants share one scale.
     pub variants: Vec<(String, usize, String)>,
+    /// What is mixed by [`Scale::Mixed`]: names and colours.
+    pub legend: Vec<(String, Rgb)>,
 }
 
 /// A threshold on a column of the first table.

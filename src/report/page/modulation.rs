@@ -108,7 +108,8 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
     };
     let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
-        let colouring = |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants };
+        let colouring =
+            |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() };
         let mean = colouring(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
         [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
     });

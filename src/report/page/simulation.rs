@@ -3,7 +3,9 @@
 use super::scene::scene;
 use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take, title};
 use crate::io::Column;
+use crate::report::figures::colour::Rgb;
 use crate::report::simulation::{FlowRecord, PERTURBED, Simulated};
+use crate::report::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
 
 /// The figures that colour the vessels: name, unit, column.
 const COLOURINGS: [(&str, &str, &str); 6] = [
@@ -35,20 +37,24 @@ pub fn page(
         conditions(&part("boundary_conditions")),
     ];
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &[], of_vessels };
+    let mut tables: Vec<Table> =
+        [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))].into_iter().chain(lists).flatten().collect();
+    let mut colourings = colourings(perturbed);
+    if let Some(transports) = simulated.transports {
+        colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
+        tables.push(table("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
+        tables.push(table("Arrival", transit_columns(simulated, transports), false));
+    }
     Page {
         title: title("simulate", &record),
         record,
         facts,
         scene: scene(simulated.network, simulated.boundary),
-        colourings: colourings(perturbed),
+        colourings,
         image_cuts: Vec::new(),
         threshold: None,
         figures,
-        tables: [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))]
-            .into_iter()
-            .chain(lists)
-            .flatten()
-            .collect(),
+        tables,
     }
 }
 
@@ -77,7 +83,7 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
         if perturbed {
             variants.insert(0, ("perturbed".to_owned(), 0, format!("{column}{PERTURBED}")));
         }
-        Colouring { name, unit, scale: Scale::Log, uncertain_only: false, variants }
+        Colouring { name, unit, scale: Scale::Log, uncertain_only: false, variants, legend: Vec::new() }
     });
     let change = Colouring {
         name: "change of flow",
@@ -85,6 +91,33 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
         scale: Scale::Diverging,
         uncertain_only: false,
         variants: vec![(String::new(), 0, "flow_change".to_owned())],
+        legend: Vec::new(),
     };
     each.into_iter().chain(perturbed.then_some(change)).collect()
+}
+
+/// The colourings by where blood comes from and when; the colours are in the table `at`.
+fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) -> [Colouring; 2] {
+    let variants = |table: usize, column: &str| {
+        let suffixes = [("perturbed", PERTURBED), ("unperturbed", "")];
+        let shown = suffixes.into_iter().filter(|(_, suffix)| perturbed || suffix.is_empty());
+        shown.map(|(name, suffix)| (name.to_owned(), table, format!("{column}{suffix}"))).collect()
+    };
+    let supply = Colouring {
+        name: "blood from",
+        unit: "",
+        scale: Scale::Mixed,
+        uncertain_only: false,
+        variants: variants(at, MIXED),
+        legend,
+    };
+    let arrival = Colouring {
+        name: "mean time since entry",
+        unit: "ms",
+        scale: Scale::Linear,
+        uncertain_only: false,
+        variants: variants(0, "arrival_ms"),
+        legend: Vec::new(),
+    };
+    [supply, arrival]
 }

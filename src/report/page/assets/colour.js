@@ -13,7 +13,12 @@ function blend(colours, t) {
 const DECADES = 12;
 
 // The scale for some values: `share` converts a value to [0, 1], `ticks` are the labels by share.
-function scaleOf(kind, values) {
+// A mixed figure is a colour itself, made of those of the legend.
+function scaleOf(kind, values, legend) {
+  if (kind === "mixed") {
+    const colour = x => [x >> 16 & 255, x >> 8 & 255, x & 255];
+    return { colour, legend, ticks: legend.map(([name], i) => [(i + 0.5) / legend.length, name]), clipped: false };
+  }
   let low = Infinity, high = -Infinity, most = 0, least = Infinity;
   for (const v of values) {
     const size = Math.abs(v);
@@ -50,7 +55,8 @@ function scaleOf(kind, values) {
 function showScale(canvas, ticks, scale, kind) {
   const ink = canvas.getContext("2d");
   for (let x = 0; x < canvas.width; x++) {
-    ink.fillStyle = `rgb(${blend(kind === "diverging" ? SIDES : data.colours, x / (canvas.width - 1))})`;
+    const of = scale.legend?.[Math.floor(x / canvas.width * scale.legend.length)];
+    ink.fillStyle = of ? `rgb(${of[1]})` : `rgb(${blend(kind === "diverging" ? SIDES : data.colours, x / (canvas.width - 1))})`;
     ink.fillRect(x, 0, 1, canvas.height);
   }
   ticks.replaceChildren(...scale.ticks.map(([share, text]) => {

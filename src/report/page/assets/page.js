@@ -110,10 +110,11 @@ function colouring() {
     if (!chosen) return;
     const grey = row => chosen.uncertain_only && threshold && !threshold.uncertain[row];
     const each = chosen.variants.map(([, at, name]) => tables[at].find(name).values);
-    const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))));
+    const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))), chosen.legend);
     showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
     const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
     if (chosen.scale === "log") parts.push(chosen.uncertain_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
+    if (chosen.scale === "mixed") parts.push("colours of the inlets mixed by their shares");
     if (scale.clipped) parts.push(`values more than ${DECADES} decades below the largest take the lightest colour`);
     if (chosen.uncertain_only) parts.push("certain vessels are grey");
     byId("colour-note").textContent = parts.join("; ") + ".";
