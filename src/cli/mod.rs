@@ -12,6 +12,7 @@ mod cohort;
 mod command_line;
 mod convert;
 mod infer;
+mod label;
 mod merge;
 mod modulate;
 mod phantom;
@@ -56,6 +57,7 @@ enum Command {
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
     Classify(Box<classify::ClassifyArgs>),
+    Label(Box<label::LabelArgs>),
     Convert(Box<convert::ConvertArgs>),
     Skeleton(Box<convert::SkeletonArgs>),
     Train(train::TrainArgs),
@@ -198,6 +200,7 @@ impl Cli {
             Command::Simulate(args) => args.run(terminal, force),
             Command::Modulate(args) => args.run(terminal, force),
             Command::Classify(args) => args.run(terminal, force),
+            Command::Label(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
             Command::Skeleton(args) => args.run(terminal, force),
             Command::Train(args) => args.run(terminal, force),

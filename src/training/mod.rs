@@ -11,6 +11,7 @@ pub mod joins;
 pub mod known_connections;
 pub mod logistic;
 pub mod minimise;
+pub mod names;
 pub mod objective;
 pub mod scores;
 mod truth_file;

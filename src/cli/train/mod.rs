@@ -1,5 +1,6 @@
 //! `willis train`: fit the evidence model to extractions whose true connections are known.
 
+mod names;
 mod trees;
 
 use std::collections::BTreeSet;
@@ -68,6 +69,7 @@ enum Kind {
     Tracing,
     Skeleton,
     Contacts,
+    Labels,
 }
 
 impl TrainArgs {
@@ -79,6 +81,7 @@ impl TrainArgs {
             Kind::Tracing => self.fit_tracings(&params, &output, terminal),
             Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
             Kind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),
+            Kind::Labels => names::run(&self, &output, terminal),
         }
     }
 

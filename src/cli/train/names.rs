@@ -1,0 +1,55 @@
+//! `willis train --model labels`: the model that names arteries.
+
+use std::time::Instant;
+
+use crate::error::{Error, Result};
+use crate::internals::training::names::{fit_names, read_labelled_cases};
+use serde_json::json;
+
+use super::{Output, TrainArgs, save};
+use crate::cli::command_line::command_line;
+use crate::cli::print::{Terminal, plural};
+use crate::cli::shell::print_json;
+
+/// Fits the model and those of its folds, and writes them.
+pub(super) fn run(args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+    let began = Instant::now();
+    let cases = read_labelled_cases(&args.cases)?;
+    terminal.say("read", plural(cases.len(), "case"));
+    if args.folds < 2 {
+        return Err(Error::parameter("folds", args.folds, "expected 2 or more: which pieces are false is learnt from atlases without the subject"));
+    }
+    let fitted = fit_names(&cases, args.folds, &mut |step| {
+        terminal.say("fitted", format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
+    })?;
+    for of in &fitted.scores {
+        terminal.say(
+            "held out",
+            format!(
+                "{}: {:.3} of the length right, {:.3} with M1 and M2 as one, presence {:.3} right ({})",
+                of.of,
+                of.length_right,
+                of.length_right_mca,
+                of.presence_right,
+                plural(of.cases, "case")
+            ),
+        );
+    }
+    let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    let folds = fitted.folds.into_iter().filter(|_| args.save_folds);
+    let names = save(output, [fitted.model].into_iter().chain(folds), |mut model, out| {
+        model.provenance.made_by.clone_from(&made_by);
+        model.write(out)
+    })?;
+    terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
+    if args.json {
+        print_json(&json!({
+            "willis": env!("CARGO_PKG_VERSION"),
+            "command": command_line("again.toml"),
+            "output": names,
+            "cases": cases.len(),
+            "figures": fitted.scores,
+        }))?;
+    }
+    Ok(())
+}

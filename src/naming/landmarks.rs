@@ -1,0 +1,114 @@
+//! Where named arteries meet and end: the landmarks that a person would click.
+
+use std::collections::BTreeMap;
+
+use super::atlas::Atlas;
+use super::emission::Pose;
+use super::nodes::Nodes;
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided, first_state, name_of};
+use crate::circle_of_willis::Side;
+use crate::support::geometry::{Point, distance, lerp};
+
+/// Nodes of two arteries that meet are no further apart, mm.
+const LIMIT: f64 = 12.0;
+
+/// A place that has a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPlace {
+    /// `L-ICA/L-M1/L-A1` for a bifurcation, `L-ICA` for where an artery enters or leaves.
+    pub label: String,
+    /// Its position in mm, RAS.
+    pub at: Point,
+    /// How probable the names on which it rests are.
+    pub probability: f64,
+}
+
+/// A bifurcation: two groups of labels that meet there, and the state of the atlas that lies there.
+pub struct Meeting {
+    /// Its name.
+    pub label: String,
+    /// The labels on the one side, and those on the other.
+    pub between: [Vec<Label>; 2],
+    /// The label at whose reference end it lies.
+    pub at: Label,
+}
+
+/// Every bifurcation that has a name.
+pub fn meetings() -> Vec<Meeting> {
+    let mut all = Vec::new();
+    for side in Side::BOTH {
+        let on = |artery: Sided| artery.on(side);
+        let mut add = |labels: &[Label], one: &[Label], other: &[Label], at: Label| {
+            let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
+            all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
+        };
+        let (ica, m1, m2, a1, a2) = (on(Sided::Ica), on(Sided::M1), on(Sided::M2), on(Sided::A1), on(Sided::A2));
+        let (p1, p2, pcomm) = (on(Sided::P1), on(Sided::P2), on(Sided::PComm));
+        add(&[ica, m1, a1], &[ica], &[m1, a1], ica);
+        add(&[a1, a2, ACOMM], &[a1], &[a2], a2);
+        add(&[m1, m2], &[m1], &[m2], m2);
+        add(&[ica, pcomm], &[ica], &[pcomm], pcomm);
+        add(&[p1, p2, pcomm], &[pcomm], &[p1, p2], p2);
+        add(&[p1, p2], &[p1], &[p2], p2);
+    }
+    let p1 = Side::BOTH.map(|side| Sided::P1.on(side));
+    all.push(Meeting { label: format!("BA/{}/{}", name_of(p1[0]), name_of(p1[1])), between: [vec![BA], p1.to_vec()], at: BA });
+    all
+}
+
+/// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
+/// meet. `best` is the label of each node.
+pub fn meeting_place(nodes: &Nodes, labels: &[[f64; LABELS]], best: &[Label], between: &[Vec<Label>; 2]) -> Option<(Point, f64)> {
+    let of = |group: &[Label]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
+    let [one, other] = [of(&between[0]), of(&between[1])];
+    let mut closest: Option<(f64, usize, usize)> = None;
+    for a in &one {
+        for b in &other {
+            let d = distance(nodes.at[*a], nodes.at[*b]);
+            if closest.is_none_or(|(known, ..)| d < known) {
+                closest = Some((d, *a, *b));
+            }
+        }
+    }
+    let (d, a, b) = closest?;
+    let sure = |n: usize, group: &[Label]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
+    (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
+}
+
+/// Where a bifurcation lies by the atlas alone, mm.
+pub fn expected_place(atlas: &Atlas, pose: &Pose, meeting: &Meeting) -> Point {
+    pose.undo(atlas.data.pieces[first_state(meeting.at)].mean)
+}
+
+/// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.
+pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[Label]) -> Vec<NamedPlace> {
+    let mut found: BTreeMap<Label, (f64, usize)> = BTreeMap::new();
+    for n in (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1 && best[*n] != OTHER) {
+        let of_states = &states[n * atlas.tables.label.len()..(n + 1) * atlas.tables.label.len()];
+        let label = best[n];
+        let (mut along, mut sum) = (0.0, 1e-9);
+        for (state, p) in of_states.iter().enumerate().filter(|(state, _)| atlas.tables.label[*state] == label) {
+            along += p * atlas.tables.bin[state] as f64;
+            sum += p;
+        }
+        let key = along / sum;
+        if found.get(&label).is_none_or(|(known, _)| key > *known) {
+            found.insert(label, (key, n));
+        }
+    }
+    // An artery that goes on under another name ends there.
+    let leaves = |label: Label| {
+        Side::BOTH.iter().any(|side| {
+            let on = |artery: Sided| artery.on(*side);
+            [on(Sided::Ica), on(Sided::A2), on(Sided::P2)].contains(&label)
+                || label == on(Sided::M2)
+                || label == on(Sided::M1) && !found.contains_key(&on(Sided::M2))
+        }) || label == BA
+    };
+    let kept = found.iter().filter(|(label, _)| leaves(**label));
+    kept.map(|(label, (_, n))| {
+        let shown = if Side::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
+        NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
+    })
+    .collect()
+}

@@ -1,0 +1,231 @@
+//! Names the arteries of a Circle of Willis from their geometry alone, whole or broken, each name with a probability.
+//!
+//! An atlas holds where every 4 mm of every artery lies, how they run and how wide they are. The pose of a case in it is found from many
+//! starts; then exact belief propagation over the centerlines finds the names of all nodes together. Candidates pass names as far as
+//! they are believed, and what names say of a candidate comes back as a factor of its odds.
+
+mod algebra;
+pub(crate) mod atlas;
+pub(crate) mod belief;
+mod core;
+pub(crate) mod emission;
+mod exclusion;
+mod joins;
+mod labelled;
+pub(crate) mod landmarks;
+pub(crate) mod model;
+pub(crate) mod nodes;
+pub(crate) mod pieces;
+pub(crate) mod pose;
+pub(crate) mod presence;
+pub(crate) mod states;
+
+pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
+pub use labelled::labelled_network;
+pub use landmarks::NamedPlace;
+pub use model::{NamingModel, NamingScores};
+pub use nodes::Nodes;
+pub use states::{LABELS, Label, OTHER, name_of};
+
+use crate::network::{Frame, Network};
+use belief::{Beliefs, Forest};
+use emission::{Parts, Pose, emission, radius_fit};
+use exclusion::exclusion;
+use model::logistic_probability;
+use pieces::{label_probabilities, piece_features};
+use pose::{Scored, Search};
+use presence::Seen;
+use states::STATES;
+
+/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
+pub(crate) const TEMPER: f64 = 0.3;
+/// Rounds in which pieces of arteries that are taken twice settle.
+const ROUNDS: usize = 3;
+/// A case has at least so much (mm) of pieces that are not false.
+const LEAST_TRUE: f64 = 20.0;
+
+/// The names of the nodes of a case.
+#[derive(Debug, Clone)]
+pub struct Names {
+    /// The nodes, in mm and RAS.
+    pub nodes: Nodes,
+    /// The frame of the network's file, stated or found.
+    pub frame: Frame,
+    /// Whether the frame was found by front and back.
+    pub frame_was_found: bool,
+    /// How the case lies in the atlas.
+    pub pose: Pose,
+    /// Per node the probabilities of the labels.
+    pub labels: Vec<[f64; LABELS]>,
+    /// Per node the probabilities of the states, given that its piece is part of the circle: nodes x states.
+    pub states: Vec<f64>,
+    /// Per piece the probability that it is no artery of the circle.
+    pub false_pieces: Vec<f64>,
+    /// For each segment of [`crate::circle_of_willis::RING`] the probability that it is there, by what is seen of names.
+    pub presence: [f64; 7],
+    /// Whether enough of each segment is seen to name it.
+    pub is_seen: [bool; 7],
+    /// What is seen of each label.
+    pub(crate) seen: Seen,
+    /// Per bridge of the nodes, by how much the names multiply its odds.
+    pub bridge_factor: Vec<f64>,
+    /// The features of the pieces in the first and in the second pass.
+    pub(crate) piece_features: [Vec<[f64; pieces::PIECE_FEATURES]>; 2],
+}
+
+/// What one pass finds.
+struct Pass {
+    beliefs: Beliefs,
+    features: Vec<[f64; pieces::PIECE_FEATURES]>,
+}
+
+/// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
+/// network without a vessel or without positions.
+pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
+    name_with(network, model, |features, pass| {
+        let mut x = features.to_vec();
+        x.extend(pass);
+        logistic_probability(&model.false_pieces[usize::from(pass.is_some())], &x)
+    })
+}
+
+/// As [`name_arteries`], with a rule for false pieces: from the features of a piece, and in the second pass the logarithm of what the first
+/// pass said.
+pub(crate) fn name_with(
+    network: &Network,
+    model: &NamingModel,
+    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
+) -> Option<Names> {
+    if !network.has_positions() {
+        return None;
+    }
+    let all = Nodes::of(network);
+    if all.is_empty() {
+        return None;
+    }
+    let atlas = &model.atlas;
+    let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
+    let mut best: Option<(Frame, core::Core, Vec<Scored>)> = None;
+    for frame in frames {
+        let seen = if network.frame.is_known() || *frame == Frame::Ras { all.clone() } else { all.turned_about_vertical() };
+        let Some((core, poses)) = core::find(seen, atlas) else { continue };
+        let score = |poses: &[Scored]| poses.first().map_or(f64::NEG_INFINITY, |p| p.score);
+        if best.as_ref().is_none_or(|(_, _, known)| score(&poses) > score(known)) {
+            best = Some((*frame, core, poses));
+        }
+    }
+    let (frame, core, poses) = best?;
+    let nodes = core.nodes;
+    let one = vec![1.0; nodes.len()];
+    let pose = poses.first()?.pose;
+
+    let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
+    let used = nodes.spanning_bridges(|_| true);
+    let first = pass(&nodes, &one, &used, atlas, &pose, median);
+    let doubt: Vec<f64> = first.features.iter().map(|x| is_false(x, None)).collect();
+
+    let weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
+    let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
+    let (mut pose, mut median, mut used, mut weight) = (pose, median, used, weight);
+    if counted >= LEAST_TRUE {
+        if core.median_log_radius.is_none() {
+            median = nodes.median_log_radius(|n| weight[n]);
+        }
+        used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
+        let radius = radius_fit(&nodes, atlas, median);
+        let forest = Forest::of(&nodes, &used);
+        let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
+        if let Some(found) = search.around(&poses.iter().map(|p| p.pose).collect::<Vec<_>>()).first() {
+            pose = found.pose;
+        }
+    } else {
+        weight = one;
+    }
+    let second = pass(&nodes, &weight, &used, atlas, &pose, median);
+    let false_pieces: Vec<f64> =
+        second.features.iter().zip(&doubt).map(|(x, before)| is_false(x, Some((before + 1e-3).ln()))).collect();
+
+    let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
+    let seen = Seen::of(&nodes, &labels);
+    let presence = std::array::from_fn(|segment| {
+        logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment))
+    });
+    let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
+    Some(Names {
+        is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
+        states: second.beliefs.states,
+        frame_was_found: !network.frame.is_known(),
+        piece_features: [first.features, second.features],
+        nodes,
+        frame,
+        pose,
+        labels,
+        false_pieces,
+        presence,
+        seen,
+        bridge_factor,
+    })
+}
+
+/// Per node the probabilities of the labels, from those of the states and of its piece being false.
+pub(crate) fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &atlas::Atlas) -> Vec<[f64; LABELS]> {
+    let each = states.chunks(STATES).zip(&nodes.piece).map(|(states, piece)| {
+        let mut labels = label_probabilities(states, atlas);
+        let (doubt, artery) = (false_pieces[*piece], 1.0 - labels[OTHER] + 1e-12);
+        labels.iter_mut().for_each(|p| *p *= (1.0 - doubt) / artery);
+        labels[OTHER] = doubt;
+        labels
+    });
+    each.collect()
+}
+
+/// The names at a pose, with one of every artery, and the features of the pieces.
+fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> Pass {
+    let radius = radius_fit(nodes, atlas, median);
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    let mut own = emission(nodes, &all, atlas, pose, &atlas.position, Parts::ALL, &radius);
+    own.iter_mut().for_each(|e| *e *= TEMPER);
+    let forest = Forest::of(nodes, used);
+    let mut penalty: Option<Vec<f64>> = None;
+    let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
+        penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
+    };
+    for _ in 0..ROUNDS {
+        let names = forest.beliefs(atlas, &with(&penalty)).states;
+        let new = exclusion(nodes, weight, atlas, &names);
+        penalty = Some(match penalty {
+            None => new,
+            Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
+        });
+    }
+    let beliefs = forest.beliefs(atlas, &with(&penalty));
+    let features = piece_features(nodes, weight, used, atlas, pose, &radius, &beliefs.states, median);
+    Pass { beliefs, features }
+}
+
+impl Names {
+    /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
+    pub fn seen_length(&self, segment: usize) -> f64 {
+        self.seen.length[presence::label_of_segment(segment)]
+    }
+
+    /// The most probable label of each node.
+    pub fn best(&self) -> Vec<Label> {
+        let most = |p: &[f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        self.labels.iter().map(most).collect()
+    }
+
+    /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.
+    pub fn landmarks(&self, model: &NamingModel) -> Vec<NamedPlace> {
+        let best = self.best();
+        let mut places: Vec<NamedPlace> = landmarks::meetings()
+            .into_iter()
+            .filter_map(|meeting| {
+                let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)?;
+                Some(NamedPlace { label: meeting.label, at, probability })
+            })
+            .collect();
+        places.extend(landmarks::ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
+        places
+    }
+}

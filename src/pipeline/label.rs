@@ -1,0 +1,138 @@
+//! Names for the arteries of an input: labels, landmarks, and which segments of the ring are there.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{InferOptions, Input, Prepared, Progress, prepare};
+use crate::circle_of_willis::RING;
+use crate::error::{Error, Fault, Result};
+use crate::io::bytes_of;
+use crate::io::{Column, write_csv};
+use crate::naming::states::OTHER;
+use crate::naming::{LABELS, NamedPlace, Names, NamingModel, name_arteries, name_of};
+use crate::output::StagedFile;
+use crate::output::atomic::write_file;
+
+/// How arteries are named.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LabelOptions {
+    /// A model of `willis train --model labels`; the shipped one without it.
+    pub model: Option<PathBuf>,
+    /// How candidates are built, which pass names over gaps.
+    pub infer: InferOptions,
+}
+
+/// An input whose arteries have names.
+#[derive(Debug)]
+pub struct Labelled {
+    /// The over-connected graph that was named.
+    pub prepared: Arc<Prepared>,
+    /// The names.
+    pub names: Names,
+    /// The landmarks, in mm and RAS.
+    pub landmarks: Vec<NamedPlace>,
+}
+
+/// The model of a file, or the shipped one.
+///
+/// # Errors
+///
+/// A file that cannot be read or is no model.
+pub(crate) fn load_model(path: Option<&Path>) -> Result<NamingModel> {
+    let Some(path) = path else { return NamingModel::shipped() };
+    let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train --model labels` writes it");
+    let bytes = bytes_of(path)?;
+    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(NamingModel::read).map_err(|fault| fault.in_file(path))
+}
+
+/// Names the arteries of an input: exactly what `willis label` does.
+///
+/// # Errors
+///
+/// As [`infer`](crate::infer) before any sample; a network without positions.
+pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Progress) -> Result<Labelled> {
+    let model = load_model(options.model.as_deref())?;
+    let path = input.provenance.input.clone();
+    let prepared = prepare(input, &options.infer, progress)?;
+    let names = name_arteries(&prepared.graph, &model).ok_or_else(|| {
+        Error::from(Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path)))
+    })?;
+    let landmarks = names.landmarks(&model);
+    Ok(Labelled { prepared, names, landmarks })
+}
+
+impl Labelled {
+    /// Writes the table of names: a row for about every millimetre.
+    ///
+    /// # Errors
+    ///
+    /// A file that stands already or cannot be written.
+    pub fn write_names(&self, path: &Path, force: bool) -> Result<()> {
+        let (names, sign) = (&self.names, self.sign());
+        let nodes = &names.nodes;
+        let best = names.best();
+        let real = |name: &'static str, of: &dyn Fn(usize) -> f64| Column::real(name, (0..nodes.len()).map(of));
+        let mut columns = vec![
+            real("x_mm", &|n| sign * nodes.at[n][0]),
+            real("y_mm", &|n| sign * nodes.at[n][1]),
+            real("z_mm", &|n| nodes.at[n][2]),
+            real("radius_mm", &|n| nodes.log_radius[n].exp()),
+            Column::whole("edge", (0..nodes.len()).map(|n| nodes.place[n].vessel)),
+            real("along_mm", &|n| nodes.place[n].along),
+            real("length_mm", &|n| nodes.weight[n]),
+            Column::text("label", best.iter().map(|label| if *label == OTHER { String::new() } else { name_of(*label) })),
+            real("probability", &|n| names.labels[n][best[n]]),
+        ];
+        for label in 0..LABELS {
+            columns.push(Column::real(format!("p_{}", name_of(label)), (0..nodes.len()).map(|n| names.labels[n][label])));
+        }
+        write_table(path, force, &columns)
+    }
+
+    /// Writes the landmarks.
+    ///
+    /// # Errors
+    ///
+    /// As [`Labelled::write_names`].
+    pub fn write_landmarks(&self, path: &Path, force: bool) -> Result<()> {
+        let (marks, sign) = (&self.landmarks, self.sign());
+        let columns = [
+            Column::text("label", marks.iter().map(|m| m.label.clone())),
+            Column::real("x_mm", marks.iter().map(|m| sign * m.at[0])),
+            Column::real("y_mm", marks.iter().map(|m| sign * m.at[1])),
+            Column::real("z_mm", marks.iter().map(|m| m.at[2])),
+            Column::real("probability", marks.iter().map(|m| m.probability)),
+        ];
+        write_table(path, force, &columns)
+    }
+
+    /// Writes which segments of the ring are there.
+    ///
+    /// # Errors
+    ///
+    /// As [`Labelled::write_names`].
+    pub fn write_segments(&self, path: &Path, force: bool) -> Result<()> {
+        let names = &self.names;
+        let columns = [
+            Column::text("segment", RING.iter().map(ToString::to_string)),
+            Column::real("probability", names.presence.iter().copied()),
+            Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
+            Column::whole("not_seen", names.is_seen.iter().map(|seen| usize::from(!seen))),
+        ];
+        write_table(path, force, &columns)
+    }
+
+    /// From RAS to the frame of the file, for x and y.
+    fn sign(&self) -> f64 {
+        if self.names.frame == crate::network::Frame::Lps { -1.0 } else { 1.0 }
+    }
+}
+
+fn write_table(path: &Path, force: bool, columns: &[Column]) -> Result<()> {
+    let file = StagedFile::new(path, force)?;
+    write_file(&file.path(), |out| write_csv(out, columns))?;
+    file.commit()
+}

@@ -1,0 +1,217 @@
+//! Fits a whole naming model: the atlas, which pieces are false and which segments are there, each subject named by an atlas without it.
+
+use std::collections::BTreeSet;
+
+use super::atlas::fit_atlas;
+use super::cases::LabelledCase;
+use crate::error::{Error, Result};
+use crate::naming::atlas::Atlas;
+use crate::naming::model::{Logistic, NamingModel, logistic_probability};
+use crate::naming::pieces::PIECE_FEATURES;
+use crate::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
+use crate::naming::states::{BA, LABELS, Label, OTHER, Sided};
+use crate::naming::{Names, NamingScores, labels_of, name_with};
+use crate::support::in_order;
+use crate::support::tree_provenance::TreeProvenance;
+use crate::training::logistic::{Row, logistic};
+
+/// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
+const L2: f64 = 0.5;
+
+/// A model of all subjects, and one without each fold's subjects.
+#[derive(Debug)]
+pub struct FittedNames {
+    /// Of all subjects.
+    pub model: NamingModel,
+    /// Without those of each fold.
+    pub folds: Vec<NamingModel>,
+    /// How the models of the folds did on the subjects that they never saw, by level.
+    pub scores: Vec<NamingScores>,
+}
+
+/// A case as an atlas without its subject sees it.
+struct Named<'a> {
+    case: &'a LabelledCase,
+    fold: usize,
+    names: Names,
+}
+
+/// Fits the model. With fewer folds than subjects, subjects are dealt to the folds in the order of their names.
+///
+/// # Errors
+///
+/// Fewer than three subjects, or fewer than two folds; no whole tracing; no broken one.
+pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(&str)) -> Result<FittedNames> {
+    let subjects: Vec<&str> = cases.iter().map(|c| c.subject.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
+    if subjects.len() < 3 {
+        return Err(Error::parameter("CASES", format!("{} subjects", subjects.len()), "expected three at least"));
+    }
+    if !(2..=subjects.len()).contains(&folds) {
+        return Err(Error::parameter("folds", folds, format!("expected 2 to {}, the number of subjects", subjects.len())));
+    }
+    for (what, whole) in [("whole tracing", true), ("broken tracing", false)] {
+        if cases.iter().all(|case| case.is_whole != whole) {
+            return Err(Error::parameter("CASES", format!("no {what}"), "expected both whole and broken tracings"));
+        }
+    }
+    let fold_of = |case: &LabelledCase| subjects.iter().position(|s| *s == case.subject).unwrap_or(0) % folds;
+    let without = |fold: usize| -> Vec<&LabelledCase> { cases.iter().filter(|case| fold_of(case) != fold).collect() };
+    let numbers: Vec<usize> = (0..=folds).collect();
+    let mut atlases: Vec<Atlas> = in_order(&numbers, |_, fold| fit_atlas(&without(*fold)));
+    let Some(of_all) = atlases.pop() else {
+        return Err(Error::parameter("folds", folds, "expected 2 or more"));
+    };
+    progress("atlases");
+
+    let bare = |atlas: &Atlas| NamingModel {
+        provenance: TreeProvenance::default(),
+        atlas: atlas.clone(),
+        false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
+        presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
+        share: [0.5; KINDS],
+    };
+    let mut models: Vec<NamingModel> = atlases.iter().map(bare).collect();
+    let mut model = bare(&of_all);
+
+    // Twice: the second pass sees the pieces as the first one left them.
+    let mut named: Vec<Named> = Vec::new();
+    for pass in 0..2 {
+        let found = in_order(cases, |_, case| {
+            let of = &models[fold_of(case)];
+            name_with(&case.graph, of, |features, before| {
+                let mut x = features.to_vec();
+                x.extend(before);
+                let weights = &of.false_pieces[usize::from(before.is_some())];
+                if before.is_none() && pass == 0 { 0.0 } else { logistic_probability(weights, &x) }
+            })
+        });
+        named = cases.iter().zip(found).filter_map(|(case, names)| Some(Named { case, fold: fold_of(case), names: names? })).collect();
+        progress(["first pass", "second pass"][pass]);
+        let first = model.false_pieces[0].clone();
+        let firsts: Vec<Logistic> = models.iter().map(|m| m.false_pieces[0].clone()).collect();
+        let rows = |fold: Option<usize>| piece_rows(&named, fold, pass, &first, &firsts);
+        for (fold, of) in models.iter_mut().enumerate() {
+            of.false_pieces[pass] = fit(&rows(Some(fold)));
+        }
+        model.false_pieces[pass] = fit(&rows(None));
+    }
+    let mut scores = Vec::new();
+    let mut judged: Vec<(usize, &LabelledCase, Seen, [f64; 2])> = Vec::new();
+    for one in &named {
+        let of = &models[one.fold];
+        let pieces: Vec<f64> = one.names.piece_features[1]
+            .iter()
+            .zip(&one.names.piece_features[0])
+            .map(|(x, before)| {
+                let before = logistic_probability(&of.false_pieces[0], before);
+                logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
+            })
+            .collect();
+        let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
+        judged.push((one.fold, one.case, Seen::of(&one.names.nodes, &labels), length_right(one, &labels)));
+    }
+    let presence_rows = |fold: Option<usize>, kind: usize| -> Vec<Row> {
+        let mut rows = Vec::new();
+        for (own, case, seen, _) in judged.iter().filter(|(own, ..)| Some(*own) != fold) {
+            let _ = own;
+            for segment in (0..7).filter(|s| kind_of(*s) == kind) {
+                if let Some(there) = case.present[segment] {
+                    rows.push(([&[1.0][..], &seen.features(segment)].concat(), there, 1.0));
+                }
+            }
+        }
+        rows
+    };
+    let share = |rows: &[Row]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
+    for kind in 0..KINDS {
+        for (fold, of) in models.iter_mut().enumerate() {
+            let rows = presence_rows(Some(fold), kind);
+            (of.presence[kind], of.share[kind]) = (fit(&rows), share(&rows));
+        }
+        let rows = presence_rows(None, kind);
+        (model.presence[kind], model.share[kind]) = (fit(&rows), share(&rows));
+    }
+    progress("presence");
+    for level in cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>() {
+        let own: Vec<_> = judged.iter().filter(|(_, case, ..)| case.level == level).collect();
+        let n = own.len() as f64;
+        let (mut right, mut all) = (0, 0);
+        for (fold, case, seen, _) in &own {
+            for segment in 0..7 {
+                if let Some(there) = case.present[segment] {
+                    let p = logistic_probability(&models[*fold].presence[kind_of(segment)], &seen.features(segment));
+                    right += usize::from((p > 0.5) == there);
+                    all += 1;
+                }
+            }
+        }
+        scores.push(NamingScores {
+            of: level.to_owned(),
+            cases: own.len(),
+            length_right: own.iter().map(|j| j.3[0]).sum::<f64>() / n,
+            length_right_mca: own.iter().map(|j| j.3[1]).sum::<f64>() / n,
+            presence_right: f64::from(right as u32) / f64::from(all.max(1) as u32),
+        });
+    }
+    model.provenance = TreeProvenance::of(cases.len(), subjects.len());
+    model.provenance.figures.clone_from(&scores);
+    for (fold, of) in models.iter_mut().enumerate() {
+        let held_out: Vec<String> =
+            subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
+        let own = cases.iter().filter(|case| fold_of(case) != fold).count();
+        of.provenance = TreeProvenance { held_out: held_out.clone(), ..TreeProvenance::of(own, subjects.len() - held_out.len()) };
+    }
+    Ok(FittedNames { model, folds: models, scores })
+}
+
+/// The features of pieces that an atlas without their subject found, with whether they are false.
+fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64], firsts: &[Logistic]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for one in named.iter().filter(|one| Some(one.fold) != without) {
+        let nodes = &one.names.nodes;
+        let known = &one.case.truth;
+        if known.nodes.len() != nodes.len() {
+            continue;
+        }
+        let (mut wrong, mut total) = (vec![0.0; nodes.pieces], vec![1e-9; nodes.pieces]);
+        for n in 0..nodes.len() {
+            total[nodes.piece[n]] += nodes.weight[n];
+            wrong[nodes.piece[n]] += if known.label[n] == OTHER { nodes.weight[n] } else { 0.0 };
+        }
+        let before = match without {
+            Some(fold) => &firsts[fold],
+            None => first,
+        };
+        for piece in 0..nodes.pieces {
+            let mut x = vec![1.0];
+            x.extend(one.names.piece_features[pass][piece]);
+            if pass == 1 {
+                x.push((logistic_probability(before, &one.names.piece_features[0][piece]) + 1e-3).ln());
+            }
+            rows.push((x, wrong[piece] / total[piece] > 0.5, 1.0));
+        }
+    }
+    rows
+}
+
+fn fit(rows: &[Row]) -> Logistic {
+    logistic(rows, L2 / rows.len().max(1) as f64)
+}
+
+/// The shares of the true length that have the right name: all names, and M1 and M2 as one.
+fn length_right(one: &Named, labels: &[[f64; LABELS]]) -> [f64; 2] {
+    let known = &one.case.truth;
+    let (mut right, mut merged, mut all) = (0.0, 0.0, 1e-9);
+    if known.nodes.len() != labels.len() {
+        return [0.0; 2];
+    }
+    let as_one = |label: Label| if label < BA && label / 2 == Sided::M2 as usize { label - 2 } else { label };
+    for (n, p) in labels.iter().enumerate().filter(|(n, _)| known.label[*n] != OTHER) {
+        let best = (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        let w = known.nodes.weight[n];
+        all += w;
+        right += if best == known.label[n] { w } else { 0.0 };
+        merged += if as_one(best) == as_one(known.label[n]) { w } else { 0.0 };
+    }
+    [right / all, merged / all]
+}
