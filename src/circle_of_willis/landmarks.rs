@@ -71,6 +71,11 @@ pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, 
     Ok(out)
 }
 
+/// The arteries of the label of a landmark, sorted; `None` for one that names no place of a circle.
+pub fn sites_of_label(label: &str) -> Option<Vec<Artery>> {
+    arteries_of(label).ok()
+}
+
 /// The arteries of a label, sorted. The error is a hint at the intended name.
 fn arteries_of(label: &str) -> Result<Vec<Artery>, String> {
     let meant = |part: &str| {

@@ -15,6 +15,6 @@ pub use arteries::{Artery, FENESTRATED, RING, Side};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
 pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
-pub use landmarks::{Landmark, identify_landmarks};
+pub use landmarks::{Landmark, identify_landmarks, sites_of_label};
 pub use posterior::{DecidingCandidate, Posterior};
 pub use variant::{Completeness, Variant, present_vessels};

@@ -50,17 +50,21 @@ impl Topologies {
     /// A parameter or vessel out of its range, too many vessels to enumerate, a breakdown of the solver.
     pub fn draw(network: &Network, boundary: &Boundary, params: &SamplingOptions, source: TopologySource<'_>) -> Result<Self> {
         params.validate()?;
-        let mut count = Count::default();
-        Ok(match source {
-            TopologySource::FreeEnds(known) => {
-                continue_free_ends(network, known, params, |kept| count.add(kept, 1.0));
-                count.finish(|kept| known.supply(network, kept))
-            }
+        match source {
+            TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
             TopologySource::Samples(above_median) => {
+                let mut count = Count::default();
                 let_samples_vote(network, boundary, params, above_median, &mut count)?;
-                count.finish(|_| 1.0)
+                Ok(count.finish(|_| 1.0))
             }
-        })
+        }
+    }
+
+    /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
+    pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
+        let mut count = Count::default();
+        continue_free_ends(network, known, params, |kept| count.add(kept, 1.0));
+        count.finish(|kept| known.supply(network, kept))
     }
 }
 

@@ -253,3 +253,8 @@ fn normalise(row: &mut [f64]) {
 pub fn arteries() -> std::ops::Range<State> {
     0..NOWHERE
 }
+
+/// All states.
+pub fn all_states() -> Vec<State> {
+    (0..STATES).collect()
+}

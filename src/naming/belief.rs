@@ -35,8 +35,6 @@ impl Link {
 pub struct Beliefs {
     /// The probability of each state of each node: nodes x states.
     pub states: Vec<f64>,
-    /// Nodes with three arms, and per kind of bifurcation the probability that they are one; the rest is that they are none that is known.
-    pub kinds: Vec<(usize, Vec<f64>)>,
     /// Per bridge of the nodes the ratio of the probability of the names with it to that without it; `None` where it was not in the forest.
     pub bridge_ratio: Vec<Option<f64>>,
 }
@@ -154,13 +152,13 @@ impl Pass<'_> {
             up[*node] = message;
         }
         let mut all = below.clone();
-        let (mut kinds, mut bridge_ratio) = (Vec::new(), vec![None; *bridges]);
+        let mut bridge_ratio = vec![None; *bridges];
         for node in order {
             if is_bifurcation[*node] {
                 let cavity = parent[*node].map(|(above, _)| divided(row(&all, above), up[*node].as_deref()));
                 let messages: Vec<Option<&[f64]>> =
                     children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain(cavity.as_deref().map(Some)).collect();
-                let (posterior, of_kinds) = self.at_bifurcation(*node, &messages);
+                let posterior = self.at_bifurcation(*node, &messages);
                 let outward: Vec<Vec<f64>> = (0..children[*node].len())
                     .map(|arm| {
                         let mut others = messages.clone();
@@ -169,7 +167,6 @@ impl Pass<'_> {
                     })
                     .collect();
                 row_mut(&mut all, *node).copy_from_slice(&posterior);
-                kinds.push((*node, of_kinds));
                 for ((child, _), message) in children[*node].iter().zip(&outward) {
                     let beliefs: Vec<f64> = row(&below, *child).iter().zip(message).map(|(b, m)| b * m).collect();
                     row_mut(&mut all, *child).copy_from_slice(&beliefs);
@@ -188,7 +185,7 @@ impl Pass<'_> {
             let node = row_mut(&mut all, *node);
             normalise(node);
         }
-        Beliefs { states: all, kinds, bridge_ratio }
+        Beliefs { states: all, bridge_ratio }
     }
 
     /// A message over a link.
@@ -246,8 +243,8 @@ impl Pass<'_> {
         (1.0 - UNSEEN_KIND) * arms.iter().map(|arm| arm.1.probability()).product::<f64>()
     }
 
-    /// The belief of a bifurcation, and the probability of each kind.
-    fn at_bifurcation(&self, node: usize, messages: &[Option<&[f64]>]) -> (Vec<f64>, Vec<f64>) {
+    /// The belief of a bifurcation.
+    fn at_bifurcation(&self, node: usize, messages: &[Option<&[f64]>]) -> Vec<f64> {
         let arms = self.arms(node);
         let [a, b, c] = self.arm_weights(&arms, messages);
         let joined = Self::joined(&arms);
@@ -274,8 +271,8 @@ impl Pass<'_> {
                 posterior.iter_mut().zip(&fit).for_each(|(p, f)| *p += joined * weight * f / sum);
             }
         }
-        let all: f64 = posterior.iter().sum();
-        (posterior.iter().map(|p| p / all).collect(), of_kind.iter().map(|k| joined * k / all).collect())
+        normalise(&mut posterior);
+        posterior
     }
 
     /// The message of a bifurcation to one of its arms.

@@ -1,6 +1,6 @@
 //! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
 
-use super::atlas::{Atlas, arteries};
+use super::atlas::{Atlas, all_states, arteries};
 use super::belief::Forest;
 use super::emission::{Parts, Pose, emission, radius_fit};
 use super::nodes::Nodes;
@@ -70,10 +70,10 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let all: Vec<usize> = (0..named.len()).collect();
     let mut pose: Pose = pose;
     for _ in 0..3 {
-        let mut e = emission(&named, &all, atlas, &pose, &atlas.position, Parts::ALL, &radius);
+        let mut e = emission(&named, [&all, &all_states()], atlas, &pose, &atlas.position, Parts::ALL, &radius);
         e.iter_mut().for_each(|x| *x *= TEMPER);
         let names = forest.beliefs(atlas, &e).states;
-        pose = search.step(&all, &pose, &atlas.position, &names, true);
+        pose = search.step([&all, &all_states()], &pose, &atlas.position, &names, true);
     }
     Some((Core { nodes: named, median_log_radius: Some(median) }, vec![Scored { pose, score: 0.0 }]))
 }

@@ -1,7 +1,7 @@
 //! How well each node fits each state of the atlas at a pose: position, direction and radius.
 
 use super::algebra::{Matrix, Symmetric, times, trace_of_product, turned};
-use super::atlas::{Atlas, arteries};
+use super::atlas::Atlas;
 use super::nodes::Nodes;
 use super::states::{NOWHERE, STATES};
 use crate::support::geometry::{Point, sub};
@@ -72,24 +72,29 @@ pub fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f
     fit
 }
 
-/// The log likelihood of some nodes in each state at a pose: the nodes in their order x states. `precisions` are those of the atlas,
+/// The log likelihood of some nodes in some states at a pose: nodes x states, in their order. `precisions` are those of the atlas,
 /// possibly widened ([`Atlas::widened`]); `radius` comes from [`radius_fit`].
 pub fn emission(
     nodes: &Nodes,
-    subset: &[usize],
+    [subset, states]: [&[usize]; 2],
     atlas: &Atlas,
     pose: &Pose,
     precisions: &[(Symmetric, f64)],
     parts: Parts,
     radius: &[f64],
 ) -> Vec<f64> {
-    let mut fit = vec![0.0; subset.len() * STATES];
+    let mut fit = vec![0.0; subset.len() * states.len()];
     let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-    for (node, row) in subset.iter().zip(fit.chunks_mut(STATES)) {
+    for (node, row) in subset.iter().zip(fit.chunks_mut(states.len())) {
         let at = pose.apply(nodes.at[*node]);
         let direction = turned(&pose.turn, &nodes.direction[*node]);
         let radius = &radius[node * STATES..(node + 1) * STATES];
-        for state in arteries() {
+        for (state, to) in states.iter().zip(row) {
+            let state = *state;
+            if state == NOWHERE {
+                *to = parts.position * atlas.log_other + parts.radius * radius[NOWHERE];
+                continue;
+            }
             let (precision, log_determinant) = &precisions[state];
             let d = sub(at, atlas.data.pieces[state].mean);
             let square = quadratic(precision, d).max(0.0);
@@ -101,9 +106,8 @@ pub fn emission(
                 let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
                 sum += parts.direction * along;
             }
-            row[state] = sum;
+            *to = sum;
         }
-        row[NOWHERE] = parts.position * atlas.log_other + parts.radius * radius[NOWHERE];
     }
     fit
 }
@@ -116,10 +120,10 @@ fn quadratic(s: &Symmetric, d: Point) -> f64 {
         + 2.0 * (d[0] * d[1] * s[3] + d[0] * d[2] * s[4] + d[1] * d[2] * s[5])
 }
 
-/// Per node the probabilities of its states by themselves, and the logarithm of what they were divided by.
-pub fn softmax(log_weights: &mut [f64]) -> Vec<f64> {
+/// Per node the probabilities of its states (so many) by themselves, and the logarithm of what they were divided by.
+pub fn softmax(log_weights: &mut [f64], states: usize) -> Vec<f64> {
     log_weights
-        .chunks_mut(STATES)
+        .chunks_mut(states)
         .map(|row| {
             let most = row.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
             let mut sum = 0.0;

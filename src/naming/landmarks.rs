@@ -75,9 +75,36 @@ pub fn meeting_place(nodes: &Nodes, labels: &[[f64; LABELS]], best: &[Label], be
     (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
 }
 
-/// Where a bifurcation lies by the atlas alone, mm.
-pub fn expected_place(atlas: &Atlas, pose: &Pose, meeting: &Meeting) -> Point {
-    pose.undo(atlas.data.pieces[first_state(meeting.at)].mean)
+/// How far (mm) the place that the atlas expects may be from a vessel that is there.
+const EXPECTED_WITHIN: f64 = 12.0;
+/// The probability of a place of which only one side is seen.
+const ONE_SIDED: f64 = 0.25;
+
+/// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
+/// or where the posterior communicating artery that makes it is not.
+pub fn expected_place(nodes: &Nodes, best: &[Label], atlas: &Atlas, pose: &Pose, meeting: &Meeting) -> Option<(Point, f64)> {
+    let has = |label: Label| best.contains(&label);
+    let labels = || meeting.between.iter().flatten().copied();
+    let is_pcomm = |label: &Label| Side::BOTH.iter().any(|side| *label == Sided::PComm.on(*side));
+    if labels().find(is_pcomm).is_some_and(|pcomm| !has(pcomm)) {
+        return None;
+    }
+    let expected = pose.undo(atlas.data.pieces[first_state(meeting.at)].mean);
+    let near = (0..nodes.len()).filter(|n| labels().any(|label| label == best[*n])).map(|n| (distance(nodes.at[n], expected), n));
+    let (away, n) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (away <= EXPECTED_WITHIN).then(|| (nodes.at[n], ONE_SIDED))
+}
+
+/// Where PComm ends at P1 and P2, that is where they meet too.
+pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
+    for side in Side::BOTH {
+        let name = |artery: Sided| name_of(artery.on(side));
+        let short = format!("{}/{}", name(Sided::P1), name(Sided::P2));
+        let long = format!("{short}/{}", name(Sided::PComm));
+        if places.iter().any(|place| place.label == long) {
+            places.retain(|place| place.label != short);
+        }
+    }
 }
 
 /// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.

@@ -7,6 +7,7 @@
 mod algebra;
 pub(crate) mod atlas;
 pub(crate) mod belief;
+mod circle;
 mod core;
 pub(crate) mod emission;
 mod exclusion;
@@ -21,6 +22,8 @@ pub(crate) mod presence;
 pub(crate) mod states;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
+pub(crate) use circle::log_odds;
+pub use circle::{NamedCircle, SURE, posterior_of};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
@@ -183,7 +186,7 @@ pub(crate) fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atl
 fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> Pass {
     let radius = radius_fit(nodes, atlas, median);
     let all: Vec<usize> = (0..nodes.len()).collect();
-    let mut own = emission(nodes, &all, atlas, pose, &atlas.position, Parts::ALL, &radius);
+    let mut own = emission(nodes, [&all, &atlas::all_states()], atlas, pose, &atlas.position, Parts::ALL, &radius);
     own.iter_mut().for_each(|e| *e *= TEMPER);
     let forest = Forest::of(nodes, used);
     let mut penalty: Option<Vec<f64>> = None;
@@ -221,10 +224,12 @@ impl Names {
         let mut places: Vec<NamedPlace> = landmarks::meetings()
             .into_iter()
             .filter_map(|meeting| {
-                let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)?;
+                let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
+                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.pose, &meeting))?;
                 Some(NamedPlace { label: meeting.label, at, probability })
             })
             .collect();
+        landmarks::drop_doubles(&mut places);
         places.extend(landmarks::ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
         places
     }

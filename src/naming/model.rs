@@ -26,8 +26,10 @@ pub struct NamingScores {
     pub length_right: f64,
     /// The same with M1 and M2 as one.
     pub length_right_mca: f64,
-    /// Segments of the ring whose presence is right.
-    pub presence_right: f64,
+    /// The share of the segments of the ring whose presence is right, by names alone and with plausible topologies ...
+    pub presence_right: [f64; 2],
+    /// ... and of the cases with all of them right.
+    pub exact: [f64; 2],
 }
 
 /// A logistic regression: the constant, then the slopes.
@@ -44,9 +46,14 @@ pub struct NamingModel {
     pub false_pieces: [Logistic; 2],
     /// Per kind of segment, whether it is there.
     pub presence: [Logistic; KINDS],
+    /// The same with the log odds of the plausible topologies as one more feature, [`TOPOLOGY_FEATURE`].
+    pub presence_with_topology: [Logistic; KINDS],
     /// Per kind of segment the share of the cases that have it.
     pub share: [f64; KINDS],
 }
+
+/// The place of the log odds of the plausible topologies among the weights of `presence_with_topology`.
+pub const TOPOLOGY_FEATURE: usize = 1 + PRESENCE_FEATURES;
 
 /// The model that ships with willis.
 const SHIPPED: &str = include_str!("arteries.toml");
@@ -68,6 +75,7 @@ struct File {
     centroid: [f64; 3],
     false_pieces: [Vec<f64>; 2],
     presence: [Vec<f64>; KINDS],
+    presence_with_topology: [Vec<f64>; KINDS],
     share: [f64; KINDS],
     states: Vec<StateRow>,
     within_branches: Vec<(String, String, f64)>,
@@ -119,6 +127,7 @@ impl NamingModel {
         };
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
         lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
+        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
         let tables = StateTables::new();
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
@@ -191,6 +200,7 @@ impl NamingModel {
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
             presence: file.presence,
+            presence_with_topology: file.presence_with_topology,
             share: file.share,
         })
     }
@@ -211,6 +221,9 @@ impl NamingModel {
         writeln!(out, "false_pieces = [{}]", self.false_pieces.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;
         writeln!(out, "# Whether an A1, AComm, PComm, P1 is there.")?;
         writeln!(out, "presence = [{}]", self.presence.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;
+        writeln!(out, "# The same, with the log odds of the plausible topologies as the last feature.")?;
+        let with: Vec<String> = self.presence_with_topology.iter().map(|w| numbers(w, 6)).collect();
+        writeln!(out, "presence_with_topology = [{}]", with.join(", "))?;
         writeln!(out, "share = {}", numbers(&self.share, 6))?;
         let (counts, half) = (&data.counts, |state: State| side_of(tables.label[state]) != Some(Side::Right));
         writeln!(out, "# Neighbours within a branch, and those of which one is a junction: how often they were seen.")?;
@@ -240,7 +253,7 @@ impl NamingModel {
         self.provenance.write(&mut out, "# How well such models did on subjects that were held out.", |of, out| {
             writeln!(out, "of = \"{}\"\ncases = {}", of.of, of.cases)?;
             writeln!(out, "length_right = {:.4}\nlength_right_mca = {:.4}", of.length_right, of.length_right_mca)?;
-            writeln!(out, "presence_right = {:.4}", of.presence_right)
+            writeln!(out, "presence_right = {}\nexact = {}", numbers(&of.presence_right, 4), numbers(&of.exact, 4))
         })?;
         for state in (0..STATES).filter(|state| half(*state)) {
             let (mean, covariance, direction, log_radius) = match data.pieces.get(state) {

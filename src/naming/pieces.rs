@@ -1,6 +1,6 @@
 //! Which pieces are false: how likely a piece is no artery of the circle, from how it fits and what it looks like.
 
-use super::atlas::{Atlas, arteries};
+use super::atlas::{Atlas, all_states, arteries};
 use super::emission::{Parts, Pose, emission};
 use super::exclusion::occupancy;
 use super::nodes::Nodes;
@@ -49,7 +49,7 @@ pub fn piece_features(
         Parts { position: 0.0, direction: 0.0, radius: 1.0 },
     ];
     for (k, parts) in only.into_iter().enumerate() {
-        let e = emission(nodes, &all, atlas, pose, &atlas.position, parts, radius);
+        let e = emission(nodes, [&all, &all_states()], atlas, pose, &atlas.position, parts, radius);
         let ratio = |n: usize| {
             let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
             let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();

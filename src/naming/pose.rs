@@ -4,12 +4,12 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use super::algebra::{Symmetric, product, rotation, rotation_vector, symmetric_times, times};
-use super::atlas::{Atlas, arteries};
+use super::atlas::{Atlas, all_states};
 use super::belief::Forest;
 use super::emission::{Parts, Pose, emission, softmax};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
-use super::states::{NOWHERE, STATES};
+use super::states::{NOWHERE, STATES, State};
 use super::TEMPER;
 use crate::support::geometry::{Point, distance, norm, sub};
 
@@ -23,7 +23,7 @@ const MOST_SCALE: f64 = 0.2;
 /// The share of its length that a node counts for: neighbours lie on one vessel.
 const GAIN: f64 = 0.25;
 /// Starts that are refined, and optima that are refined by names.
-const REFINED: usize = 12;
+const REFINED: usize = 16;
 const NAMED: usize = 4;
 
 /// A case to be posed, with what does not depend on the pose.
@@ -52,7 +52,9 @@ pub struct Scored {
 impl Search<'_> {
     /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
     pub fn from_scratch(&self) -> Vec<Scored> {
-        let subset = self.subset();
+        let (subset, all) = (self.subset(), all_states());
+        // Pieces of 8 mm serve a search among Gaussians that are wide.
+        let coarse: Vec<State> = all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s] % 2 == 0).collect();
         let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
         let widths = [12.0, 9.0, 7.0, 5.0].map(|tau| (tau, self.atlas.widened(tau)));
         let mut starts: Vec<Scored> = Vec::new();
@@ -63,12 +65,12 @@ impl Search<'_> {
                 let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
                 let mut pose = Pose { turn, shift, log_scale: 0.0 };
                 for (_, precisions) in &widths[..3] {
-                    let mut e = self.with_prior(&subset, &pose, precisions, Parts::SEARCH);
-                    softmax(&mut e);
-                    pose = self.step(&subset, &pose, precisions, &e, false);
+                    let mut e = self.with_prior([&subset, &coarse], &pose, precisions, Parts::SEARCH);
+                    softmax(&mut e, coarse.len());
+                    pose = self.step([&subset, &coarse], &pose, precisions, &e, false);
                 }
-                let mut e = self.with_prior(&subset, &pose, &widths[3].1, Parts::SEARCH);
-                let score = softmax(&mut e).iter().sum::<f64>() / subset.len() as f64;
+                let mut e = self.with_prior([&subset, &all], &pose, &widths[3].1, Parts::SEARCH);
+                let score = softmax(&mut e, STATES).iter().sum::<f64>() / subset.len() as f64;
                 starts.push(Scored { pose, score });
             }
         }
@@ -79,12 +81,12 @@ impl Search<'_> {
             .map(|start| {
                 let mut pose = start.pose;
                 for precisions in &widths[..5] {
-                    let mut e = self.with_prior(&subset, &pose, precisions, Parts::REFINE);
-                    softmax(&mut e);
-                    pose = self.step(&subset, &pose, precisions, &e, true);
+                    let mut e = self.with_prior([&subset, &all], &pose, precisions, Parts::REFINE);
+                    softmax(&mut e, STATES);
+                    pose = self.step([&subset, &all], &pose, precisions, &e, true);
                 }
-                let mut e = self.with_prior(&subset, &pose, &widths[5], Parts::REFINE);
-                let fit = softmax(&mut e).iter().sum::<f64>() / subset.len() as f64;
+                let mut e = self.with_prior([&subset, &all], &pose, &widths[5], Parts::REFINE);
+                let fit = softmax(&mut e, STATES).iter().sum::<f64>() / subset.len() as f64;
                 Scored { pose, score: fit + 3.0 * pose.log_scale }
             })
             .collect();
@@ -99,15 +101,15 @@ impl Search<'_> {
 
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
-        let all: Vec<usize> = (0..self.nodes.len()).collect();
+        let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
         let mut found: Vec<(Scored, Pose)> = Vec::new();
         for pose in poses {
             let mut pose = *pose;
             for tau in widths {
                 let precisions = self.atlas.widened(*tau);
-                let mut e = self.with_prior(&all, &pose, &precisions, Parts::REFINE);
-                softmax(&mut e);
-                pose = self.step(&all, &pose, &precisions, &e, true);
+                let mut e = self.with_prior([&all, &states], &pose, &precisions, Parts::REFINE);
+                softmax(&mut e, STATES);
+                pose = self.step([&all, &states], &pose, &precisions, &e, true);
             }
             let x = self.nodes.at.first().copied().unwrap_or_default();
             let is_known = found.iter().any(|(_, q)| {
@@ -121,7 +123,7 @@ impl Search<'_> {
                 let precisions = self.atlas.widened(tau);
                 let e = self.tempered(&all, &pose, &precisions);
                 let names = self.forest.beliefs(self.atlas, &e).states;
-                pose = self.step(&all, &pose, &precisions, &names, true);
+                pose = self.step([&all, &states], &pose, &precisions, &names, true);
             }
             found.push((Scored { pose, score: self.score(&all, &pose) }, first));
         }
@@ -133,7 +135,7 @@ impl Search<'_> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, all: &[usize], pose: &Pose) -> f64 {
-        let e = emission(self.nodes, all, self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
+        let e = emission(self.nodes, [all, &all_states()], self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
         let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
@@ -152,23 +154,23 @@ impl Search<'_> {
         self.nodes.weight[node] * self.weight[node]
     }
 
-    fn with_prior(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)], parts: Parts) -> Vec<f64> {
-        let mut e = emission(self.nodes, subset, self.atlas, pose, precisions, parts, self.radius);
-        let prior: Vec<f64> = self.atlas.prior.iter().map(|p| p.ln()).collect();
-        for row in e.chunks_mut(STATES) {
+    fn with_prior(&self, [subset, states]: [&[usize]; 2], pose: &Pose, precisions: &[(Symmetric, f64)], parts: Parts) -> Vec<f64> {
+        let mut e = emission(self.nodes, [subset, states], self.atlas, pose, precisions, parts, self.radius);
+        let prior: Vec<f64> = states.iter().map(|state| self.atlas.prior[*state].ln()).collect();
+        for row in e.chunks_mut(states.len()) {
             row.iter_mut().zip(&prior).for_each(|(e, p)| *e += p);
         }
         e
     }
 
     fn tempered(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
-        let mut e = emission(self.nodes, subset, self.atlas, pose, precisions, Parts::ALL, self.radius);
+        let mut e = emission(self.nodes, [subset, &all_states()], self.atlas, pose, precisions, Parts::ALL, self.radius);
         e.iter_mut().for_each(|x| *x *= TEMPER);
         e
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
-    pub fn step(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)], names: &[f64], scales: bool) -> Pose {
+    pub fn step(&self, [subset, states]: [&[usize]; 2], pose: &Pose, precisions: &[(Symmetric, f64)], names: &[f64], scales: bool) -> Pose {
         let scale = pose.log_scale.exp();
         let placed: Vec<Point> = subset.iter().map(|n| times(&pose.turn, self.nodes.at[*n]).map(|x| scale * x)).collect();
         let length: Vec<f64> = subset.iter().map(|n| self.length(*n)).collect();
@@ -177,11 +179,11 @@ impl Search<'_> {
         let mut hessian = [[0.0; 7]; 7];
         let mut gradient = [0.0; 7];
         let mut counted = 0.0;
-        for ((names, at), w) in names.chunks(STATES).zip(&placed).zip(&length) {
+        for ((names, at), w) in names.chunks(states.len()).zip(&placed).zip(&length) {
             let (mut sum, mut pull) = ([0.0; 6], [0.0; 3]);
-            for state in arteries() {
-                let share = names[state] * w * GAIN;
-                if share < 1e-12 {
+            for (state, p) in states.iter().zip(names) {
+                let (state, share) = (*state, p * w * GAIN);
+                if share < 1e-12 || state == NOWHERE {
                     continue;
                 }
                 counted += share;
@@ -286,7 +288,15 @@ fn angle_between(a: &Pose, b: &Pose) -> f64 {
 }
 
 /// Offsets of the middle, mm.
-const START_OFFSETS: [Point; 5] = [[0.0, 0.0, 0.0], [0.0, 0.0, 14.0], [0.0, 0.0, -14.0], [12.0, 0.0, 0.0], [-12.0, 0.0, 0.0]];
+const START_OFFSETS: [Point; 7] = [
+    [0.0, 0.0, 0.0],
+    [0.0, 0.0, 14.0],
+    [0.0, 0.0, -14.0],
+    [12.0, 0.0, 0.0],
+    [-12.0, 0.0, 0.0],
+    [0.0, 14.0, 0.0],
+    [0.0, -14.0, 0.0],
+];
 
 /// Rotation vectors in degrees: none, 25 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {

@@ -11,7 +11,8 @@ use crate::error::{Error, Fault, Result};
 use crate::io::bytes_of;
 use crate::io::{Column, write_csv};
 use crate::naming::states::OTHER;
-use crate::naming::{LABELS, NamedPlace, Names, NamingModel, name_arteries, name_of};
+use crate::naming::{LABELS, NamedPlace, Names, NamingModel, labelled_network, name_arteries, name_of};
+use crate::network::Network;
 use crate::output::StagedFile;
 use crate::output::atomic::write_file;
 
@@ -34,6 +35,10 @@ pub struct Labelled {
     pub names: Names,
     /// The landmarks, in mm and RAS.
     pub landmarks: Vec<NamedPlace>,
+    /// The observed vessels with their names, divided where the name changes.
+    pub network: Network,
+    /// The probability of each vessel's name; none for a vessel without one.
+    pub probability: Vec<Option<f64>>,
 }
 
 /// The model of a file, or the shipped one.
@@ -55,13 +60,14 @@ pub(crate) fn load_model(path: Option<&Path>) -> Result<NamingModel> {
 /// As [`infer`](crate::infer) before any sample; a network without positions.
 pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Progress) -> Result<Labelled> {
     let model = load_model(options.model.as_deref())?;
-    let path = input.provenance.input.clone();
+    let (path, original) = (input.provenance.input.clone(), input.network.node_count());
     let prepared = prepare(input, &options.infer, progress)?;
     let names = name_arteries(&prepared.graph, &model).ok_or_else(|| {
         Error::from(Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path)))
     })?;
     let landmarks = names.landmarks(&model);
-    Ok(Labelled { prepared, names, landmarks })
+    let (network, probability) = labelled_network(&prepared.graph, original, &names);
+    Ok(Labelled { prepared, names, landmarks, network, probability })
 }
 
 impl Labelled {

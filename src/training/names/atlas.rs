@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::cases::LabelledCase;
 use super::truth::LabelledNodes;
 use crate::circle_of_willis::Side;
-use crate::naming::atlas::{Atlas, AtlasData, Counts, Piece};
+use crate::naming::atlas::{Atlas, AtlasData, Counts, Piece, all_states};
 use crate::naming::belief::Forest;
 use crate::naming::emission::Pose;
 use crate::naming::pose::Search;
@@ -67,7 +67,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
             let forest = Forest::of(nodes, &[]);
             let search = Search { nodes, atlas: &atlas, weight: &weight, radius: &[], forest: &forest };
             for _ in 0..POSE_STEPS {
-                one.pose = search.step(&all, &one.pose, &atlas.position, &one.known, false);
+                one.pose = search.step([&all, &all_states()], &one.pose, &atlas.position, &one.known, false);
             }
         }
     }

@@ -10,7 +10,8 @@ use crate::naming::model::{Logistic, NamingModel, logistic_probability};
 use crate::naming::pieces::PIECE_FEATURES;
 use crate::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
 use crate::naming::states::{BA, LABELS, Label, OTHER, Sided};
-use crate::naming::{Names, NamingScores, labels_of, name_with};
+use crate::naming::{Names, NamingScores, labels_of, log_odds, name_with, posterior_of};
+use crate::sampling::SamplingOptions;
 use crate::support::in_order;
 use crate::support::tree_provenance::TreeProvenance;
 use crate::training::logistic::{Row, logistic};
@@ -68,6 +69,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         atlas: atlas.clone(),
         false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
         presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
+        presence_with_topology: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
         share: [0.5; KINDS],
     };
     let mut models: Vec<NamingModel> = atlases.iter().map(bare).collect();
@@ -96,8 +98,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         model.false_pieces[pass] = fit(&rows(None));
     }
     let mut scores = Vec::new();
-    let mut judged: Vec<(usize, &LabelledCase, Seen, [f64; 2])> = Vec::new();
-    for one in &named {
+    let judged: Vec<Judged> = in_order(&named, |_, one| {
         let of = &models[one.fold];
         let pieces: Vec<f64> = one.names.piece_features[1]
             .iter()
@@ -108,15 +109,17 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
             })
             .collect();
         let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
-        judged.push((one.fold, one.case, Seen::of(&one.names.nodes, &labels), length_right(one, &labels)));
-    }
-    let presence_rows = |fold: Option<usize>, kind: usize| -> Vec<Row> {
+        let mut names = one.names.clone();
+        names.labels.clone_from(&labels);
+        names.seen = Seen::of(&names.nodes, &labels);
+        Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies: topologies(&names, one.case, of), seen: names.seen }
+    });
+    let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<Row> {
         let mut rows = Vec::new();
-        for (own, case, seen, _) in judged.iter().filter(|(own, ..)| Some(*own) != fold) {
-            let _ = own;
+        for one in judged.iter().filter(|one| Some(one.fold) != fold) {
             for segment in (0..7).filter(|s| kind_of(*s) == kind) {
-                if let Some(there) = case.present[segment] {
-                    rows.push(([&[1.0][..], &seen.features(segment)].concat(), there, 1.0));
+                if let Some(there) = one.case.present[segment] {
+                    rows.push(([&[1.0][..], &one.features(segment, with_topology)].concat(), there, 1.0));
                 }
             }
         }
@@ -125,32 +128,45 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let share = |rows: &[Row]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
         for (fold, of) in models.iter_mut().enumerate() {
-            let rows = presence_rows(Some(fold), kind);
+            let rows = presence_rows(Some(fold), kind, false);
             (of.presence[kind], of.share[kind]) = (fit(&rows), share(&rows));
+            of.presence_with_topology[kind] = fit(&presence_rows(Some(fold), kind, true));
         }
-        let rows = presence_rows(None, kind);
+        let rows = presence_rows(None, kind, false);
         (model.presence[kind], model.share[kind]) = (fit(&rows), share(&rows));
+        model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true));
     }
     progress("presence");
     for level in cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>() {
-        let own: Vec<_> = judged.iter().filter(|(_, case, ..)| case.level == level).collect();
+        let own: Vec<&Judged> = judged.iter().filter(|one| one.case.level == level).collect();
         let n = own.len() as f64;
-        let (mut right, mut all) = (0, 0);
-        for (fold, case, seen, _) in &own {
+        // Segments right, all; cases with every segment right: by names alone, and with topologies.
+        let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
+        for one in &own {
+            let mut whole = [true, true];
             for segment in 0..7 {
-                if let Some(there) = case.present[segment] {
-                    let p = logistic_probability(&models[*fold].presence[kind_of(segment)], &seen.features(segment));
-                    right += usize::from((p > 0.5) == there);
-                    all += 1;
+                let Some(there) = one.case.present[segment] else { continue };
+                let (kind, of) = (kind_of(segment), &models[one.fold]);
+                let said = [
+                    logistic_probability(&of.presence[kind], &one.features(segment, false)),
+                    logistic_probability(&of.presence_with_topology[kind], &one.features(segment, true)),
+                ];
+                all += 1.0;
+                for k in 0..2 {
+                    let is_right = (said[k] > 0.5) == there;
+                    right[k] += f64::from(u8::from(is_right));
+                    whole[k] &= is_right;
                 }
             }
+            (0..2).for_each(|k| exact[k] += f64::from(u8::from(whole[k])));
         }
         scores.push(NamingScores {
             of: level.to_owned(),
             cases: own.len(),
-            length_right: own.iter().map(|j| j.3[0]).sum::<f64>() / n,
-            length_right_mca: own.iter().map(|j| j.3[1]).sum::<f64>() / n,
-            presence_right: f64::from(right as u32) / f64::from(all.max(1) as u32),
+            length_right: own.iter().map(|one| one.right[0]).sum::<f64>() / n,
+            length_right_mca: own.iter().map(|one| one.right[1]).sum::<f64>() / n,
+            presence_right: right.map(|right| right / f64::max(all, 1.0)),
+            exact: exact.map(|exact| exact / n),
         });
     }
     model.provenance = TreeProvenance::of(cases.len(), subjects.len());
@@ -162,6 +178,31 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         of.provenance = TreeProvenance { held_out: held_out.clone(), ..TreeProvenance::of(own, subjects.len() - held_out.len()) };
     }
     Ok(FittedNames { model, folds: models, scores })
+}
+
+/// A case with what names and topologies say of its segments.
+struct Judged<'a> {
+    case: &'a LabelledCase,
+    fold: usize,
+    /// The shares of the length with the right name.
+    right: [f64; 2],
+    seen: Seen,
+    /// Per segment the share of the plausible topologies that have it.
+    topologies: [f64; 7],
+}
+
+impl Judged<'_> {
+    fn features(&self, segment: usize, with_topology: bool) -> Vec<f64> {
+        let mut x = self.seen.features(segment).to_vec();
+        x.extend(with_topology.then(|| log_odds(self.topologies[segment])));
+        x
+    }
+}
+
+/// The share of the plausible topologies of a case with each segment; a half where no circle was found.
+fn topologies(names: &Names, case: &LabelledCase, model: &NamingModel) -> [f64; 7] {
+    let Ok((circle, _)) = names.located(&case.graph, model) else { return [0.5; 7] };
+    posterior_of(&circle, &names.circle(model), &case.graph, &SamplingOptions::default(), [&[], &[]]).segments
 }
 
 /// The features of pieces that an atlas without their subject found, with whether they are false.

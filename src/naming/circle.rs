@@ -1,0 +1,194 @@
+//! The circle of a network whose arteries were named: where its landmarks are, and what names and topologies together say of each segment.
+
+use serde::{Deserialize, Serialize};
+
+use super::model::{NamingModel, TOPOLOGY_FEATURE};
+use super::presence::kind_of;
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
+use super::{Names, landmarks::NamedPlace};
+use crate::circle_of_willis::{Artery, Circle, Landmark, Posterior, RING, Side, sites_of_label};
+use crate::decision::{KnownEnds, Topologies};
+use crate::error::Fault;
+use crate::network::units::metres;
+use crate::network::{Frame, Network};
+use crate::sampling::SamplingOptions;
+use crate::support::statistics::sigmoid;
+
+/// Landmarks below this probability are for a person to look at.
+pub const SURE: f64 = 0.5;
+/// Less than this much (mm) of an artery is none of it.
+const LEAST_SEEN: f64 = 3.0;
+/// A network with less named length (mm) is no circle of Willis.
+const LEAST_NAMED: f64 = 40.0;
+/// No probability of a topology counts for more than this, nor less than one minus it.
+const MOST_SURE: f64 = 0.99;
+/// The least diameter of a segment that is no hypoplasia, mm (as in Hindenes et al., PLoS ONE 15:e0241373, 2020) ...
+const HYPOPLASTIC: f64 = 1.0;
+/// ... and its least share of the diameter of its opposite.
+const HYPOPLASTIC_SHARE: f64 = 0.5;
+
+/// What names say of the segments of [`RING`], to be put together with what topologies say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NamedCircle {
+    /// Log odds that each segment is there, but for the topologies.
+    pub log_odds: [f64; 7],
+    /// The weight of the log odds of the topologies.
+    pub topology_weight: [f64; 7],
+    /// The share of the cases with each segment among those that the model was fitted to.
+    pub share: [f64; 7],
+    /// Whether enough is seen around each segment to say whether it is there.
+    pub is_decidable: [bool; 7],
+    /// Whether each segment, if it is there, is thin.
+    pub is_hypoplastic: [bool; 7],
+    /// Candidates and contacts with the factor that names give to their odds.
+    pub factors: Vec<(usize, f64)>,
+}
+
+impl NamedCircle {
+    /// The network with the odds and probabilities of candidates as names leave them.
+    pub fn weighed(&self, network: &Network) -> Network {
+        let mut network = network.clone();
+        for (row, factor) in &self.factors {
+            if let Some(evidence) = (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut) {
+                evidence.continuation_odds = evidence.continuation_odds.map(|odds| odds * factor);
+                let odds = evidence.probability / (1.0 - evidence.probability).max(1e-12) * factor;
+                evidence.probability = odds / (1.0 + odds);
+            }
+        }
+        network
+    }
+
+    /// The probability of each segment, given the share of plausible topologies that have it.
+    pub fn presence(&self, topologies: &[f64; 7]) -> [f64; 7] {
+        std::array::from_fn(|s| sigmoid(self.log_odds[s] + self.topology_weight[s] * log_odds(topologies[s])))
+    }
+}
+
+/// What the plausible topologies of a named network say: topologies whose candidates have the odds that names leave them, and which end
+/// where arteries are known to. `given` are more nodes with a known condition, of which `inlets` feed.
+pub fn posterior_of(
+    circle: &Circle,
+    named: &NamedCircle,
+    network: &Network,
+    options: &SamplingOptions,
+    [given, inlets]: [&[usize]; 2],
+) -> Posterior {
+    let network = named.weighed(network);
+    let mut known = vec![false; network.node_count()];
+    for node in circle.ends(&network).into_iter().chain(given.iter().copied()).filter(|node| *node < network.node_count()) {
+        known[node] = true;
+    }
+    let mut feeders = circle.inlets();
+    feeders.extend(inlets);
+    let ends = KnownEnds { ends: &known, inlets: &feeders };
+    Posterior::of(circle, &network, &Topologies::of_free_ends(&network, ends, options))
+}
+
+/// ln p/(1 - p), of a probability that is sure of nothing.
+pub(crate) fn log_odds(p: f64) -> f64 {
+    let p = p.clamp(1.0 - MOST_SURE, MOST_SURE);
+    (p / (1.0 - p)).ln()
+}
+
+impl Names {
+    /// Whether enough arteries were found to call this a circle of Willis.
+    pub fn is_circle(&self) -> bool {
+        let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.seen.length[label]).sum();
+        let feeds = [Sided::Ica.on(Side::Left), Sided::Ica.on(Side::Right), BA];
+        named >= LEAST_NAMED && feeds.iter().any(|label| self.seen.length[*label] >= LEAST_SEEN)
+    }
+
+    /// What the names say of the circle.
+    pub fn circle(&self, model: &NamingModel) -> NamedCircle {
+        let weights = |segment: usize| &model.presence_with_topology[kind_of(segment)];
+        NamedCircle {
+            log_odds: std::array::from_fn(|s| {
+                let (weights, features) = (weights(s), self.seen.features(s));
+                weights[0] + weights[1..TOPOLOGY_FEATURE].iter().zip(&features).map(|(w, x)| w * x).sum::<f64>()
+            }),
+            topology_weight: std::array::from_fn(|s| weights(s)[TOPOLOGY_FEATURE]),
+            share: std::array::from_fn(|s| model.share[kind_of(s)]),
+            is_decidable: std::array::from_fn(|s| self.is_decidable(s)),
+            is_hypoplastic: self.hypoplasia(),
+            factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
+        }
+    }
+
+    /// Whether a segment, or what lies at both of its ends, is seen.
+    fn is_decidable(&self, segment: usize) -> bool {
+        let sees = |label: Label| self.seen.length[label] >= LEAST_SEEN;
+        let on = |artery: Sided, side: Side| sees(artery.on(side));
+        if self.is_seen[segment] {
+            return true;
+        }
+        match RING[segment] {
+            Artery::A1(side) => on(Sided::Ica, side) && on(Sided::A2, side),
+            Artery::PComm(side) => on(Sided::Ica, side) && (on(Sided::P1, side) || on(Sided::P2, side)),
+            Artery::P1(side) => on(Sided::P2, side) && (sees(BA) || on(Sided::P1, side.other())),
+            _ => Side::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)) && !self.seen.length[ACOMM].is_nan(),
+        }
+    }
+
+    /// Which segments are thin: below a diameter, or below a share of the opposite one's.
+    fn hypoplasia(&self) -> [bool; 7] {
+        let diameter = |segment: usize| {
+            let label = super::presence::label_of_segment(segment);
+            let (mut sum, mut total) = (0.0, 0.0);
+            for (n, p) in self.labels.iter().enumerate() {
+                let w = p[label] * self.nodes.weight[n];
+                sum += w * 2.0 * self.nodes.log_radius[n].exp();
+                total += w;
+            }
+            (total > 0.5).then(|| sum / total)
+        };
+        let all: [Option<f64>; 7] = std::array::from_fn(diameter);
+        let opposite = |segment: usize| {
+            let other = match RING[segment] {
+                Artery::A1(side) => Artery::A1(side.other()),
+                Artery::P1(side) => Artery::P1(side.other()),
+                Artery::PComm(side) => Artery::PComm(side.other()),
+                _ => return None,
+            };
+            RING.iter().position(|artery| *artery == other).and_then(|row| all[row])
+        };
+        std::array::from_fn(|s| {
+            all[s].is_some_and(|own| own < HYPOPLASTIC || opposite(s).is_some_and(|other| own < HYPOPLASTIC_SHARE * other))
+        })
+    }
+
+    /// The circle with the sure landmarks, in a network of the same positions, with notes for the user.
+    ///
+    /// # Errors
+    ///
+    /// Too few arteries; no inlet among them.
+    pub fn located(&self, network: &Network, model: &NamingModel) -> Result<(Circle, Vec<String>), Fault> {
+        if !self.is_circle() {
+            return Err(Fault::file(
+                "no arteries of a circle of Willis could be named",
+                "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks` FILE",
+            ));
+        }
+        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
+        let listed = self.landmarks(model);
+        let sure = listed.iter().filter(|place| place.probability >= SURE);
+        let landmarks: Vec<Landmark> = sure
+            .enumerate()
+            .filter_map(|(row, NamedPlace { label, at, .. })| {
+                // The bifurcation of M1 is none of the circle's places.
+                let arteries = sites_of_label(label).filter(|arteries| arteries.len() > 1 || !label.contains('/'))?;
+                let position = [sign * at[0], sign * at[1], at[2]].map(metres);
+                Some(Landmark { line: row + 1, label: label.clone(), arteries, position })
+            })
+            .collect();
+        let (circle, notes) = Circle::at(network, &landmarks)?;
+        let mut own = Vec::new();
+        if self.frame_was_found {
+            let frame = self.frame.name().unwrap_or("RAS");
+            own.push(format!(
+                "no frame is stated: front and back fit {frame}, and left and right follow from that; a mirrored file looks the same (see `frame`)"
+            ));
+        }
+        own.extend(notes);
+        Ok((circle, own))
+    }
+}
