@@ -2,6 +2,7 @@
 
 mod arteries;
 mod circle;
+mod frequencies;
 mod collaterals;
 mod labels;
 mod landmarks;
@@ -16,5 +17,6 @@ pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
 pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
 pub use landmarks::{Landmark, identify_landmarks, sites_of_label};
-pub use posterior::{DecidingCandidate, Posterior};
+pub use frequencies::VariantFrequencies;
+pub use posterior::{DecidingCandidate, Informant, Posterior, SegmentState};
 pub use variant::{Completeness, Variant, present_vessels};

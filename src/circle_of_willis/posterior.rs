@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::arteries::{Artery, Side};
 use super::circle::Circle;
 use super::variant::Variant;
 use crate::decision::Topologies;
@@ -22,6 +23,25 @@ pub struct Posterior {
     pub topology: Vec<bool>,
     /// How many topologies were drawn.
     pub samples: u64,
+    /// What else is known of each segment.
+    pub states: [SegmentState; 7],
+}
+
+/// What is known of a segment beside its probability.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SegmentState {
+    /// Too little is seen around it to say whether it is there: its probability is that of a table of frequencies, given the others.
+    pub not_seen: bool,
+    /// It is thin.
+    pub hypoplastic: bool,
+}
+
+/// What is known of the segments beside the topologies.
+pub struct Informant<'a> {
+    /// The probability of each segment, given the share of the topologies that have it.
+    pub presence: &'a dyn Fn(&[f64; 7]) -> [f64; 7],
+    /// What else is known of each.
+    pub states: [SegmentState; 7],
 }
 
 /// A candidate on which the most probable variant depends.
@@ -52,6 +72,12 @@ impl Posterior {
     ///
     /// Fenestrations come from the observed vessels alone: two candidates across one gap are two guesses at one vessel.
     pub fn of(circle: &Circle, network: &Network, topologies: &Topologies) -> Self {
+        Self::informed(circle, network, topologies, None)
+    }
+
+    /// As [`Posterior::of`], where more is known of the segments: the variants then have the probabilities that are nearest to those of the
+    /// topologies (half and half with independent segments, by iterative proportional fitting) and agree with what is known.
+    pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<&Informant>) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
         let each: Vec<Variant> = topologies
             .weighted
@@ -68,13 +94,24 @@ impl Posterior {
         // What is added up of the weights, in the order of all, is never more than all: no probability passes 1.
         let all: f64 = topologies.weighted.iter().map(|(_, weight)| weight).sum();
         let mut variants: Vec<(Variant, f64)> = shares.into_iter().map(|(variant, sum)| (variant, share(sum, all))).collect();
+        let (mut segments, mut fetal) = (segments.map(|sum| share(sum, all)), fetal.map(|sum| share(sum, all)));
+        let mut states = [SegmentState::default(); 7];
+        if let Some(informant) = informant {
+            segments = (informant.presence)(&segments).map(|p| p.clamp(LEAST, 1.0 - LEAST));
+            states = informant.states;
+            variants = fitted(&variants, &segments);
+            fetal = [0, 1].map(|side| variants.iter().filter(|(v, _)| v.fetal[side]).map(|(_, p)| p).sum::<f64>().min(1.0));
+        }
         variants.sort_by(|a, b| b.1.total_cmp(&a.1));
         let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best, all));
         let best = variants.first().map(|(best, _)| *best);
-        let heaviest = each.iter().position(|variant| Some(*variant) == best);
+        // The heaviest topology that is most like the best variant.
+        let unlike = |variant: &Variant| {
+            best.map_or(0, |best| 2 * (0..7).filter(|s| variant.present[*s] != best.present[*s]).count() + usize::from(*variant != best))
+        };
+        let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
-        let (segments, fetal) = (segments.map(|sum| share(sum, all)), fetal.map(|sum| share(sum, all)));
-        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples }
+        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, states }
     }
 
     /// The most probable variant; [`Variant::default`], which has nothing, when nothing was drawn.
@@ -91,6 +128,61 @@ impl Posterior {
     pub fn margin(&self) -> f64 {
         self.probability() - self.variants.get(1).map_or(0.0, |(_, p)| *p)
     }
+}
+
+/// No segment is surer than this of being there or not: evidence that is missing proves nothing.
+const LEAST: f64 = 0.002;
+/// The share of the topologies in the variants that are fitted, the rest being independent segments.
+const BY_TOPOLOGIES: f64 = 0.5;
+/// Rounds of proportional fitting at the most.
+const ROUNDS: usize = 200;
+/// Variants below this probability are not listed.
+const LEAST_VARIANT: f64 = 1e-6;
+
+/// The variants with the given probabilities of their segments.
+fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)> {
+    let index = |variant: &Variant| (0..7).filter(|s| variant.present[*s]).map(|s| 1 << s).sum::<usize>();
+    let mut table = vec![0.0; 1 << 7];
+    for (variant, p) in sampled {
+        table[index(variant)] += BY_TOPOLOGIES * p;
+    }
+    for (v, p) in table.iter_mut().enumerate() {
+        let alone = (0..7).map(|s| if v >> s & 1 == 1 { segments[s] } else { 1.0 - segments[s] }).product::<f64>();
+        *p += (1.0 - BY_TOPOLOGIES) * alone;
+    }
+    for _ in 0..ROUNDS {
+        let mut most = 0.0_f64;
+        for (s, target) in segments.iter().enumerate() {
+            let there: f64 = table.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, p)| p).sum();
+            let total: f64 = table.iter().sum();
+            most = most.max((there / total - target).abs());
+            for (v, p) in table.iter_mut().enumerate() {
+                *p *= if v >> s & 1 == 1 { target / there } else { (1.0 - target) / (total - there) };
+            }
+        }
+        if most < 1e-12 {
+            break;
+        }
+    }
+    let likely = sampled.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or_else(Variant::default, |(variant, _)| *variant);
+    let mut out = Vec::new();
+    for (v, p) in table.iter().enumerate().filter(|(_, p)| **p >= LEAST_VARIANT) {
+        let own: Vec<&(Variant, f64)> = sampled.iter().filter(|(variant, _)| index(variant) == v).collect();
+        let sum: f64 = own.iter().map(|(_, p)| p).sum();
+        if sum > 0.0 {
+            out.extend(own.iter().map(|(variant, q)| (*variant, p * q / sum)));
+            continue;
+        }
+        let mut variant = Variant { present: std::array::from_fn(|s| v >> s & 1 == 1), ..likely };
+        for side in Side::BOTH {
+            let wider = likely.fetal[side.index()] && likely.has(Artery::P1(side));
+            variant.set_fetal(side, || wider);
+        }
+        out.push((variant, *p));
+    }
+    let total: f64 = out.iter().map(|(_, p)| p).sum();
+    out.iter_mut().for_each(|(_, p)| *p = (*p / total).min(1.0));
+    out
 }
 
 fn add<const N: usize>(sums: &mut [f64; N], there: &[bool; N], weight: f64) {

@@ -52,7 +52,8 @@ impl ClassifyArgs {
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
-                let infer = InferOptions { arteries: self.arteries.source(), ..InferOptions::default() };
+                let phenotypes = self.arteries.phenotypes();
+                let infer = InferOptions { arteries: self.arteries.source(), phenotypes, ..InferOptions::default() };
                 let options = RunOptions { read: self.reading.shared()?, infer };
                 let parameters = options.comparable(&Value::Null);
                 let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
@@ -79,7 +80,7 @@ impl ClassifyArgs {
     fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
         let input = read(path, &self.reading.options(path)?)?.with_command(command);
         say_read(terminal, &input, self.reading.units.is_none());
-        let phenotype = classify(&input, self.source(path).as_ref(), &mut Follower::new(terminal))?;
+        let phenotype = classify(&input, self.source(path).as_ref(), &self.arteries.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
             terminal.say("note", note);
         }

@@ -161,6 +161,7 @@ impl InferenceArgs {
         options.boundary.found_outlets = options.boundary.found_outlets.or(usual);
         self.candidates.put(&mut options)?;
         options.arteries = self.arteries.source();
+        options.phenotypes = self.arteries.phenotypes();
         options.validate()?;
         Ok((options, runs))
     }

@@ -6,11 +6,13 @@ use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
 use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
 use super::{Names, landmarks::NamedPlace};
-use crate::circle_of_willis::{Artery, Circle, Landmark, Posterior, RING, Side, sites_of_label};
+use crate::circle_of_willis::{
+    Artery, Circle, Informant, Landmark, Posterior, RING, SegmentState, Side, VariantFrequencies, sites_of_label,
+};
 use crate::decision::{KnownEnds, Topologies};
 use crate::error::Fault;
 use crate::network::units::metres;
-use crate::network::{Frame, Network};
+use crate::network::{Frame, Network, Origin, nearest_node};
 use crate::sampling::SamplingOptions;
 use crate::support::statistics::sigmoid;
 
@@ -40,8 +42,21 @@ pub struct NamedCircle {
     pub is_decidable: [bool; 7],
     /// Whether each segment, if it is there, is thin.
     pub is_hypoplastic: [bool; 7],
+    /// Nodes where an artery enters or leaves, so that no vessel continues there.
+    pub ends: Vec<usize>,
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,
+}
+
+/// What is known of people's circles before one is seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// How frequent each variant is.
+    pub frequencies: VariantFrequencies,
+    /// Whether they are those of the study at hand, which then stand for the shares that the model was fitted to.
+    pub is_own: bool,
+    /// How often a segment that is there is out of sight, 0 to below 1.
+    pub unseen: f64,
 }
 
 impl NamedCircle {
@@ -58,9 +73,24 @@ impl NamedCircle {
         network
     }
 
-    /// The probability of each segment, given the share of plausible topologies that have it.
-    pub fn presence(&self, topologies: &[f64; 7]) -> [f64; 7] {
-        std::array::from_fn(|s| sigmoid(self.log_odds[s] + self.topology_weight[s] * log_odds(topologies[s])))
+    /// The probability of each segment, given the share of plausible topologies that have it, if a segment that is there is out of sight at
+    /// the rate `unseen`: with π the usual share and Λ the ratio of the likelihoods of what is seen, its odds are π/(1 - π) (h + (1 - h) Λ).
+    /// Of segments that are not decidable it is that of the frequencies, given the others.
+    pub fn presence(&self, topologies: &[f64; 7], prior: &Prior) -> [f64; 7] {
+        let usual = if prior.is_own { prior.frequencies.marginals() } else { self.share };
+        let odds = |p: f64| p / (1.0 - p);
+        let seen = std::array::from_fn(|s| {
+            let p = sigmoid(self.log_odds[s] + self.topology_weight[s] * log_odds(topologies[s])).clamp(1e-3, 1.0 - 1e-3);
+            let ratio = odds(p) / odds(self.share[s]);
+            let odds = odds(usual[s].clamp(1e-3, 1.0 - 1e-3)) * (prior.unseen + (1.0 - prior.unseen) * ratio);
+            odds / (1.0 + odds)
+        });
+        prior.frequencies.given(&seen, &self.is_decidable)
+    }
+
+    /// What is known of each segment beside its probability.
+    pub fn states(&self) -> [SegmentState; 7] {
+        std::array::from_fn(|s| SegmentState { not_seen: !self.is_decidable[s], hypoplastic: self.is_hypoplastic[s] })
     }
 }
 
@@ -72,16 +102,17 @@ pub fn posterior_of(
     network: &Network,
     options: &SamplingOptions,
     [given, inlets]: [&[usize]; 2],
+    informant: Option<&Informant>,
 ) -> Posterior {
     let network = named.weighed(network);
     let mut known = vec![false; network.node_count()];
-    for node in circle.ends(&network).into_iter().chain(given.iter().copied()).filter(|node| *node < network.node_count()) {
+    for node in named.ends.iter().chain(given).copied().filter(|node| *node < network.node_count()) {
         known[node] = true;
     }
     let mut feeders = circle.inlets();
     feeders.extend(inlets);
     let ends = KnownEnds { ends: &known, inlets: &feeders };
-    Posterior::of(circle, &network, &Topologies::of_free_ends(&network, ends, options))
+    Posterior::informed(circle, &network, &Topologies::of_free_ends(&network, ends, options), informant)
 }
 
 /// ln p/(1 - p), of a probability that is sure of nothing.
@@ -99,7 +130,7 @@ impl Names {
     }
 
     /// What the names say of the circle.
-    pub fn circle(&self, model: &NamingModel) -> NamedCircle {
+    pub fn circle(&self, network: &Network, model: &NamingModel) -> NamedCircle {
         let weights = |segment: usize| &model.presence_with_topology[kind_of(segment)];
         NamedCircle {
             log_odds: std::array::from_fn(|s| {
@@ -110,6 +141,7 @@ impl Names {
             share: std::array::from_fn(|s| model.share[kind_of(s)]),
             is_decidable: std::array::from_fn(|s| self.is_decidable(s)),
             is_hypoplastic: self.hypoplasia(),
+            ends: self.end_nodes(network, model),
             factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
         }
     }
@@ -156,6 +188,19 @@ impl Names {
         })
     }
 
+    /// The free ends of the network's observed vessels at the sure ends of arteries.
+    fn end_nodes(&self, network: &Network, model: &NamingModel) -> Vec<usize> {
+        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
+        let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
+        let places = self.landmarks(model);
+        let ends = places.iter().filter(|place| place.probability >= SURE && !place.label.contains('/'));
+        let found = ends.filter_map(|place| {
+            let at = [sign * place.at[0], sign * place.at[1], place.at[2]].map(metres);
+            nearest_node(network, at, |row| degree[row] == 1).map(|nearest| nearest.node)
+        });
+        found.collect()
+    }
+
     /// The circle with the sure landmarks, in a network of the same positions, with notes for the user.
     ///
     /// # Errors
@@ -170,7 +215,20 @@ impl Names {
         }
         let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let listed = self.landmarks(model);
-        let sure = listed.iter().filter(|place| place.probability >= SURE);
+        let sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
+        // Where the ends of all arteries at a bifurcation are seen, these say more than a bifurcation that may lie in a gap.
+        let is_end = |label: &str| sure.iter().any(|place| place.label == label);
+        let needed = |place: &&NamedPlace| {
+            Side::BOTH.iter().all(|side| {
+                let on = |artery: Sided| super::name_of(artery.on(*side));
+                let (ica, m1, a2, p2) = (on(Sided::Ica), on(Sided::M1), on(Sided::A2), on(Sided::P2));
+                let meets = |a: &str, b: &str| [a, b].iter().all(|name| place.label.split('/').any(|part| part == *name));
+                !(meets(&ica, &m1) && is_end(&ica) && is_end(&m1)
+                    || meets(&on(Sided::A1), &a2) && is_end(&a2)
+                    || meets(&on(Sided::P1), &p2) && is_end(&p2))
+            })
+        };
+        let sure = sure.iter().copied().filter(needed);
         let landmarks: Vec<Landmark> = sure
             .enumerate()
             .filter_map(|(row, NamedPlace { label, at, .. })| {

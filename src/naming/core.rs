@@ -30,6 +30,28 @@ pub struct Core {
     pub median_log_radius: Option<f64>,
 }
 
+/// What lies on the atlas at a pose, in pieces that are long enough.
+fn on_the_atlas(nodes: &Nodes, atlas: &Atlas, pose: &Pose) -> Nodes {
+    let lies_there = |n: usize| {
+        let at = pose.apply(nodes.at[n]);
+        arteries().any(|state| {
+            let d = sub(at, atlas.data.pieces[state].mean);
+            dot(d, super::symmetric_times(&atlas.position[state].0, d)) < ON_ATLAS * ON_ATLAS
+        })
+    };
+    nodes.part(lies_there, LEAST_NAMED)
+}
+
+/// The core of a network whose pose is known.
+pub fn at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
+    if nodes.length() <= WHOLE_BRAIN {
+        return Some(Core { nodes, median_log_radius: None });
+    }
+    let named = on_the_atlas(&nodes, atlas, pose);
+    let median = named.median_log_radius(|_| 1.0);
+    (!named.is_empty()).then_some(Core { nodes: named, median_log_radius: Some(median) })
+}
+
 /// The core of a network and its poses, the best first.
 pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     if nodes.length() <= WHOLE_BRAIN {
@@ -52,14 +74,7 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     }
     let median = searched.median_log_radius(|_| 1.0);
     let pose = search(&searched, atlas).first()?.pose;
-    let on_atlas = |n: usize| {
-        let at = pose.apply(nodes.at[n]);
-        arteries().any(|state| {
-            let d = sub(at, atlas.data.pieces[state].mean);
-            dot(d, super::symmetric_times(&atlas.position[state].0, d)) < ON_ATLAS * ON_ATLAS
-        })
-    };
-    let named = nodes.part(on_atlas, LEAST_NAMED);
+    let named = on_the_atlas(&nodes, atlas, &pose);
     if named.is_empty() {
         return None;
     }

@@ -23,7 +23,7 @@ pub(crate) mod states;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
 pub(crate) use circle::log_odds;
-pub use circle::{NamedCircle, SURE, posterior_of};
+pub use circle::{NamedCircle, Prior, posterior_of};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
@@ -85,11 +85,7 @@ struct Pass {
 /// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
 /// network without a vessel or without positions.
 pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
-    name_with(network, model, |features, pass| {
-        let mut x = features.to_vec();
-        x.extend(pass);
-        logistic_probability(&model.false_pieces[usize::from(pass.is_some())], &x)
-    })
+    name_with(network, model, |features, pass| model.is_false(features, pass))
 }
 
 /// As [`name_arteries`], with a rule for false pieces: from the features of a piece, and in the second pass the logarithm of what the first
@@ -118,9 +114,31 @@ pub(crate) fn name_with(
         }
     }
     let (frame, core, poses) = best?;
+    let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
+    names_at(network, model, frame, core, &poses, is_false)
+}
+
+/// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
+pub fn name_again(network: &Network, model: &NamingModel, like: &Names) -> Option<Names> {
+    let all = Nodes::of(network);
+    let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
+    let core = core::at(all, &model.atlas, &like.pose)?;
+    names_at(network, model, like.frame, core, &[like.pose], |features, pass| model.is_false(features, pass))
+}
+
+/// The names at some poses.
+fn names_at(
+    network: &Network,
+    model: &NamingModel,
+    frame: Frame,
+    core: core::Core,
+    poses: &[Pose],
+    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
+) -> Option<Names> {
+    let atlas = &model.atlas;
     let nodes = core.nodes;
+    let pose = *poses.first()?;
     let one = vec![1.0; nodes.len()];
-    let pose = poses.first()?.pose;
 
     let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
     let used = nodes.spanning_bridges(|_| true);
@@ -138,7 +156,7 @@ pub(crate) fn name_with(
         let radius = radius_fit(&nodes, atlas, median);
         let forest = Forest::of(&nodes, &used);
         let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
-        if let Some(found) = search.around(&poses.iter().map(|p| p.pose).collect::<Vec<_>>()).first() {
+        if let Some(found) = search.around(poses).first() {
             pose = found.pose;
         }
     } else {

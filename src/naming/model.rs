@@ -107,6 +107,13 @@ impl NamingModel {
         Self::read(SHIPPED).map_err(|fault| fault.in_file(Path::new("src/naming/arteries.toml")))
     }
 
+    /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.
+    pub fn is_false(&self, features: &[f64; PIECE_FEATURES], before: Option<f64>) -> f64 {
+        let mut x = features.to_vec();
+        x.extend(before);
+        logistic_probability(&self.false_pieces[usize::from(before.is_some())], &x)
+    }
+
     /// Reads a model.
     ///
     /// # Errors

@@ -23,8 +23,8 @@ const MOST_SCALE: f64 = 0.2;
 /// The share of its length that a node counts for: neighbours lie on one vessel.
 const GAIN: f64 = 0.25;
 /// Starts that are refined, and optima that are refined by names.
-const REFINED: usize = 16;
-const NAMED: usize = 4;
+const REFINED: usize = 12;
+const NAMED: usize = 5;
 
 /// A case to be posed, with what does not depend on the pose.
 pub struct Search<'a> {
@@ -90,7 +90,7 @@ impl Search<'_> {
                 Scored { pose, score: fit + 3.0 * pose.log_scale }
             })
             .collect();
-        let refined = self.distinct(refined, centre, 0.08, 2.0, NAMED);
+        let refined = self.distinct(refined, centre, 0.15, 4.0, NAMED);
         self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
     }
 
@@ -288,14 +288,12 @@ fn angle_between(a: &Pose, b: &Pose) -> f64 {
 }
 
 /// Offsets of the middle, mm.
-const START_OFFSETS: [Point; 7] = [
+const START_OFFSETS: [Point; 5] = [
     [0.0, 0.0, 0.0],
     [0.0, 0.0, 14.0],
     [0.0, 0.0, -14.0],
     [12.0, 0.0, 0.0],
     [-12.0, 0.0, 0.0],
-    [0.0, 14.0, 0.0],
-    [0.0, -14.0, 0.0],
 ];
 
 /// Rotation vectors in degrees: none, 25 about each axis, 18 about all three.

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::options::SourceFile;
-use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks};
+use super::options::{PhenotypeOptions, SourceFile};
+use crate::circle_of_willis::{Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks};
 use crate::decision::{KnownEnds, Topologies, TopologySource};
-use crate::error::Result;
+use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{bytes_of, checksum, read_landmarks};
+use crate::naming::{NamedCircle, Names, NamingModel, name_again, name_arteries, posterior_of};
 use crate::network::units::Scale;
 use crate::network::{Condition, Network, Role};
 use crate::sampling::SamplingOptions;
@@ -25,6 +26,11 @@ pub enum ArterySource {
     AnyLabels,
     /// By labels of this kind.
     Labels(LabelScheme),
+    /// By the labels of vessels where they name arteries, else by their geometry alone. [`infer`](crate::infer) goes without where neither
+    /// shows a circle.
+    Automatic,
+    /// By their geometry alone: `landmarks` auto.
+    Geometry,
     /// By a CSV file of landmarks: `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input.
     Landmarks(PathBuf),
 }
@@ -34,10 +40,22 @@ impl ArterySource {
         matches!(self, Self::Landmarks(_))
     }
 
+    /// Labels or geometry in the place of [`ArterySource::Automatic`], by what a network has.
+    #[must_use]
+    pub(crate) fn resolved(&self, network: &Network) -> Self {
+        if *self != Self::Automatic {
+            return self.clone();
+        }
+        let labels = || network.vessels().map(|(_, vessel)| vessel.label.as_str());
+        let named = LabelScheme::of(labels()).is_ok_and(|scheme| labels().any(|label| artery_of_label(label, scheme).is_some()));
+        if named { Self::AnyLabels } else { Self::Geometry }
+    }
+
     /// Finds the arteries in the network of an input.
     pub(crate) fn find(&self, input: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
         let scheme = match self {
             Self::Landmarks(file) => return by_landmarks(file, network, scale),
+            Self::Geometry | Self::Automatic => return by_geometry(input, network, None),
             Self::Labels(scheme) => *scheme,
             Self::AnyLabels => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
@@ -45,7 +63,7 @@ impl ArterySource {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, notes })
+        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, notes, named: None })
     }
 }
 
@@ -54,7 +72,22 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
     let landmarks = read_landmarks(&bytes, scale).and_then(identify_landmarks).map_err(|fault| fault.in_file(file))?;
     let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
     let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
-    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes })
+    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes, named: None })
+}
+
+/// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
+pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>) -> Result<FoundArteries> {
+    let model = NamingModel::shipped()?;
+    let names = match like {
+        Some(names) => name_again(network, &model, names),
+        None => name_arteries(network, &model),
+    };
+    let here = |fault: Fault| fault.in_file(input);
+    let no_vessel = || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head");
+    let names = names.ok_or_else(no_vessel).map_err(here)?;
+    let (circle, notes) = names.located(network, &model).map_err(here)?;
+    let named = Some(names.circle(network, &model));
+    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, notes, named })
 }
 
 /// Where the arteries are, and how that is known.
@@ -65,6 +98,9 @@ pub(crate) struct FoundArteries {
     pub(crate) known_by: String,
     pub(crate) landmarks: Option<SourceFile>,
     pub(crate) notes: Vec<String>,
+    /// What names say of the segments, where the arteries are known by their geometry.
+    #[serde(default)]
+    pub(crate) named: Option<NamedCircle>,
 }
 
 impl FoundArteries {
@@ -82,7 +118,18 @@ impl FoundArteries {
         options: &SamplingOptions,
         given: &[usize],
         above_median: Option<&[bool]>,
+        phenotypes: &PhenotypeOptions,
     ) -> Result<(Posterior, String)> {
+        if let Some(named) = &self.named {
+            let prior = phenotypes.prior()?;
+            let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
+            let informant = Informant { presence: &presence, states: named.states() };
+            let is_inlet = |node: &&usize| boundary.roles.get(**node) == Some(&Role::Inlet);
+            let inlets: Vec<usize> = given.iter().filter(is_inlet).copied().collect();
+            let posterior = posterior_of(&self.circle, named, network, options, [given, &inlets], Some(&informant));
+            let how = format!("names of the arteries and {} plausible topologies", posterior.samples);
+            return Ok((posterior, how));
+        }
         let mut known = vec![false; network.node_count()];
         let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
         for node in rows.filter(|node| *node < network.node_count()) {

@@ -5,13 +5,15 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::arteries::FoundArteries;
-use super::{ArterySource, Input};
+use super::options::PhenotypeOptions;
+use super::{ArterySource, InferOptions, Input, Silent, prepare};
 use crate::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
+use crate::network::Network;
 use crate::output::write_record;
 use crate::report::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
 use crate::sampling::{SamplingOptions, infer};
@@ -43,11 +45,20 @@ pub struct Phenotype {
 /// # Errors
 ///
 /// Arteries that cannot be found; landmarks of the run that have changed; a breakdown of the solver.
-pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn super::Progress) -> Result<Phenotype> {
+pub fn classify(
+    input: &Input,
+    source: Option<&ArterySource>,
+    phenotypes: &PhenotypeOptions,
+    progress: &mut dyn super::Progress,
+) -> Result<Phenotype> {
+    phenotypes.validate()?;
     let (path, scale) = (Path::new(&input.provenance.input), &input.options.scale);
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
-    let usual = ArterySource::default();
-    let chosen = source.or(of_run).unwrap_or(&usual);
+    let usual = ArterySource::Automatic;
+    let chosen = &source.or(of_run).unwrap_or(&usual).resolved(&input.network);
+    if input.run.is_none() && input.is_fragments && *chosen == ArterySource::Geometry {
+        return classify_by_geometry(input, phenotypes);
+    }
     let divide = input.run.is_none() && input.is_fragments && !chosen.is_landmarks();
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
@@ -65,7 +76,7 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
             let (likelihood, _) = infer(network, &boundary, &options, &mut |done, total| progress.report(done, total))?;
             Some(decide(Keep::Median, network, &likelihood)?.above_median)
         };
-        let (posterior, how) = found.posterior(network, &boundary, &options, &run.given, above.as_deref())?;
+        let (posterior, how) = found.posterior(network, &boundary, &options, &run.given, above.as_deref(), phenotypes)?;
         notes.push(how);
         (posterior.topology.clone(), posterior.best(), Some(posterior))
     } else {
@@ -79,6 +90,39 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         None if input.is_fragments => (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY),
         None => (FoundOutlets::Ground, BLOOD_VISCOSITY),
     };
+    Ok(phenotype(input, network, Answer { found, kept, variant, posterior, notes }, outlets, viscosity))
+}
+
+/// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
+fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<Phenotype> {
+    let options = InferOptions { arteries: Some(ArterySource::Geometry), phenotypes: phenotypes.clone(), ..InferOptions::default() };
+    let prepared = prepare(input.clone(), &options, &mut Silent)?;
+    let network = &prepared.graph;
+    let Some(found) = prepared.arteries.clone() else {
+        return Err(Fault::file("no arteries were named", "expected centerlines of a head").in_file(Path::new(&input.provenance.input)));
+    };
+    let given: Vec<usize> =
+        prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();
+    let (posterior, how) = found.posterior(network, &prepared.boundary, &options.sampling, &given, None, phenotypes)?;
+    let mut notes = found.notes.clone();
+    notes.push(how);
+    let (kept, variant) = (posterior.topology.clone(), posterior.best());
+    let answer = Answer { found, kept, variant, posterior: Some(posterior), notes };
+    Ok(phenotype(input, network, answer, FoundOutlets::CEREBRAL, BLOOD_VISCOSITY))
+}
+
+/// What was found of a circle.
+struct Answer {
+    found: FoundArteries,
+    kept: Vec<bool>,
+    variant: Variant,
+    posterior: Option<Posterior>,
+    notes: Vec<String>,
+}
+
+/// The phenotype of an answer, with what the loss of each feeder means.
+fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOutlets, viscosity: f64) -> Phenotype {
+    let Answer { found, kept, variant, posterior, mut notes } = answer;
     let collaterals = found.collaterals(network, &kept, outlets, viscosity).unwrap_or_else(|why| {
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()
@@ -95,7 +139,7 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         notes: &notes,
     };
     let record = classification_record(&classified, &input.provenance);
-    Ok(Phenotype { variant, posterior, collaterals, counted, known_by: found.known_by, notes, json, record })
+    Phenotype { variant, posterior, collaterals, counted, known_by: found.known_by, notes, json, record }
 }
 
 /// Refuses landmarks of the run that have changed since.

@@ -23,7 +23,7 @@ pub use cuts::Cut;
 pub use inference::Inference;
 pub use input::{Contents, Input, read, read_bytes};
 pub use label::{LabelOptions, Labelled, label};
-pub use options::{FlowOptions, InferOptions, Preset, RunOptions, SaveOptions, SourceFile};
+pub use options::{FlowOptions, InferOptions, PhenotypeOptions, Preset, RunOptions, SaveOptions, SourceFile};
 pub use prior::Prior;
 pub use progress::{Progress, Silent, Step};
 pub use shard::{Shard, ShardRecord, blocks_of, differing, merge, samples_of};
@@ -31,6 +31,7 @@ pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simula
 pub use write::{WrittenFiles, write, write_target};
 
 use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -40,9 +41,10 @@ use serde_json::{Value, json};
 use crate::candidates::CandidateOptions;
 use crate::candidates::kind::Kind;
 use crate::decision::{Keep, all_decided};
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
+use crate::naming::{Names, NamingModel, name_arteries};
 use crate::network::{Network, Origin};
 use crate::report::{ImageCut, Provenance};
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
@@ -123,8 +125,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     options.validate()?;
     let path = std::path::PathBuf::from(&input.provenance.input);
     let (scale, is_fragments) = (input.options.scale, input.is_fragments);
-    let by_landmarks = options.arteries.as_ref().filter(|source| source.is_landmarks());
-    let by_labels = options.arteries.as_ref().filter(|source| !source.is_landmarks());
+    let source = options.arteries.as_ref().map(|source| source.resolved(&input.network));
+    let by_landmarks = source.as_ref().filter(|source| source.is_landmarks());
+    let by_geometry = source.as_ref().is_some_and(|source| *source == ArterySource::Geometry);
+    let is_optional = options.arteries == Some(ArterySource::Automatic);
+    let by_labels = source.as_ref().filter(|source| !source.is_landmarks() && !by_geometry);
 
     let from_mask = input.format.is_some_and(Format::is_mask);
     let kind = Kind::of(&input.network, from_mask);
@@ -132,11 +137,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
 
     // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
     let mut network = if by_labels.is_some() && is_fragments { input.divided_by_labels() } else { input.network };
+    let mut unnamed = None;
     let mut arteries = by_landmarks.map(|source| source.find(&path, &network, &scale)).transpose()?;
-    if let Some(found) = arteries.as_ref().filter(|_| !options.boundary.states_an_inlet()) {
-        found.state_inlets(&mut network);
-    }
-
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
     let prior = options.prior.as_ref().unwrap_or(&usual).load(kind)?;
@@ -149,6 +151,28 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         radius_rule: input.options.radius_rule,
         ..options.candidates.clone()
     };
+
+    // Names need candidates, which pass them over gaps; named inlets then are boundary conditions.
+    let mut names = None;
+    if by_geometry {
+        let named = named(&path, &network, |network| {
+            let outlets = FoundOutlets::CEREBRAL;
+            let boundary = options.boundary.resolve(network, outlets, &mut Silent)?;
+            Ok(prior.graph(network.clone(), is_fragments, &boundary, &building, None)?.0)
+        });
+        match named {
+            Ok((found, found_names)) => (arteries, names) = (Some(found), Some(found_names)),
+            Err(why) if is_optional => {
+                let note = format!("no phenotype: {why}");
+                progress.step(Step::Note(&note));
+                unnamed = Some(note);
+            }
+            Err(why) => return Err(why),
+        }
+    }
+    if let Some(found) = arteries.as_ref().filter(|_| !options.boundary.states_an_inlet()) {
+        found.state_inlets(&mut network);
+    }
 
     // Boundary conditions, then candidates, which add nodes without conditions.
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
@@ -192,6 +216,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
     }
+    if let Some(names) = &names {
+        arteries = Some(arteries::by_geometry(&path, &graph, Some(names))?);
+    }
+    provenance.notes.extend(unnamed);
     for note in arteries.iter().flat_map(|found| &found.notes) {
         progress.step(Step::Note(note));
         provenance.notes.push(note.clone());
@@ -217,6 +245,15 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         arteries,
         started: input.started,
     }))
+}
+
+/// The arteries of a network by their geometry, with the candidates that `over_connected` builds around it.
+fn named(path: &Path, network: &Network, over_connected: impl Fn(&Network) -> Result<Network>) -> Result<(FoundArteries, Names)> {
+    let graph = over_connected(network)?;
+    let no_vessel = || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(path);
+    let model = NamingModel::shipped()?;
+    let names = name_arteries(&graph, &model).ok_or_else(no_vessel)?;
+    Ok((arteries::by_geometry(path, network, Some(&names))?, names))
 }
 
 /// That there is no candidate, and what may help.

@@ -11,7 +11,8 @@ use super::cuts::Cut;
 use super::prior::Prior;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::decision::Keep;
-use crate::error::Result;
+use crate::circle_of_willis::VariantFrequencies;
+use crate::error::{Error, Result};
 use crate::flow::FoundOutlets;
 use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use crate::io::ReadOptions;
@@ -50,6 +51,8 @@ pub struct InferOptions {
     pub keep: Option<Keep>,
     /// Where the arteries of a Circle of Willis are, where it is to be classified.
     pub arteries: Option<ArterySource>,
+    /// What is known of people's circles before one is seen.
+    pub phenotypes: PhenotypeOptions,
 }
 
 /// A set of choices.
@@ -86,7 +89,42 @@ impl InferOptions {
     pub fn validate(&self) -> Result<()> {
         self.candidates.validate()?;
         self.sampling.validate()?;
+        self.phenotypes.validate()?;
         self.keep.map_or(Ok(()), Keep::validate)
+    }
+}
+
+/// What is known of people's circles before one is seen.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PhenotypeOptions {
+    /// A CSV table of `missing,share`: how frequent each variant is in the study at hand, in the place of the published table.
+    #[serde(rename = "variant_prior")]
+    pub frequencies: Option<PathBuf>,
+    /// How often a segment that is there is not in the extraction at all, 0 to below 1.
+    pub unseen: f64,
+}
+
+impl PhenotypeOptions {
+    /// Checks every field that can be checked without a file.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if (0.0..1.0).contains(&self.unseen) {
+            return Ok(());
+        }
+        Err(Error::parameter("unseen", self.unseen, "expected a share from 0 to below 1"))
+    }
+
+    /// The prior that they mean.
+    pub(crate) fn prior(&self) -> Result<crate::naming::Prior> {
+        let frequencies = match &self.frequencies {
+            Some(path) => VariantFrequencies::of_file(path)?,
+            None => VariantFrequencies::published()?,
+        };
+        Ok(crate::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen })
     }
 }
 
