@@ -39,6 +39,10 @@ pub mod masks {
 pub mod modulation {
     pub use crate::modulation::*;
 }
+/// See `src/naming`.
+pub mod naming {
+    pub use crate::naming::*;
+}
 /// See `src/network`.
 pub mod network {
     pub use crate::network::*;

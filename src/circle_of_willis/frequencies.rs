@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::arteries::{Artery, RING};
 use super::labels::{LabelScheme, artery_of_label};
-use crate::error::{Error, Fault, Result};
+use crate::error::{Fault, Result};
 use crate::io::tables::reader::TableReader;
 
 /// The table that ships. Its frame is that of 1,864 people of the Tromsø study (Hindenes et al., PLoS ONE 15(11):e0241373, 2020, doi
@@ -54,7 +54,11 @@ impl VariantFrequencies {
             }
             let index = index_of(&text).map_err(|part| {
                 let ring: Vec<String> = RING.iter().map(ToString::to_string).collect();
-                Fault::line(row.line, format!("missing \"{part}\""), format!("expected complete, or segments of {}", ring.join(", ")))
+                Fault::line(
+                    row.line,
+                    format!("missing \"{part}\""),
+                    format!("expected complete, or segments of {}", ring.join(", ")),
+                )
             })?;
             table[index] += value;
         }
@@ -77,7 +81,7 @@ impl VariantFrequencies {
     /// As there, or a file that cannot be read.
     pub fn of_file(path: &Path) -> Result<Self> {
         let bytes = crate::io::bytes_of(path)?;
-        Self::read(&bytes).map_err(|fault| fault.in_file(path)).map_err(Error::from)
+        Self::read(&bytes).map_err(|fault| fault.in_file(path))
     }
 
     /// The share of people who have each segment.
@@ -153,8 +157,13 @@ mod tests {
 
     #[test]
     fn bad_tables_are_refused() {
-        for (text, at) in [("missing,share\nM1,1\n", "M1"), ("missing,share\ncomplete,-1\n", "-1"), ("missing\nx\n", "share"), ("missing,share\ncomplete,0\n", "no variant")] {
-            let fault = VariantFrequencies::read(text.as_bytes()).expect_err("refused");
+        for (text, at) in [
+            ("missing,share\nM1,1\n", "M1"),
+            ("missing,share\ncomplete,-1\n", "-1"),
+            ("missing\nx\n", "share"),
+            ("missing,share\ncomplete,0\n", "no variant"),
+        ] {
+            let fault = VariantFrequencies::read(text.as_bytes()).expect_err("refused").in_file(Path::new("a.csv"));
             assert!(fault.to_string().contains(at), "{fault}");
         }
     }

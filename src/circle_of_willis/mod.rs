@@ -2,8 +2,8 @@
 
 mod arteries;
 mod circle;
-mod frequencies;
 mod collaterals;
+mod frequencies;
 mod labels;
 mod landmarks;
 mod posterior;
@@ -15,8 +15,8 @@ mod variant;
 pub use arteries::{Artery, FENESTRATED, RING, Side};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
+pub use frequencies::VariantFrequencies;
 pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
 pub use landmarks::{Landmark, identify_landmarks, sites_of_label};
-pub use frequencies::VariantFrequencies;
 pub use posterior::{DecidingCandidate, Informant, Posterior, SegmentState};
 pub use variant::{Completeness, Variant, present_vessels};

@@ -107,7 +107,9 @@ impl Posterior {
         let best = variants.first().map(|(best, _)| *best);
         // The heaviest topology that is most like the best variant.
         let unlike = |variant: &Variant| {
-            best.map_or(0, |best| 2 * (0..7).filter(|s| variant.present[*s] != best.present[*s]).count() + usize::from(*variant != best))
+            best.map_or(0, |best| {
+                2 * (0..7).filter(|s| variant.present[*s] != best.present[*s]).count() + usize::from(*variant != best)
+            })
         };
         let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
@@ -181,7 +183,9 @@ fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)
         out.push((variant, *p));
     }
     let total: f64 = out.iter().map(|(_, p)| p).sum();
-    out.iter_mut().for_each(|(_, p)| *p = (*p / total).min(1.0));
+    for (_, p) in &mut out {
+        *p = (*p / total).min(1.0);
+    }
     out
 }
 

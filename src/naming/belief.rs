@@ -140,7 +140,7 @@ impl Pass<'_> {
                 parent[*node].map(|_| {
                     let messages: Vec<Option<&[f64]>> =
                         children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain([None]).collect();
-                    self.from_bifurcation(*node, &messages, 2)
+                    self.out_of_bifurcation(*node, &messages, 2)
                 })
             } else {
                 normalise(row_mut(&mut below, *node));
@@ -163,7 +163,7 @@ impl Pass<'_> {
                     .map(|arm| {
                         let mut others = messages.clone();
                         others[arm] = None;
-                        self.from_bifurcation(*node, &others, arm)
+                        self.out_of_bifurcation(*node, &others, arm)
                     })
                     .collect();
                 row_mut(&mut all, *node).copy_from_slice(&posterior);
@@ -195,7 +195,9 @@ impl Pass<'_> {
             Link::Gap { length, probability, .. } => {
                 let sum: f64 = from.iter().sum();
                 let mut out = product(&self.atlas.gaps[length], from);
-                out.iter_mut().for_each(|m| *m = probability * *m / sum + (1.0 - probability));
+                for m in &mut out {
+                    *m = probability * *m / sum + (1.0 - probability);
+                }
                 out
             }
         };
@@ -276,7 +278,7 @@ impl Pass<'_> {
     }
 
     /// The message of a bifurcation to one of its arms.
-    fn from_bifurcation(&self, node: usize, messages: &[Option<&[f64]>], target: usize) -> Vec<f64> {
+    fn out_of_bifurcation(&self, node: usize, messages: &[Option<&[f64]>], target: usize) -> Vec<f64> {
         let arms = self.arms(node);
         let weights = self.arm_weights(&arms, messages);
         let others: Vec<usize> = (0..3).filter(|arm| *arm != target).collect();
@@ -347,14 +349,18 @@ fn product(table: &[f64], v: &[f64]) -> Vec<f64> {
 
 fn normalise(row: &mut [f64]) {
     let sum: f64 = row.iter().sum();
-    row.iter_mut().for_each(|p| *p /= sum);
+    for p in row.iter_mut() {
+        *p /= sum;
+    }
 }
 
 /// Multiplies and divides by the largest, so that nothing becomes too small.
 fn multiply(row: &mut [f64], by: &[f64]) {
     row.iter_mut().zip(by).for_each(|(r, b)| *r *= b);
     let most = row.iter().fold(0.0_f64, |a, b| a.max(*b));
-    row.iter_mut().for_each(|r| *r /= most);
+    for r in row.iter_mut() {
+        *r /= most;
+    }
 }
 
 /// What a node knows without what came up from one child.

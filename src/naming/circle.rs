@@ -64,7 +64,9 @@ impl NamedCircle {
     pub fn weighed(&self, network: &Network) -> Network {
         let mut network = network.clone();
         for (row, factor) in &self.factors {
-            if let Some(evidence) = (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut) {
+            if let Some(evidence) =
+                (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut)
+            {
                 evidence.continuation_odds = evidence.continuation_odds.map(|odds| odds * factor);
                 let odds = evidence.probability / (1.0 - evidence.probability).max(1e-12) * factor;
                 evidence.probability = odds / (1.0 + odds);

@@ -1,11 +1,11 @@
 //! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
 
+use super::TEMPER;
 use super::atlas::{Atlas, all_states, arteries};
 use super::belief::Forest;
 use super::emission::{Parts, Pose, emission, radius_fit};
 use super::nodes::Nodes;
 use super::pose::{Scored, Search};
-use super::TEMPER;
 use crate::support::geometry::{distance, dot, sub};
 
 /// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
@@ -86,7 +86,9 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let mut pose: Pose = pose;
     for _ in 0..3 {
         let mut e = emission(&named, [&all, &all_states()], atlas, &pose, &atlas.position, Parts::ALL, &radius);
-        e.iter_mut().for_each(|x| *x *= TEMPER);
+        for x in &mut e {
+            *x *= TEMPER;
+        }
         let names = forest.beliefs(atlas, &e).states;
         pose = search.step([&all, &all_states()], &pose, &atlas.position, &names, true);
     }
@@ -97,7 +99,7 @@ fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
     let radius = radius_fit(nodes, atlas, nodes.median_log_radius(|_| 1.0));
     let forest = Forest::of(nodes, &nodes.spanning_bridges(|_| true));
     let weight = vec![1.0; nodes.len()];
-    Search { nodes, atlas, weight: &weight, radius: &radius, forest: &forest }.from_scratch()
+    Search { nodes, atlas, weight: &weight, radius: &radius, forest: &forest }.everywhere()
 }
 
 /// Per node the mean radius of its branch, mm.

@@ -131,7 +131,9 @@ pub fn softmax(log_weights: &mut [f64], states: usize) -> Vec<f64> {
                 *x = (*x - most).exp();
                 sum += *x;
             }
-            row.iter_mut().for_each(|x| *x /= sum);
+            for x in row.iter_mut() {
+                *x /= sum;
+            }
             most + sum.ln()
         })
         .collect()

@@ -34,6 +34,8 @@ pub fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], na
         let row = &mut filled[unit[n] * STATES..(unit[n] + 1) * STATES];
         row.iter_mut().zip(names).for_each(|(o, p)| *o += p * length);
     }
-    filled.iter_mut().for_each(|o| *o = o.min(1.0));
+    for o in &mut filled {
+        *o = o.min(1.0);
+    }
     filled
 }

@@ -11,6 +11,9 @@ use crate::support::geometry::{distance, lerp};
 /// A contact from this probability on is a connection.
 const CONNECTED: f64 = 0.5;
 
+/// A piece of a vessel: its nodes, and the probability of its name.
+type Piece = ([usize; 2], Vessel, Option<f64>);
+
 /// A run of one name along a vessel: from and to (m along it), the name, and its mean probability.
 struct Run {
     until: f64,
@@ -26,7 +29,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
         by_vessel.entry(names.nodes.place[n].vessel).or_default().push(n);
     }
     let mut nodes: Vec<Node> = graph.nodes().cloned().collect();
-    let mut pieces: Vec<Option<([usize; 2], Vessel, Option<f64>)>> = Vec::new();
+    let mut pieces: Vec<Option<Piece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
         match vessel.origin {
             Origin::Observed => {}
@@ -51,7 +54,11 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
             let (Some(a), Some(b)) = (rest.first(), rest.get(1)) else { break };
             let step = distance(a.position, b.position);
             let share = if step > 0.0 { ((run.until - along) / step).clamp(0.0, 1.0) } else { 0.0 };
-            let at = PathPoint { position: lerp(a.position, b.position, share), radius: a.radius + share * (b.radius - a.radius), id: None };
+            let at = PathPoint {
+                position: lerp(a.position, b.position, share),
+                radius: a.radius + share * (b.radius - a.radius),
+                id: None,
+            };
             begun.push(*a);
             begun.push(at);
             let id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
@@ -86,7 +93,8 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
 fn runs_of(own: &[usize], names: &Names) -> Vec<Run> {
     let mut order: Vec<usize> = own.to_vec();
     order.sort_by(|a, b| names.nodes.place[*a].along.total_cmp(&names.nodes.place[*b].along));
-    let best = |n: usize| (0..LABELS).fold(0, |best, label| if names.labels[n][label] > names.labels[n][best] { label } else { best });
+    let best =
+        |n: usize| (0..LABELS).fold(0, |best, label| if names.labels[n][label] > names.labels[n][best] { label } else { best });
     let mut runs: Vec<(Run, f64)> = Vec::new();
     let mut before = 0.0;
     for n in order {
@@ -113,11 +121,12 @@ fn path_of(graph: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<PathPoint>
     if vessel.path.len() > 1 {
         return vessel.path.clone();
     }
-    let point = |node: usize| PathPoint { position: graph.node(node).position.unwrap_or_default(), radius: vessel.radius, id: None };
+    let point =
+        |node: usize| PathPoint { position: graph.node(node).position.unwrap_or_default(), radius: vessel.radius, id: None };
     ends.map(point).to_vec()
 }
 
-fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> ([usize; 2], Vessel, Option<f64>) {
+fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> Piece {
     let is_named = run.label != OTHER;
     let label = if is_named { name_of(run.label) } else { String::new() };
     let vessel = Vessel { label, certain: whole.certain, ..Vessel::along(path.to_vec(), RadiusRule::Mean) };
@@ -125,10 +134,12 @@ fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> ([u
 }
 
 /// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
-fn merge(pieces: &mut [Option<([usize; 2], Vessel, Option<f64>)>], nodes: usize, original: usize, divided: usize) {
+fn merge(pieces: &mut [Option<Piece>], nodes: usize, original: usize, divided: usize) {
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
     for (row, (ends, ..)) in pieces.iter().enumerate().filter_map(|(row, piece)| Some((row, piece.as_ref()?))) {
-        ends.iter().for_each(|end| at[*end].push(row));
+        for end in ends {
+            at[*end].push(row);
+        }
     }
     for node in original..divided {
         let [first, second] = at[node][..] else { continue };
@@ -141,7 +152,12 @@ fn merge(pieces: &mut [Option<([usize; 2], Vessel, Option<f64>)>], nodes: usize,
         }
         let turn = |ends: [usize; 2], path: &[PathPoint], last: usize| -> (usize, Vec<PathPoint>) {
             let mut path = path.to_vec();
-            if ends[1] == last { (ends[0], path) } else { path.reverse(); (ends[1], path) }
+            if ends[1] == last {
+                (ends[0], path)
+            } else {
+                path.reverse();
+                (ends[1], path)
+            }
         };
         let (from, mut path) = turn(ends_a, &a.path, node);
         let (to, mut rest) = turn(ends_b, &b.path, node);

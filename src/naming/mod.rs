@@ -168,9 +168,8 @@ fn names_at(
 
     let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
     let seen = Seen::of(&nodes, &labels);
-    let presence = std::array::from_fn(|segment| {
-        logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment))
-    });
+    let presence =
+        std::array::from_fn(|segment| logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment)));
     let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
     Some(Names {
         is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
@@ -193,7 +192,9 @@ pub(crate) fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atl
     let each = states.chunks(STATES).zip(&nodes.piece).map(|(states, piece)| {
         let mut labels = label_probabilities(states, atlas);
         let (doubt, artery) = (false_pieces[*piece], 1.0 - labels[OTHER] + 1e-12);
-        labels.iter_mut().for_each(|p| *p *= (1.0 - doubt) / artery);
+        for p in &mut labels {
+            *p *= (1.0 - doubt) / artery;
+        }
         labels[OTHER] = doubt;
         labels
     });
@@ -205,7 +206,9 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
     let radius = radius_fit(nodes, atlas, median);
     let all: Vec<usize> = (0..nodes.len()).collect();
     let mut own = emission(nodes, [&all, &atlas::all_states()], atlas, pose, &atlas.position, Parts::ALL, &radius);
-    own.iter_mut().for_each(|e| *e *= TEMPER);
+    for e in &mut own {
+        *e *= TEMPER;
+    }
     let forest = Forest::of(nodes, used);
     let mut penalty: Option<Vec<f64>> = None;
     let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
@@ -220,7 +223,7 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
         });
     }
     let beliefs = forest.beliefs(atlas, &with(&penalty));
-    let features = piece_features(nodes, weight, used, atlas, pose, &radius, &beliefs.states, median);
+    let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
     Pass { beliefs, features }
 }
 

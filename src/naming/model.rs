@@ -94,6 +94,17 @@ struct StateRow {
     length: f64,
 }
 
+impl StateRow {
+    /// Whether its numbers are those of distributions.
+    fn is_distribution(&self) -> bool {
+        let mut numbers = self.mean.iter().chain(&self.covariance).chain(&self.direction).chain(&self.log_radius);
+        numbers.all(|x| x.abs() < 1e9)
+            && is_positive(&self.covariance)
+            && is_positive(&self.direction)
+            && self.log_radius[1] > 0.0
+    }
+}
+
 const FORMAT: &str = "willis artery names 1";
 const ACCEPTED: &str = "expected a model as `willis train --model labels` writes it";
 
@@ -139,7 +150,8 @@ impl NamingModel {
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
         for row in &file.states {
-            let state = state_of(&row.name).ok_or_else(|| wrong(format!("state \"{}\"", row.name), "expected such as \"L-ICA 0\""))?;
+            let state =
+                state_of(&row.name).ok_or_else(|| wrong(format!("state \"{}\"", row.name), "expected such as \"L-ICA 0\""))?;
             length[state] = row.length;
             length[tables.mirrored[state]] = row.length;
             if state == NOWHERE {
@@ -152,16 +164,19 @@ impl NamingModel {
                 log_radius: row.log_radius[0],
                 radius_spread: row.log_radius[1],
             };
-            let numbers = row.mean.iter().chain(&row.covariance).chain(&row.direction).chain(&row.log_radius);
-            if numbers.clone().any(|x| !(x.abs() < 1e9)) || !is_positive(&piece.covariance) || !is_positive(&piece.direction) || piece.radius_spread <= 0.0 {
-                return Err(wrong(format!("state \"{}\"", row.name), "expected positive definite matrices and a positive spread"));
+            if !row.is_distribution() {
+                let accepted = "expected positive definite matrices and a positive spread";
+                return Err(wrong(format!("state \"{}\"", row.name), accepted));
             }
             pieces[tables.mirrored[state]] = Some(mirrored(&piece));
             pieces[state] = Some(piece);
         }
         let missing = pieces.iter().position(Option::is_none);
         if let Some(state) = missing {
-            return Err(wrong(format!("state \"{}\"", state_name(state, &tables)), "expected one row for every state of the left side and the middle"));
+            return Err(wrong(
+                format!("state \"{}\"", state_name(state, &tables)),
+                "expected one row for every state of the left side and the middle",
+            ));
         }
         let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
         let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(State, State, f64)>, Fault> {
@@ -220,11 +235,17 @@ impl NamingModel {
     pub fn write(&self, mut out: &mut dyn Write) -> io::Result<()> {
         let (data, tables) = (&self.atlas.data, &self.atlas.tables);
         let name = |state: State| state_name(state, tables);
-        writeln!(out, "# Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.")?;
+        writeln!(
+            out,
+            "# Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations."
+        )?;
         writeln!(out, "format = \"{FORMAT}\"")?;
         writeln!(out, "other_radius = {}", numbers(&data.other_radius, 6))?;
         writeln!(out, "centroid = {}", numbers(&data.centroid, 4))?;
-        writeln!(out, "# Whether a piece is false: a constant and the weights of its features, for the first and the second pass.")?;
+        writeln!(
+            out,
+            "# Whether a piece is false: a constant and the weights of its features, for the first and the second pass."
+        )?;
         writeln!(out, "false_pieces = [{}]", self.false_pieces.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;
         writeln!(out, "# Whether an A1, AComm, PComm, P1 is there.")?;
         writeln!(out, "presence = [{}]", self.presence.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;

@@ -212,7 +212,13 @@ impl Nodes {
         let mut before = None;
         let mut rows = Vec::with_capacity(pieces + 1);
         for (j, point) in sampled.iter().enumerate() {
-            let at_end = if j == 0 { Some(first.0) } else if j == pieces { Some(last.0) } else { None };
+            let at_end = if j == 0 {
+                Some(first.0)
+            } else if j == pieces {
+                Some(last.0)
+            } else {
+                None
+            };
             let known = at_end.map(|node| node_at[node]).filter(|row| *row != usize::MAX);
             let row = known.unwrap_or_else(|| {
                 self.at.push(point.at);
@@ -315,11 +321,8 @@ fn between(a: &BranchPoint, b: &BranchPoint, arc: [f64; 2], s: f64) -> BranchPoi
     let span = arc[1] - arc[0];
     let share = if span > 0.0 { ((s - arc[0]) / span).clamp(0.0, 1.0) } else { 0.0 };
     let near = if share < 0.5 { a } else { b };
-    let along = if a.place.vessel == b.place.vessel {
-        a.place.along + share * (b.place.along - a.place.along)
-    } else {
-        near.place.along
-    };
+    let along =
+        if a.place.vessel == b.place.vessel { a.place.along + share * (b.place.along - a.place.along) } else { near.place.along };
     BranchPoint {
         at: lerp(a.at, b.at, share),
         radius: a.radius + share * (b.radius - a.radius),

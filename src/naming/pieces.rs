@@ -21,21 +21,24 @@ pub fn piece_features(
     used: &[usize],
     atlas: &Atlas,
     pose: &Pose,
-    radius: &[f64],
-    names: &[f64],
+    [radius, names]: [&[f64]; 2],
     median_log_radius: f64,
 ) -> Vec<[f64; PIECE_FEATURES]> {
     let all: Vec<usize> = (0..nodes.len()).collect();
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
-    all.iter().for_each(|n| total[nodes.piece[*n]] += length[*n]);
+    for n in &all {
+        total[nodes.piece[*n]] += length[*n];
+    }
     let whole: f64 = total.iter().sum();
     // The names, given that it is an artery of the circle.
     let mut given = names.to_vec();
     for row in given.chunks_mut(STATES) {
         let sum = (1.0 - row[NOWHERE]).max(1e-9);
         row[NOWHERE] = 0.0;
-        row.iter_mut().for_each(|p| *p /= sum);
+        for p in row.iter_mut() {
+            *p /= sum;
+        }
     }
     let mut features = vec![[0.0; PIECE_FEATURES]; nodes.pieces];
     let mean = |column: usize, values: &dyn Fn(usize) -> f64, features: &mut Vec<[f64; PIECE_FEATURES]>| {

@@ -3,6 +3,7 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
+use super::TEMPER;
 use super::algebra::{Symmetric, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
 use super::belief::Forest;
@@ -10,7 +11,6 @@ use super::emission::{Parts, Pose, emission, softmax};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
 use super::states::{NOWHERE, STATES, State};
-use super::TEMPER;
 use crate::support::geometry::{Point, distance, norm, sub};
 
 /// Nodes that serve the search.
@@ -51,10 +51,11 @@ pub struct Scored {
 
 impl Search<'_> {
     /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
-    pub fn from_scratch(&self) -> Vec<Scored> {
+    pub fn everywhere(&self) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
-        let coarse: Vec<State> = all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s] % 2 == 0).collect();
+        let coarse: Vec<State> =
+            all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
         let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
         let widths = [12.0, 9.0, 7.0, 5.0].map(|tau| (tau, self.atlas.widened(tau)));
         let mut starts: Vec<Scored> = Vec::new();
@@ -64,17 +65,18 @@ impl Search<'_> {
                 let to = times(&turn, centre);
                 let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
                 let mut pose = Pose { turn, shift, log_scale: 0.0 };
-                for (_, precisions) in &widths[..3] {
-                    let mut e = self.with_prior([&subset, &coarse], &pose, precisions, Parts::SEARCH);
-                    softmax(&mut e, coarse.len());
-                    pose = self.step([&subset, &coarse], &pose, precisions, &e, false);
+                for (k, (_, precisions)) in widths[..3].iter().enumerate() {
+                    let states: &[State] = if k < 2 { &coarse } else { &all };
+                    let mut e = self.with_prior([&subset, states], &pose, precisions, Parts::SEARCH);
+                    softmax(&mut e, states.len());
+                    pose = self.step([&subset, states], &pose, precisions, &e, false);
                 }
                 let mut e = self.with_prior([&subset, &all], &pose, &widths[3].1, Parts::SEARCH);
                 let score = softmax(&mut e, STATES).iter().sum::<f64>() / subset.len() as f64;
                 starts.push(Scored { pose, score });
             }
         }
-        let starts = self.distinct(starts, centre, 0.2, 4.0, REFINED);
+        let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| self.atlas.widened(tau));
         let refined = starts
             .into_iter()
@@ -90,7 +92,7 @@ impl Search<'_> {
                 Scored { pose, score: fit + 3.0 * pose.log_scale }
             })
             .collect();
-        let refined = self.distinct(refined, centre, 0.15, 4.0, NAMED);
+        let refined = Self::distinct(refined, centre, 0.15, 4.0, NAMED);
         self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
     }
 
@@ -112,9 +114,8 @@ impl Search<'_> {
                 pose = self.step([&all, &states], &pose, &precisions, &e, true);
             }
             let x = self.nodes.at.first().copied().unwrap_or_default();
-            let is_known = found.iter().any(|(_, q)| {
-                angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5
-            });
+            let is_known =
+                found.iter().any(|(_, q)| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5);
             if is_known {
                 continue;
             }
@@ -154,7 +155,13 @@ impl Search<'_> {
         self.nodes.weight[node] * self.weight[node]
     }
 
-    fn with_prior(&self, [subset, states]: [&[usize]; 2], pose: &Pose, precisions: &[(Symmetric, f64)], parts: Parts) -> Vec<f64> {
+    fn with_prior(
+        &self,
+        [subset, states]: [&[usize]; 2],
+        pose: &Pose,
+        precisions: &[(Symmetric, f64)],
+        parts: Parts,
+    ) -> Vec<f64> {
         let mut e = emission(self.nodes, [subset, states], self.atlas, pose, precisions, parts, self.radius);
         let prior: Vec<f64> = states.iter().map(|state| self.atlas.prior[*state].ln()).collect();
         for row in e.chunks_mut(states.len()) {
@@ -165,12 +172,21 @@ impl Search<'_> {
 
     fn tempered(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
         let mut e = emission(self.nodes, [subset, &all_states()], self.atlas, pose, precisions, Parts::ALL, self.radius);
-        e.iter_mut().for_each(|x| *x *= TEMPER);
+        for x in &mut e {
+            *x *= TEMPER;
+        }
         e
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
-    pub fn step(&self, [subset, states]: [&[usize]; 2], pose: &Pose, precisions: &[(Symmetric, f64)], names: &[f64], scales: bool) -> Pose {
+    pub fn step(
+        &self,
+        [subset, states]: [&[usize]; 2],
+        pose: &Pose,
+        precisions: &[(Symmetric, f64)],
+        names: &[f64],
+        scales: bool,
+    ) -> Pose {
         let scale = pose.log_scale.exp();
         let placed: Vec<Point> = subset.iter().map(|n| times(&pose.turn, self.nodes.at[*n]).map(|x| scale * x)).collect();
         let length: Vec<f64> = subset.iter().map(|n| self.length(*n)).collect();
@@ -221,15 +237,18 @@ impl Search<'_> {
         hessian[6][6] += 1.0 / (SCALE * SCALE);
         gradient[6] += pose.log_scale / (SCALE * SCALE) - 3.0 * counted;
         if !scales {
-            for k in 0..7 {
-                (hessian[6][k], hessian[k][6]) = (0.0, 0.0);
+            hessian[6] = [0.0; 7];
+            for row in &mut hessian {
+                row[6] = 0.0;
             }
             (hessian[6][6], gradient[6]) = (1.0, 0.0);
         }
         let Some(mut step) = solve(&hessian, &gradient) else { return *pose };
         let angle = norm([step[0], step[1], step[2]]);
         if angle > 0.3 {
-            step.iter_mut().for_each(|d| *d *= 0.3 / angle);
+            for d in &mut step {
+                *d *= 0.3 / angle;
+            }
         }
         let turn = rotation([step[0], step[1], step[2]]);
         let log_scale = (pose.log_scale + step[6]).clamp(-MOST_SCALE, MOST_SCALE);
@@ -262,7 +281,7 @@ impl Search<'_> {
     }
 
     /// The best of some poses that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
-    fn distinct(&self, mut poses: Vec<Scored>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<Scored> {
+    fn distinct(mut poses: Vec<Scored>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<Scored> {
         poses.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut kept: Vec<Scored> = Vec::new();
         for scored in poses {
@@ -288,13 +307,7 @@ fn angle_between(a: &Pose, b: &Pose) -> f64 {
 }
 
 /// Offsets of the middle, mm.
-const START_OFFSETS: [Point; 5] = [
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, 14.0],
-    [0.0, 0.0, -14.0],
-    [12.0, 0.0, 0.0],
-    [-12.0, 0.0, 0.0],
-];
+const START_OFFSETS: [Point; 5] = [[0.0, 0.0, 0.0], [0.0, 0.0, 14.0], [0.0, 0.0, -14.0], [12.0, 0.0, 0.0], [-12.0, 0.0, 0.0]];
 
 /// Rotation vectors in degrees: none, 25 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
-use crate::circle_of_willis::{Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks};
+use crate::circle_of_willis::{
+    Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks,
+};
 use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;

@@ -95,11 +95,14 @@ pub fn classify(
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
 fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<Phenotype> {
-    let options = InferOptions { arteries: Some(ArterySource::Geometry), phenotypes: phenotypes.clone(), ..InferOptions::default() };
+    let options =
+        InferOptions { arteries: Some(ArterySource::Geometry), phenotypes: phenotypes.clone(), ..InferOptions::default() };
     let prepared = prepare(input.clone(), &options, &mut Silent)?;
     let network = &prepared.graph;
     let Some(found) = prepared.arteries.clone() else {
-        return Err(Fault::file("no arteries were named", "expected centerlines of a head").in_file(Path::new(&input.provenance.input)));
+        return Err(
+            Fault::file("no arteries were named", "expected centerlines of a head").in_file(Path::new(&input.provenance.input))
+        );
     };
     let given: Vec<usize> =
         prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();

@@ -58,7 +58,8 @@ impl Prepared {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            posterior = Some(found.posterior(&self.graph, &self.boundary, options, &given, above, &self.options.infer.phenotypes)?);
+            posterior =
+                Some(found.posterior(&self.graph, &self.boundary, options, &given, above, &self.options.infer.phenotypes)?);
         }
         Ok(Inference { prepared: self.clone(), sampling: options.clone(), likelihood, method, decision, posterior, time })
     }

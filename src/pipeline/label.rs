@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{InferOptions, Input, Prepared, Progress, prepare};
 use crate::circle_of_willis::RING;
-use crate::error::{Error, Fault, Result};
+use crate::error::{Fault, Result};
 use crate::io::bytes_of;
 use crate::io::{Column, write_csv};
 use crate::naming::states::OTHER;
@@ -63,7 +63,7 @@ pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Progress) 
     let (path, original) = (input.provenance.input.clone(), input.network.node_count());
     let prepared = prepare(input, &options.infer, progress)?;
     let names = name_arteries(&prepared.graph, &model).ok_or_else(|| {
-        Error::from(Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path)))
+        Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path))
     })?;
     let landmarks = names.landmarks(&model);
     let (network, probability) = labelled_network(&prepared.graph, original, &names);

@@ -44,6 +44,7 @@ use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Fault, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
+use crate::masks::Scene;
 use crate::naming::{Names, NamingModel, name_arteries};
 use crate::network::{Network, Origin};
 use crate::report::{ImageCut, Provenance};
@@ -155,19 +156,14 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     // Names need candidates, which pass them over gaps; named inlets then are boundary conditions.
     let mut names = None;
     if by_geometry {
-        let named = named(&path, &network, |network| {
-            let outlets = FoundOutlets::CEREBRAL;
-            let boundary = options.boundary.resolve(network, outlets, &mut Silent)?;
+        let over_connected = |network: &Network| {
+            let boundary = options.boundary.resolve(network, FoundOutlets::CEREBRAL, &mut Silent)?;
             Ok(prior.graph(network.clone(), is_fragments, &boundary, &building, None)?.0)
-        });
-        match named {
-            Ok((found, found_names)) => (arteries, names) = (Some(found), Some(found_names)),
-            Err(why) if is_optional => {
-                let note = format!("no phenotype: {why}");
-                progress.step(Step::Note(&note));
-                unnamed = Some(note);
-            }
-            Err(why) => return Err(why),
+        };
+        let found = named(&path, &network, is_optional, over_connected, progress)?;
+        match found {
+            Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
+            Named::Nothing(why) => unnamed = Some(why),
         }
     }
     if let Some(found) = arteries.as_ref().filter(|_| !options.boundary.states_an_inlet()) {
@@ -186,31 +182,21 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let (image, view) = looked.unzip();
     let (graph, looked) = prior.graph(network, is_fragments, &boundary, &building, view)?;
     let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
+    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
+    let mut said: Vec<String> = Vec::new();
     if let Some((image, why)) = image.as_ref().zip(unseen) {
-        let note = format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display());
-        progress.step(Step::Note(&note));
-        provenance.notes.push(note);
+        said.push(format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display()));
     }
+    said.extend(image.as_ref().zip(scene).and_then(|(image, scene)| image.unusual(scene, &prior)));
     if is_fragments {
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
     }
-    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
-    if let Some(note) = image.as_ref().zip(scene).and_then(|(image, scene)| image.unusual(scene, &prior)) {
+    for note in said {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
-    let (graph, contacts) = match &cuts {
-        Some(cuts) => cuts.open(graph, scene),
-        None => (graph, Contacts::default()),
-    };
-    if let Some(cuts) = &cuts {
-        progress.step(if cuts.only_suggests() {
-            Step::CutsSuggested { suggested: contacts.suggested.len() }
-        } else {
-            Step::Cut { graph: &graph, with_mask: cuts.has_mask(), with_image: cuts.looks_at(scene) }
-        });
-    }
+    let (graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
     let boundary = boundary.extended_to(graph.node_count());
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
@@ -247,13 +233,51 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }))
 }
 
-/// The arteries of a network by their geometry, with the candidates that `over_connected` builds around it.
-fn named(path: &Path, network: &Network, over_connected: impl Fn(&Network) -> Result<Network>) -> Result<(FoundArteries, Names)> {
-    let graph = over_connected(network)?;
-    let no_vessel = || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(path);
-    let model = NamingModel::shipped()?;
-    let names = name_arteries(&graph, &model).ok_or_else(no_vessel)?;
-    Ok((arteries::by_geometry(path, network, Some(&names))?, names))
+/// The graph with its contacts cut apart, where they are.
+fn opened(cuts: Option<&Cuts>, graph: Network, scene: Option<&Scene>, progress: &mut dyn Progress) -> (Network, Contacts) {
+    let Some(cuts) = cuts else { return (graph, Contacts::default()) };
+    let (graph, contacts) = cuts.open(graph, scene);
+    progress.step(if cuts.only_suggests() {
+        Step::CutsSuggested { suggested: contacts.suggested.len() }
+    } else {
+        Step::Cut { graph: &graph, with_mask: cuts.has_mask(), with_image: cuts.looks_at(scene) }
+    });
+    (graph, contacts)
+}
+
+/// The arteries of a network by their geometry.
+enum Named {
+    /// A circle, and the names by which it was found.
+    Circle(Box<FoundArteries>, Box<Names>),
+    /// None, and why.
+    Nothing(String),
+}
+
+/// The arteries of a network by their geometry, with the candidates that `over_connected` builds around it. Where they are optional, a network
+/// without a circle is no error.
+fn named(
+    path: &Path,
+    network: &Network,
+    is_optional: bool,
+    over_connected: impl Fn(&Network) -> Result<Network>,
+    progress: &mut dyn Progress,
+) -> Result<Named> {
+    let find = || {
+        let graph = over_connected(network)?;
+        let no_vessel =
+            || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(path);
+        let names = name_arteries(&graph, &NamingModel::shipped()?).ok_or_else(no_vessel)?;
+        Ok((arteries::by_geometry(path, network, Some(&names))?, names))
+    };
+    match find() {
+        Ok((found, names)) => Ok(Named::Circle(Box::new(found), Box::new(names))),
+        Err(why) if is_optional => {
+            let note = format!("no phenotype: {why}");
+            progress.step(Step::Note(&note));
+            Ok(Named::Nothing(note))
+        }
+        Err(why) => Err(why),
+    }
 }
 
 /// That there is no candidate, and what may help.

@@ -17,7 +17,11 @@ pub(super) fn run(args: &TrainArgs, output: &Output, terminal: Terminal) -> Resu
     let cases = read_labelled_cases(&args.cases)?;
     terminal.say("read", plural(cases.len(), "case"));
     if args.folds < 2 {
-        return Err(Error::parameter("folds", args.folds, "expected 2 or more: which pieces are false is learnt from atlases without the subject"));
+        return Err(Error::parameter(
+            "folds",
+            args.folds,
+            "expected 2 or more: which pieces are false is learnt from atlases without the subject",
+        ));
     }
     let fitted = fit_names(&cases, args.folds, &mut |step| {
         terminal.say("fitted", format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));

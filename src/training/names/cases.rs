@@ -118,7 +118,8 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     for segment in &truth.phenotype {
         let artery = artery_of_label(&segment.segment, LabelScheme::Names);
         let Some(row) = RING.iter().position(|ring| Some(*ring) == artery) else {
-            let why = Fault::item(format!("segment \"{}\"", segment.segment), "is none", "expected one of the ring, such as L-A1");
+            let why =
+                Fault::item(format!("segment \"{}\"", segment.segment), "is none", "expected one of the ring, such as L-A1");
             return Err(why.in_file(&truth_file));
         };
         present[row] = Some(segment.present);
@@ -141,12 +142,14 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
 fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, Label>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
     let line = rows.header_line();
-    let column = |name: &str| rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected id,label"));
+    let column =
+        |name: &str| rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected id,label"));
     let (id, label) = (column("id")?, column("label")?);
     let mut labels = BTreeMap::new();
     while let Some(row) = rows.next()? {
         let text = row.text(label).to_owned();
-        let number: u64 = row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;
+        let number: u64 =
+            row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;
         let known = label_of(&text).or_else(|| label_of(&text.replace("M3", "M2")));
         let Some(known) = known.or_else(|| (text.is_empty() || text.ends_with("VA")).then_some(OTHER)) else {
             let names: BTreeSet<String> = (0..LABELS).map(crate::naming::name_of).collect();

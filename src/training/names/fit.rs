@@ -44,17 +44,7 @@ struct Named<'a> {
 /// Fewer than three subjects, or fewer than two folds; no whole tracing; no broken one.
 pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(&str)) -> Result<FittedNames> {
     let subjects: Vec<&str> = cases.iter().map(|c| c.subject.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
-    if subjects.len() < 3 {
-        return Err(Error::parameter("CASES", format!("{} subjects", subjects.len()), "expected three at least"));
-    }
-    if !(2..=subjects.len()).contains(&folds) {
-        return Err(Error::parameter("folds", folds, format!("expected 2 to {}, the number of subjects", subjects.len())));
-    }
-    for (what, whole) in [("whole tracing", true), ("broken tracing", false)] {
-        if cases.iter().all(|case| case.is_whole != whole) {
-            return Err(Error::parameter("CASES", format!("no {what}"), "expected both whole and broken tracings"));
-        }
-    }
+    check(cases, subjects.len(), folds)?;
     let fold_of = |case: &LabelledCase| subjects.iter().position(|s| *s == case.subject).unwrap_or(0) % folds;
     let without = |fold: usize| -> Vec<&LabelledCase> { cases.iter().filter(|case| fold_of(case) != fold).collect() };
     let numbers: Vec<usize> = (0..=folds).collect();
@@ -87,7 +77,11 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
                 if before.is_none() && pass == 0 { 0.0 } else { logistic_probability(weights, &x) }
             })
         });
-        named = cases.iter().zip(found).filter_map(|(case, names)| Some(Named { case, fold: fold_of(case), names: names? })).collect();
+        named = cases
+            .iter()
+            .zip(found)
+            .filter_map(|(case, names)| Some(Named { case, fold: fold_of(case), names: names? }))
+            .collect();
         progress(["first pass", "second pass"][pass]);
         let first = model.false_pieces[0].clone();
         let firsts: Vec<Logistic> = models.iter().map(|m| m.false_pieces[0].clone()).collect();
@@ -97,23 +91,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         }
         model.false_pieces[pass] = fit(&rows(None));
     }
-    let mut scores = Vec::new();
-    let judged: Vec<Judged> = in_order(&named, |_, one| {
-        let of = &models[one.fold];
-        let pieces: Vec<f64> = one.names.piece_features[1]
-            .iter()
-            .zip(&one.names.piece_features[0])
-            .map(|(x, before)| {
-                let before = logistic_probability(&of.false_pieces[0], before);
-                logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
-            })
-            .collect();
-        let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
-        let mut names = one.names.clone();
-        names.labels.clone_from(&labels);
-        names.seen = Seen::of(&names.nodes, &labels);
-        Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies: topologies(&names, one.case, of), seen: names.seen }
-    });
+    let judged: Vec<Judged> = in_order(&named, |_, one| judge(one, &models[one.fold]));
     let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<Row> {
         let mut rows = Vec::new();
         for one in judged.iter().filter(|one| Some(one.fold) != fold) {
@@ -137,38 +115,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true));
     }
     progress("presence");
-    for level in cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>() {
-        let own: Vec<&Judged> = judged.iter().filter(|one| one.case.level == level).collect();
-        let n = own.len() as f64;
-        // Segments right, all; cases with every segment right: by names alone, and with topologies.
-        let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
-        for one in &own {
-            let mut whole = [true, true];
-            for segment in 0..7 {
-                let Some(there) = one.case.present[segment] else { continue };
-                let (kind, of) = (kind_of(segment), &models[one.fold]);
-                let said = [
-                    logistic_probability(&of.presence[kind], &one.features(segment, false)),
-                    logistic_probability(&of.presence_with_topology[kind], &one.features(segment, true)),
-                ];
-                all += 1.0;
-                for k in 0..2 {
-                    let is_right = (said[k] > 0.5) == there;
-                    right[k] += f64::from(u8::from(is_right));
-                    whole[k] &= is_right;
-                }
-            }
-            (0..2).for_each(|k| exact[k] += f64::from(u8::from(whole[k])));
-        }
-        scores.push(NamingScores {
-            of: level.to_owned(),
-            cases: own.len(),
-            length_right: own.iter().map(|one| one.right[0]).sum::<f64>() / n,
-            length_right_mca: own.iter().map(|one| one.right[1]).sum::<f64>() / n,
-            presence_right: right.map(|right| right / f64::max(all, 1.0)),
-            exact: exact.map(|exact| exact / n),
-        });
-    }
+    let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
+    let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
     model.provenance = TreeProvenance::of(cases.len(), subjects.len());
     model.provenance.figures.clone_from(&scores);
     for (fold, of) in models.iter_mut().enumerate() {
@@ -178,6 +126,79 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         of.provenance = TreeProvenance { held_out: held_out.clone(), ..TreeProvenance::of(own, subjects.len() - held_out.len()) };
     }
     Ok(FittedNames { model, folds: models, scores })
+}
+
+/// Whether there is enough to fit to.
+fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
+    if subjects < 3 {
+        return Err(Error::parameter("CASES", format!("{subjects} subjects"), "expected three at least"));
+    }
+    if !(2..=subjects).contains(&folds) {
+        return Err(Error::parameter("folds", folds, format!("expected 2 to {subjects}, the number of subjects")));
+    }
+    for (what, whole) in [("whole tracing", true), ("broken tracing", false)] {
+        if cases.iter().all(|case| case.is_whole != whole) {
+            return Err(Error::parameter("CASES", format!("no {what}"), "expected both whole and broken tracings"));
+        }
+    }
+    Ok(())
+}
+
+/// What a model without its subject says of a case.
+fn judge<'a>(one: &Named<'a>, of: &NamingModel) -> Judged<'a> {
+    let pieces: Vec<f64> = one.names.piece_features[1]
+        .iter()
+        .zip(&one.names.piece_features[0])
+        .map(|(x, before)| {
+            let before = logistic_probability(&of.false_pieces[0], before);
+            logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
+        })
+        .collect();
+    let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
+    let mut names = one.names.clone();
+    names.labels.clone_from(&labels);
+    names.seen = Seen::of(&names.nodes, &labels);
+    Judged {
+        case: one.case,
+        fold: one.fold,
+        right: length_right(one, &labels),
+        topologies: topologies(&names, one.case, of),
+        seen: names.seen,
+    }
+}
+
+/// How the models of the folds did at a level of damage.
+fn scores_at(level: &str, judged: &[Judged], models: &[NamingModel]) -> NamingScores {
+    let own: Vec<&Judged> = judged.iter().filter(|one| one.case.level == level).collect();
+    let n = own.len() as f64;
+    // Segments right, all; cases with every segment right: by names alone, and with topologies.
+    let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
+    for one in &own {
+        let mut whole = [true, true];
+        for segment in 0..7 {
+            let Some(there) = one.case.present[segment] else { continue };
+            let (kind, of) = (kind_of(segment), &models[one.fold]);
+            let said = [
+                logistic_probability(&of.presence[kind], &one.features(segment, false)),
+                logistic_probability(&of.presence_with_topology[kind], &one.features(segment, true)),
+            ];
+            all += 1.0;
+            for k in 0..2 {
+                let is_right = (said[k] > 0.5) == there;
+                right[k] += f64::from(u8::from(is_right));
+                whole[k] &= is_right;
+            }
+        }
+        (0..2).for_each(|k| exact[k] += f64::from(u8::from(whole[k])));
+    }
+    NamingScores {
+        of: level.to_owned(),
+        cases: own.len(),
+        length_right: own.iter().map(|one| one.right[0]).sum::<f64>() / n,
+        length_right_mca: own.iter().map(|one| one.right[1]).sum::<f64>() / n,
+        presence_right: right.map(|right| right / f64::max(all, 1.0)),
+        exact: exact.map(|exact| exact / n),
+    }
 }
 
 /// A case with what names and topologies say of its segments.

@@ -25,8 +25,7 @@ pub struct LabelledNodes {
 /// The nodes of a graph with the labels of the points that they lie nearest to.
 pub fn label_nodes(graph: &Network, labels: &BTreeMap<u64, Label>) -> LabelledNodes {
     let nodes = Nodes::of(graph);
-    let label: Vec<Label> =
-        nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
+    let label: Vec<Label> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     let state = true_states(&nodes, &label);
     LabelledNodes { nodes, label, state }
 }
@@ -41,13 +40,16 @@ fn true_states(nodes: &Nodes, label: &[Label]) -> Vec<State> {
             continue;
         }
         if bins_of(artery) == 1 {
-            own.iter().for_each(|n| state[*n] = first_state(artery));
+            for n in &own {
+                state[*n] = first_state(artery);
+            }
             continue;
         }
         let is_reference = |n: &usize| nodes.neighbours[*n].iter().any(|z| label[*z] != artery && begins_at(artery, label[*z]));
         let mut sources: Vec<usize> = own.iter().copied().filter(is_reference).collect();
         if sources.is_empty() {
-            let highest = |best: usize, n: &usize| if height(nodes.at[*n], artery) > height(nodes.at[best], artery) { *n } else { best };
+            let highest =
+                |best: usize, n: &usize| if height(nodes.at[*n], artery) > height(nodes.at[best], artery) { *n } else { best };
             sources.push(own.iter().fold(own[0], highest));
         }
         let edges = |n: usize| {
@@ -62,7 +64,10 @@ fn true_states(nodes: &Nodes, label: &[Label]) -> Vec<State> {
             } else {
                 // A second part of the artery, behind a gap.
                 let reached = own.iter().filter(|q| along[**q].is_finite());
-                reached.map(|q| (distance(nodes.at[*q], nodes.at[*n]), *q)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(d, q)| along[q] + d)
+                reached
+                    .map(|q| (distance(nodes.at[*q], nodes.at[*n]), *q))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .map_or(0.0, |(d, q)| along[q] + d)
             };
             state[*n] = state_at(artery, far);
         }
