@@ -36,3 +36,8 @@ def fixed(network, landmarks, folder, extra=()):
 def missing(segments):
     """The segments of the ring that are not there."""
     return tuple(name for name in RING if not segments[name])
+
+
+def with_third(found):
+    """The segments of an answer, with the third A2."""
+    return {**found["segments"], "3rd-A2": found["anterior"]["3rd-A2"]}

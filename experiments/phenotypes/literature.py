@@ -6,6 +6,7 @@ import ask
 import common
 import joining
 import tables
+import topcow
 
 # What each variant lacks (data/README.md).
 VARIANTS = ("", "AComm", "L-A1", "R-A1", "L-P1", "R-P1", "L-PComm", "R-PComm", "L-PComm,R-PComm", "L-PComm,R-P1", "R-PComm,L-P1")
@@ -53,6 +54,11 @@ def run(work, options):
     segments, _ = tables.reliability([(row[3]["probabilities"]["segments"][s], s not in row[2]) for row in rows for s in ask.RING])
     kinds = Counter(f[2] for f in failures)
     text = common.table(["circle", "willis", "nearest end", "median of L", "mean probability of the answer"], lines)
+    pairs = {
+        name: [({s: s not in row[2] for s in ask.RING}, ask.with_third(row[3]) if k == 3 else row[k]) for row in rows]
+        for name, k in (("willis", 3), ("nearest end", 5), ("median of L", 4))
+    }
+    text += "\n\n" + topcow.field_table(common, pairs) + "\n\nEach segment by willis:\n\n" + topcow.segment_table(common, pairs["willis"])
     text += "\n\nWhat went wrong, by kind: " + ("; ".join(f"{kind}: {n}" for kind, n in kinds.most_common()) or "nothing") + ".\n\n"
     if failures:
         text += common.table(["circle", "seed", "how", "answer", "its probability"], [[f[0], f[1], f[2], f[3], f"{f[4]:.2f}"] for f in failures]) + "\n\n"

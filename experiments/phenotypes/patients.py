@@ -9,6 +9,7 @@ import ask
 import common
 import joining
 import tables
+import topcow
 from networks import ROOT, SHARED
 
 GAPBENCH = Path(os.environ.get("WILLIS_GAPBENCH", ROOT / "../shared/gapbench")).resolve()
@@ -155,6 +156,14 @@ def run(work, options):
     (error, table), (of_segments, segments) = tables.reliability(pairs), tables.reliability(parts)
     text = f"Whole tracings: {agree} of {agree + wrong} segments as the table of vessels has them{': not ' + ', '.join(odd) if odd else ''}.\n\n"
     text += common.table(["damage", "cases", "willis, exact", "nearest end", "median of L", "absent stays absent"], lines)
+    field = {}
+    for level in LEVELS:
+        for name, k in (("willis", 3), ("nearest end", 5), ("median of L", 4)):
+            own = [row for row in rows if row[0] == level]
+            field[f"{level}: {name}"] = [(row[2], ask.with_third(row[3]) if k == 3 else row[k]) for row in own]
+    by_willis = [pair for level in LEVELS for pair in field[f"{level}: willis"]]
+    text += "\n\n" + topcow.field_table(common, field)
+    text += "\n\nEach segment by willis, all levels of damage:\n\n" + topcow.segment_table(common, by_willis)
     return text + f"\n\nExpected calibration error of the segments' probability {of_segments:.3f}:\n\n{segments}\n\nand of the variant's {error:.3f}:\n\n{table}"
 
 

@@ -9,6 +9,7 @@ import cohort
 import literature
 import patients
 import tables
+import topcow
 
 PARTS = {"literature": literature.run, "patients": patients.run, "cohort": cohort.run}
 
@@ -20,6 +21,7 @@ def main():
     parser.add_argument("--seed", type=int, default=101, help="of the patients' damage [101]")
     parser.add_argument("--work", type=Path, help="a folder to keep cases and answers in [a temporary one]")
     options = parser.parse_args()
+    topcow.check()
     with tempfile.TemporaryDirectory(prefix="phenotypes-") as scratch:
         work = (options.work or Path(scratch)).resolve()
         for name in (options.only,) if options.only else PARTS:

@@ -3,17 +3,27 @@
 use std::path::PathBuf;
 
 use crate::error::Result;
+use crate::internals::circle_of_willis::{Artery, RING};
+use crate::internals::io::LandmarkFormat;
+use crate::internals::io::convert::Target;
 use crate::internals::output::StagedFile;
 use crate::{InferOptions, LabelOptions, label, read};
 use clap::Args;
+use serde_json::{Value, json};
 
 use super::args::candidates::CandidateArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, say_read};
+use super::convert::check;
+use super::print::{Terminal, plural, say_read};
+use super::shell::print_json;
 
 /// Name the arteries of a Circle of Willis from their geometry alone, each name with a probability
+///
+/// Beside FILE it writes FILE.names.csv (a row for about every millimetre, with the probability of each name), FILE.landmarks.csv and
+/// FILE.landmarks.mrk.json (bifurcations and ends, to be looked at and corrected in 3D Slicer, and handed back with --landmarks), and
+/// FILE.segments.csv (which segments of the circle are there). Candidates pass names over gaps.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   willis label scan.nii.gz -o labelled.graphml
@@ -36,20 +46,63 @@ pub struct LabelArgs {
 
 impl LabelArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+        let target = Target::new(&self.output, None)?;
         let beside = |ending: &str| self.output.with_extension(ending);
-        let (names, landmarks, segments) = (beside("names.csv"), beside("landmarks.csv"), beside("segments.csv"));
-        for path in [&self.output, &names, &landmarks, &segments] {
+        let (names, segments) = (beside("names.csv"), beside("segments.csv"));
+        let marks = [("landmarks.csv", LandmarkFormat::Csv), ("landmarks.mrk.json", LandmarkFormat::Markups)];
+        let marks = marks.map(|(ending, format)| (beside(ending), format));
+        check(&target, force)?;
+        for path in [&names, &segments].into_iter().chain(marks.iter().map(|(path, _)| path)) {
             StagedFile::check(path, force)?;
         }
         let path = &self.input.input;
         let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
         self.candidates.put(&mut options.infer)?;
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again.graphml"));
-        say_read(terminal, &input, self.input.reading.units.is_none());
+        say_read(terminal, &input, self.input.reading.assumes_unit());
         let found = label(input, &options, &mut Follower::new(terminal))?;
+        let notes = found.notes();
+        for note in &notes {
+            terminal.say("note", note);
+        }
+        let mut files = found.write_network(&target, force)?;
         found.write_names(&names, force)?;
-        found.write_landmarks(&landmarks, force)?;
         found.write_segments(&segments, force)?;
+        files.extend([names, segments]);
+        for (path, format) in marks {
+            found.write_landmarks(&path, format, force)?;
+            files.push(path);
+        }
+        let named = found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count();
+        let doubtful = found.doubtful();
+        terminal.say(
+            "named",
+            format!(
+                "{named} of {}, {}, {doubtful} of them to be looked at",
+                plural(found.network.vessel_count(), "vessel"),
+                plural(found.landmarks.len(), "landmark")
+            ),
+        );
+        let segment = |(artery, p): (&Artery, &f64)| format!("{artery} {p:.2}");
+        let segments: Vec<String> = RING.iter().zip(&found.names.presence).map(segment).collect();
+        terminal.say("segments", segments.join(", "));
+        let files: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        terminal.say("written", files.join(", "));
+        if self.json {
+            let presence: serde_json::Map<String, Value> =
+                RING.iter().zip(&found.names.presence).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
+            print_json(&json!({
+                "willis": env!("CARGO_PKG_VERSION"),
+                "command": found.prepared.provenance.command,
+                "input": found.prepared.provenance.of_input(),
+                "frame": found.names.frame.name(),
+                "frame_was_found": found.names.frame_was_found,
+                "notes": found.prepared.provenance.notes.iter().chain(&notes).collect::<Vec<_>>(),
+                "output": files,
+                "counts": { "vessels": found.network.vessel_count(), "named": named, "landmarks": found.landmarks.len() },
+                "segments": presence,
+            }))?;
+        }
         Ok(())
     }
 }

@@ -7,17 +7,16 @@ use super::presence::kind_of;
 use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
-    Artery, Circle, Informant, Landmark, Posterior, RING, SegmentState, Side, VariantFrequencies, sites_of_label,
+    Artery, Circle, Informant, Posterior, RING, SegmentState, Side, VariantFrequencies, identify_landmarks,
 };
 use crate::decision::{KnownEnds, Topologies};
-use crate::error::Fault;
+use crate::error::{Fault, Place};
+use crate::io::{ListedLandmark, SURE};
 use crate::network::units::metres;
-use crate::network::{Frame, Network, Origin, nearest_node};
+use crate::network::{Frame, Network};
 use crate::sampling::SamplingOptions;
 use crate::support::statistics::sigmoid;
 
-/// Landmarks below this probability are for a person to look at.
-pub const SURE: f64 = 0.5;
 /// Less than this much (mm) of an artery is none of it.
 const LEAST_SEEN: f64 = 3.0;
 /// A network with less named length (mm) is no circle of Willis.
@@ -40,10 +39,10 @@ pub struct NamedCircle {
     pub share: [f64; 7],
     /// Whether enough is seen around each segment to say whether it is there.
     pub is_decidable: [bool; 7],
+    /// Whether anything is seen of each segment or of what lies at either end.
+    pub has_surroundings: [bool; 7],
     /// Whether each segment, if it is there, is thin.
     pub is_hypoplastic: [bool; 7],
-    /// Nodes where an artery enters or leaves, so that no vessel continues there.
-    pub ends: Vec<usize>,
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,
 }
@@ -77,7 +76,7 @@ impl NamedCircle {
 
     /// The probability of each segment, given the share of plausible topologies that have it, if a segment that is there is out of sight at
     /// the rate `unseen`: with π the usual share and Λ the ratio of the likelihoods of what is seen, its odds are π/(1 - π) (h + (1 - h) Λ).
-    /// Of segments that are not decidable it is that of the frequencies, given the others.
+    /// Of a segment of which nothing is seen, nor of what lies at either end, it is that of the frequencies, given the others.
     pub fn presence(&self, topologies: &[f64; 7], prior: &Prior) -> [f64; 7] {
         let usual = if prior.is_own { prior.frequencies.marginals() } else { self.share };
         let odds = |p: f64| p / (1.0 - p);
@@ -87,7 +86,7 @@ impl NamedCircle {
             let odds = odds(usual[s].clamp(1e-3, 1.0 - 1e-3)) * (prior.unseen + (1.0 - prior.unseen) * ratio);
             odds / (1.0 + odds)
         });
-        prior.frequencies.given(&seen, &self.is_decidable)
+        prior.frequencies.given(&seen, &self.has_surroundings)
     }
 
     /// What is known of each segment beside its probability.
@@ -108,7 +107,7 @@ pub fn posterior_of(
 ) -> Posterior {
     let network = named.weighed(network);
     let mut known = vec![false; network.node_count()];
-    for node in named.ends.iter().chain(given).copied().filter(|node| *node < network.node_count()) {
+    for node in circle.ends(&network).into_iter().chain(given.iter().copied()).filter(|node| *node < network.node_count()) {
         known[node] = true;
     }
     let mut feeders = circle.inlets();
@@ -132,7 +131,7 @@ impl Names {
     }
 
     /// What the names say of the circle.
-    pub fn circle(&self, network: &Network, model: &NamingModel) -> NamedCircle {
+    pub fn circle(&self, model: &NamingModel) -> NamedCircle {
         let weights = |segment: usize| &model.presence_with_topology[kind_of(segment)];
         NamedCircle {
             log_odds: std::array::from_fn(|s| {
@@ -142,8 +141,8 @@ impl Names {
             topology_weight: std::array::from_fn(|s| weights(s)[TOPOLOGY_FEATURE]),
             share: std::array::from_fn(|s| model.share[kind_of(s)]),
             is_decidable: std::array::from_fn(|s| self.is_decidable(s)),
+            has_surroundings: std::array::from_fn(|s| self.has_surroundings(s)),
             is_hypoplastic: self.hypoplasia(),
-            ends: self.end_nodes(network, model),
             factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
         }
     }
@@ -159,8 +158,22 @@ impl Names {
             Artery::A1(side) => on(Sided::Ica, side) && on(Sided::A2, side),
             Artery::PComm(side) => on(Sided::Ica, side) && (on(Sided::P1, side) || on(Sided::P2, side)),
             Artery::P1(side) => on(Sided::P2, side) && (sees(BA) || on(Sided::P1, side.other())),
-            _ => Side::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)) && !self.seen.length[ACOMM].is_nan(),
+            _ => Side::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)),
         }
+    }
+
+    /// Whether a segment, or what lies at one of its ends, is seen.
+    fn has_surroundings(&self, segment: usize) -> bool {
+        let sees = |label: Label| self.seen.length[label] >= LEAST_SEEN;
+        let any = |labels: &[Label]| labels.iter().any(|label| sees(*label));
+        let on = |artery: Sided, side: Side| artery.on(side);
+        self.is_seen[segment]
+            || match RING[segment] {
+                Artery::A1(side) => any(&[on(Sided::Ica, side), on(Sided::M1, side), on(Sided::A2, side)]),
+                Artery::PComm(side) => any(&[on(Sided::Ica, side), on(Sided::P1, side), on(Sided::P2, side)]),
+                Artery::P1(side) => any(&[BA, on(Sided::P2, side), on(Sided::P1, side.other())]),
+                _ => Side::BOTH.iter().any(|side| any(&[on(Sided::A1, *side), on(Sided::A2, *side)])),
+            }
     }
 
     /// Which segments are thin: below a diameter, or below a share of the opposite one's.
@@ -190,17 +203,12 @@ impl Names {
         })
     }
 
-    /// The free ends of the network's observed vessels at the sure ends of arteries.
-    fn end_nodes(&self, network: &Network, model: &NamingModel) -> Vec<usize> {
-        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
-        let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
-        let places = self.landmarks(model);
-        let ends = places.iter().filter(|place| place.probability >= SURE && !place.label.contains('/'));
-        let found = ends.filter_map(|place| {
-            let at = [sign * place.at[0], sign * place.at[1], place.at[2]].map(metres);
-            nearest_node(network, at, |row| degree[row] == 1).map(|nearest| nearest.node)
-        });
-        found.collect()
+    /// That the frame was found, not stated.
+    pub fn frame_note(&self) -> Option<String> {
+        let frame = self.frame.name().filter(|_| self.frame_was_found)?;
+        Some(format!(
+            "no frame is stated: front and back fit {frame}, and left and right follow from that; a mirrored file looks the same (see `frame`)"
+        ))
     }
 
     /// The circle with the sure landmarks, in a network of the same positions, with notes for the user.
@@ -230,24 +238,14 @@ impl Names {
                     || meets(&on(Sided::P1), &p2) && is_end(&p2))
             })
         };
-        let sure = sure.iter().copied().filter(needed);
-        let landmarks: Vec<Landmark> = sure
-            .enumerate()
-            .filter_map(|(row, NamedPlace { label, at, .. })| {
-                // The bifurcation of M1 is none of the circle's places.
-                let arteries = sites_of_label(label).filter(|arteries| arteries.len() > 1 || !label.contains('/'))?;
-                let position = [sign * at[0], sign * at[1], at[2]].map(metres);
-                Some(Landmark { line: row + 1, label: label.clone(), arteries, position })
-            })
-            .collect();
+        let listed = sure.iter().copied().filter(needed).map(|NamedPlace { label, at, .. }| ListedLandmark {
+            place: Place::File,
+            label: label.clone(),
+            position: [sign * at[0], sign * at[1], at[2]].map(metres),
+        });
+        let landmarks = identify_landmarks(listed.collect())?;
         let (circle, notes) = Circle::at(network, &landmarks)?;
-        let mut own = Vec::new();
-        if self.frame_was_found {
-            let frame = self.frame.name().unwrap_or("RAS");
-            own.push(format!(
-                "no frame is stated: front and back fit {frame}, and left and right follow from that; a mirrored file looks the same (see `frame`)"
-            ));
-        }
+        let mut own: Vec<String> = self.frame_note().into_iter().collect();
         own.extend(notes);
         Ok((circle, own))
     }

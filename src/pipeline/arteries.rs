@@ -1,5 +1,6 @@
 //! Where the arteries of a Circle of Willis are in a network, and what its plausible topologies say of them.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -7,16 +8,18 @@ use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
 use crate::circle_of_willis::{
-    Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks,
+    Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks, in_axes_of,
 };
 use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{bytes_of, checksum, read_landmarks};
+use crate::io::{LandmarkFormat, bytes_of, checksum, read_landmarks};
 use crate::naming::{NamedCircle, Names, NamingModel, name_again, name_arteries, posterior_of};
 use crate::network::units::Scale;
 use crate::network::{Condition, Network, Role};
+use crate::output::atomic::write_file;
+use crate::output::names::LANDMARKS;
 use crate::sampling::SamplingOptions;
 
 /// How the arteries of a Circle of Willis are known.
@@ -33,7 +36,8 @@ pub enum ArterySource {
     Automatic,
     /// By their geometry alone: `landmarks` auto.
     Geometry,
-    /// By a CSV file of landmarks: `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input.
+    /// By a file of landmarks: CSV of `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input, or a point list of 3D Slicer
+    /// (`.mrk.json`, `.fcsv`).
     Landmarks(PathBuf),
 }
 
@@ -65,16 +69,22 @@ impl ArterySource {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, notes, named: None })
+        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, copy: None, notes, named: None })
     }
 }
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
     let bytes = bytes_of(file)?;
-    let landmarks = read_landmarks(&bytes, scale).and_then(identify_landmarks).map_err(|fault| fault.in_file(file))?;
-    let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
+    let here = |fault: Fault| fault.in_file(file);
+    let list = read_landmarks(&bytes, scale).map_err(here)?;
+    let format = list.format;
+    let (listed, mut notes) = in_axes_of(network, list);
+    let landmarks = identify_landmarks(listed).map_err(here)?;
+    let (circle, found) = Circle::at(network, &landmarks).map_err(here)?;
+    notes.extend(found);
     let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
-    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes, named: None })
+    let copy = String::from_utf8(bytes).ok().map(|text| (format, text));
+    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes, named: None })
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
@@ -88,8 +98,8 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>)
     let no_vessel = || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head");
     let names = names.ok_or_else(no_vessel).map_err(here)?;
     let (circle, notes) = names.located(network, &model).map_err(here)?;
-    let named = Some(names.circle(network, &model));
-    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, notes, named })
+    let named = Some(names.circle(&model));
+    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named })
 }
 
 /// Where the arteries are, and how that is known.
@@ -99,6 +109,9 @@ pub(crate) struct FoundArteries {
     /// `names`, `icafe`, `topcow` or `landmarks`.
     pub(crate) known_by: String,
     pub(crate) landmarks: Option<SourceFile>,
+    /// What that file holds.
+    #[serde(default)]
+    copy: Option<(LandmarkFormat, String)>,
     pub(crate) notes: Vec<String>,
     /// What names say of the segments, where the arteries are known by their geometry.
     #[serde(default)]
@@ -109,6 +122,18 @@ impl FoundArteries {
     /// The record of the landmarks.
     pub(crate) fn record(&self) -> Value {
         json!(self.landmarks)
+    }
+
+    /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
+    pub(crate) fn write_landmarks(&self, folder: &Path) -> Result<()> {
+        let Some((format, text)) = &self.copy else { return Ok(()) };
+        let [csv, markups, fcsv] = LANDMARKS;
+        let name = match format {
+            LandmarkFormat::Csv => csv,
+            LandmarkFormat::Markups => markups,
+            LandmarkFormat::Fcsv => fcsv,
+        };
+        write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
     }
 
     /// What plausible topologies say of the circle, and how they were drawn: by the evidence, or without any those that the samples vote
@@ -164,6 +189,7 @@ impl FoundArteries {
     ) -> Result<Vec<Collateral>> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
+        self.name_outlets(&mut network);
         let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
         collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
     }
@@ -174,6 +200,17 @@ impl FoundArteries {
             let node = network.node_mut(node);
             if node.condition.is_none() {
                 (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
+            }
+        }
+    }
+
+    /// Makes outlets of the landmarks where blood leaves, unless the input states what they are. Their condition is left to
+    /// [`Boundary::resolve`], which gives them that of an outlet found; but they are stated.
+    pub(crate) fn name_outlets(&self, network: &mut Network) {
+        for node in self.circle.outlets() {
+            let node = network.node_mut(node);
+            if node.condition.is_none() {
+                node.role = Some(Role::Outlet);
             }
         }
     }

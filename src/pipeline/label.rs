@@ -5,14 +5,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{InferOptions, Input, Prepared, Progress, prepare};
+use super::{InferOptions, Input, Prepared, Progress, prepare, write_target};
 use crate::circle_of_willis::RING;
 use crate::error::{Fault, Result};
 use crate::io::bytes_of;
-use crate::io::{Column, write_csv};
+use crate::io::convert::Target;
+use crate::io::{Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks};
 use crate::naming::states::OTHER;
 use crate::naming::{LABELS, NamedPlace, Names, NamingModel, labelled_network, name_arteries, name_of};
 use crate::network::Network;
+use crate::network::units::metres;
 use crate::output::StagedFile;
 use crate::output::atomic::write_file;
 
@@ -98,21 +100,51 @@ impl Labelled {
         write_table(path, force, &columns)
     }
 
-    /// Writes the landmarks.
+    /// Writes the landmarks: a CSV table, or the point list of 3D Slicer.
     ///
     /// # Errors
     ///
     /// As [`Labelled::write_names`].
-    pub fn write_landmarks(&self, path: &Path, force: bool) -> Result<()> {
-        let (marks, sign) = (&self.landmarks, self.sign());
-        let columns = [
-            Column::text("label", marks.iter().map(|m| m.label.clone())),
-            Column::real("x_mm", marks.iter().map(|m| sign * m.at[0])),
-            Column::real("y_mm", marks.iter().map(|m| sign * m.at[1])),
-            Column::real("z_mm", marks.iter().map(|m| m.at[2])),
-            Column::real("probability", marks.iter().map(|m| m.probability)),
-        ];
-        write_table(path, force, &columns)
+    pub fn write_landmarks(&self, path: &Path, format: LandmarkFormat, force: bool) -> Result<()> {
+        let sign = self.sign();
+        let points: Vec<MarkedPoint> = self
+            .landmarks
+            .iter()
+            .map(|mark| {
+                let at = [sign * mark.at[0], sign * mark.at[1], mark.at[2]].map(metres);
+                MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
+            })
+            .collect();
+        let file = StagedFile::new(path, force)?;
+        write_file(&file.path(), |out| write_landmarks(out, format, self.names.frame, &points))?;
+        file.commit()
+    }
+
+    /// Writes the labelled vessels in the format of a target; GraphML has the probability of each label too.
+    ///
+    /// # Errors
+    ///
+    /// As [`Labelled::write_names`]; a network that the format cannot hold.
+    pub fn write_network(&self, target: &Target, force: bool) -> Result<Vec<PathBuf>> {
+        if target.format != Format::GraphMl {
+            return Ok(write_target(&self.network, target, force)?.files);
+        }
+        let (nodes, mut vessels) = graph_columns(&self.network);
+        vessels.push(Column::real("label_probability", self.probability.iter().map(|p| p.unwrap_or(f64::NAN))));
+        let file = StagedFile::new(&target.path, force)?;
+        write_file(&file.path(), |out| write_graphml(out, &self.network, &nodes, &vessels))?;
+        file.commit()?;
+        Ok(vec![target.path.clone()])
+    }
+
+    /// How many landmarks a person should look at.
+    pub fn doubtful(&self) -> usize {
+        self.landmarks.iter().filter(|mark| mark.probability < SURE).count()
+    }
+
+    /// What a person should know: where the frame comes from.
+    pub fn notes(&self) -> Vec<String> {
+        self.names.frame_note().into_iter().collect()
     }
 
     /// Writes which segments of the ring are there.

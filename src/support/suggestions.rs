@@ -2,14 +2,13 @@
 
 /// The names from the nearest to the furthest, each once.
 ///
-/// Near is by edit distance (insertions, deletions, substitutions and swaps of neighbours), without regard to case; equally
-/// near names are in alphabetical order.
+/// Near is by edit distance (insertions, deletions, substitutions and swaps of neighbours), without regard to case, with or without
+/// what separates words, whichever is nearer; equally near names are in alphabetical order.
 pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let mut names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
     names.sort_unstable();
     names.dedup();
-    let wanted = wanted.to_lowercase();
-    names.sort_by_cached_key(|name| distance(&wanted, name));
+    names.sort_by_cached_key(|name| distance(wanted, name).0);
     names
 }
 
@@ -18,8 +17,8 @@ pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Ve
 pub fn did_you_mean<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let wanted = wanted.trim();
     let is_near = |name: &&str| {
-        let longer = wanted.chars().count().max(name.chars().count());
-        3 * distance(&wanted.to_lowercase(), name) <= longer
+        let (distance, longer) = distance(wanted, name);
+        3 * distance <= longer
     };
     match nearest(wanted, names).first().filter(|name| is_near(name)) {
         Some(name) if !wanted.is_empty() => format!("did you mean \"{name}\"? "),
@@ -27,8 +26,14 @@ pub fn did_you_mean<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) 
     }
 }
 
-fn distance(wanted: &str, name: &str) -> usize {
-    strsim::osa_distance(wanted, &name.to_lowercase())
+/// The edit distance, and the length of the longer text, with separators or without, whichever is nearer.
+fn distance(wanted: &str, name: &str) -> (usize, usize) {
+    let plain = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
+    let of = |a: &str, b: &str| (strsim::osa_distance(a, b), a.chars().count().max(b.chars().count()));
+    let as_given = of(&wanted.to_lowercase(), &name.to_lowercase());
+    let (a, b) = (plain(wanted), plain(name));
+    let squeezed = if a.is_empty() || b.is_empty() { as_given } else { of(&a, &b) };
+    if squeezed.0 < as_given.0 { squeezed } else { as_given }
 }
 
 #[cfg(test)]
@@ -46,5 +51,10 @@ mod tests {
             assert_eq!(did_you_mean(far, labels), "", "{far}");
         }
         assert_eq!(did_you_mean("x", []), "");
+        // A separator that is left out is no difference.
+        let carotids = ["L-VA", "BA", "L-A1", "L-ICA II", "L-ICA I", "R-ICA I"];
+        assert_eq!(nearest("LICA", carotids)[..2], ["L-ICA I", "L-ICA II"]);
+        assert_eq!(did_you_mean("LICA", carotids), "did you mean \"L-ICA I\"? ");
+        assert_eq!(did_you_mean("found_outlets", ["found-outlets"]), "did you mean \"found-outlets\"? ");
     }
 }

@@ -223,7 +223,7 @@ impl Judged<'_> {
 /// The share of the plausible topologies of a case with each segment; a half where no circle was found.
 fn topologies(names: &Names, case: &LabelledCase, model: &NamingModel) -> [f64; 7] {
     let Ok((circle, _)) = names.located(&case.graph, model) else { return [0.5; 7] };
-    posterior_of(&circle, &names.circle(&case.graph, model), &case.graph, &SamplingOptions::default(), [&[], &[]], None).segments
+    posterior_of(&circle, &names.circle(model), &case.graph, &SamplingOptions::default(), [&[], &[]], None).segments
 }
 
 /// The features of pieces that an atlas without their subject found, with whether they are false.
