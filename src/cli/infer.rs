@@ -105,6 +105,7 @@ impl InferArgs {
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
+                let work = work.with_arteries();
                 let parameters = work.of_many()?;
                 let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json: args.json };
                 return cohort.run(&subjects, &work, terminal);
@@ -177,9 +178,16 @@ impl<'a> Inferences<'a> {
         Ok(Self { args, line, options, runs, save })
     }
 
+    /// The same where the arteries of every input are named, if it has a circle and nobody says where they are.
+    fn with_arteries(mut self) -> Self {
+        self.options.arteries = self.options.arteries.or(Some(ArterySource::Automatic));
+        self
+    }
+
     /// The command line that repeats the run of one input.
     pub fn line_of(&self, input: &Path) -> String {
-        (self.line)(input)
+        let line = (self.line)(input);
+        if self.options.arteries == Some(ArterySource::Automatic) { line + " --landmarks auto" } else { line }
     }
 
     /// Why an input gave no run, or no shard of the samples in `range`.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
+use super::states::{BA, LABELS, Label, OTHER, Sided};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, Circle, Informant, Posterior, RING, SegmentState, Side, VariantFrequencies, identify_landmarks,

@@ -102,9 +102,9 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let prepared = prepare(input.clone(), &options, &mut Silent)?;
     let network = &prepared.graph;
     let Some(found) = prepared.arteries.clone() else {
-        return Err(
-            Fault::file("no arteries were named", "expected centerlines of a head").in_file(Path::new(&input.provenance.input))
-        );
+        let why = prepared.provenance.notes.last().cloned().unwrap_or_default();
+        let accepted = "expected centerlines of the arteries of a head, or labels, or `landmarks` FILE";
+        return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
     let given: Vec<usize> =
         prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();

@@ -129,7 +129,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network));
     let by_landmarks = source.as_ref().filter(|source| source.is_landmarks());
     let by_geometry = source.as_ref().is_some_and(|source| *source == ArterySource::Geometry);
-    let is_optional = options.arteries == Some(ArterySource::Automatic);
     let by_labels = source.as_ref().filter(|source| !source.is_landmarks() && !by_geometry);
 
     let from_mask = input.format.is_some_and(Format::is_mask);
@@ -160,7 +159,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
             let boundary = options.boundary.resolve(network, FoundOutlets::CEREBRAL, &mut Silent)?;
             Ok(prior.graph(network.clone(), is_fragments, &boundary, &building, None)?.0)
         };
-        let found = named(&path, &network, is_optional, over_connected, progress)?;
+        let found = named(&path, &network, over_connected, progress)?;
         match found {
             Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
             Named::Nothing(why) => unnamed = Some(why),
@@ -258,12 +257,10 @@ enum Named {
     Nothing(String),
 }
 
-/// The arteries of a network by their geometry, with the candidates that `over_connected` builds around it. Where they are optional, a network
-/// without a circle is no error.
+/// The arteries of a network by their geometry, with the candidates that `over_connected` builds around it. A network without a circle is no error.
 fn named(
     path: &Path,
     network: &Network,
-    is_optional: bool,
     over_connected: impl Fn(&Network) -> Result<Network>,
     progress: &mut dyn Progress,
 ) -> Result<Named> {
@@ -276,7 +273,7 @@ fn named(
     };
     match find() {
         Ok((found, names)) => Ok(Named::Circle(Box::new(found), Box::new(names))),
-        Err(why) if is_optional => {
+        Err(why @ Error::Input { .. }) => {
             let note = format!("no phenotype: {why}");
             progress.step(Step::Note(&note));
             Ok(Named::Nothing(note))
