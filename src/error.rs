@@ -65,6 +65,12 @@ impl Fault {
         Self { place: Place::Item(one_line(item)), found: one_line(found), accepted: one_line(accepted) }
     }
 
+    /// A fault at a place.
+    pub fn at(place: Place, found: impl Into<String>, accepted: impl Into<String>) -> Self {
+        let place = if let Place::Item(item) = place { Place::Item(one_line(item)) } else { place };
+        Self { place, found: one_line(found), accepted: one_line(accepted) }
+    }
+
     /// The error for the file `path`.
     pub fn in_file(self, path: &Path) -> Error {
         Error::Input { path: path.to_owned(), place: self.place, found: self.found, accepted: self.accepted }

@@ -90,7 +90,8 @@ fuzz_target!(|bytes: &[u8]| {
                 let _ = willis::internals::io::add_loops(second, &mut lines);
             }
         }
-        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(identify_landmarks)),
+        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(|list| identify_landmarks(list.landmarks))),
+        "manifest" => drop(willis::internals::io::read_manifest(bytes, std::path::Path::new(""))),
         "conditions-csv" => drop(conditions::read_csv(bytes)),
         "conditions-toml" => drop(conditions::read_toml(bytes)),
         "weights" => drop(Weights::read(&text)),

@@ -275,3 +275,15 @@ def test_transport_is_that_of_the_command(tmp_path):
     shares = at["supply"][(at["kind"] == "outlet") & (at["label"] == "L-P2")]
     assert shares.sum() == pytest.approx(1)
     assert willis.simulate(circle).territories is None
+
+
+def test_spacing_and_manifests_are_those_of_the_command(tmp_path):
+    (tmp_path / "a.swc").write_text("1 0 0 0 0 2 -1\n2 0 0 0 40 2 1\n")
+    (tmp_path / "Image_info.txt").write_text("Voxel spacing: 0.5 0.5 0.3\n")
+    assert willis.read(tmp_path / "a.swc", spacing="auto").edges["length_mm"][0] == pytest.approx(20)
+    (tmp_path / "b.swc").write_bytes(Path(BROKEN).read_bytes())
+    (tmp_path / "study.csv").write_text("subject,input\none,b.swc\n")
+    study = willis.cohort(tmp_path / "study.csv", tmp_path / "out", samples=64)
+    assert len(study) == 1 and (tmp_path / "out" / "one" / "run.json").exists()
+    with pytest.raises(willis.WillisError, match="stands for an input"):
+        willis.cohort(f"{tmp_path}/*.swc", str(tmp_path / "{}.landmarks.csv"))

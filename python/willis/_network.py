@@ -185,7 +185,7 @@ def read(
     path: PathLike,
     *,
     units: Literal["mm", "um", "cm", "m", "voxel"] = "mm",
-    spacing: float | Sequence[float] | None = None,
+    spacing: float | Sequence[float] | Literal["auto"] | None = None,
     radius_array: str | None = None,
     radius: Literal["mean", "effective"] = "mean",
     default_radius: float | str | None = None,
@@ -198,7 +198,8 @@ def read(
 ) -> Network:
     """Reads centerlines, a mask or a graph in any format that the command reads, or the folder of a run.
 
-    The options are those of ``willis infer``; lengths are in mm, unless they say otherwise (``"500um"``).
+    The options are those of ``willis infer``; lengths are in mm, unless they say otherwise (``"500um"``). ``spacing="auto"`` is the one
+    that iCafe's Image_info.txt beside the file, or a mask itself, states.
 
     Raises
     ------

@@ -84,8 +84,8 @@ class Cohort:
         return f"<willis.Cohort: {len(self)} subjects>"
 
 
-def cohort(paths: Sequence[PathLike] | str, output: PathLike | None = None, **options: Any) -> Cohort:
-    """Infers the topology of many inputs: what ``willis infer`` does with several, or with a pattern (``"scans/*.swc"``).
+def cohort(paths: Sequence[PathLike] | PathLike, output: PathLike | None = None, **options: Any) -> Cohort:
+    """Infers the topology of many inputs: what ``willis infer`` does with several, a pattern (``"scans/*.swc"``) or a manifest.
 
     ``options`` are those of :func:`read` and :func:`infer`; in ``landmarks`` and the like, ``{}`` is an input without its ending. Without
     ``output``, the folder is a temporary one, which goes with what is returned. Inputs that fail are rows that say so, and a note.
@@ -95,7 +95,7 @@ def cohort(paths: Sequence[PathLike] | str, output: PathLike | None = None, **op
     WillisError
         Nothing was made: what is wrong, and what is accepted.
     """
-    inputs = [paths] if isinstance(paths, str) else [os.fspath(path) for path in paths]
+    inputs = [os.fspath(paths)] if isinstance(paths, (str, os.PathLike)) else [os.fspath(path) for path in paths]
     defaults = {**defaults_of(read), **defaults_of(infer)}
     unknown = sorted(set(options) - set(defaults) | set(options) & {"part", "background", "threads", "progress"})
     if unknown:

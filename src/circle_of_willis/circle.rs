@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::arteries::Artery;
 use super::collaterals::ArteryVessels;
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
-use super::landmarks::{Landmark, Site, free_end, nearest_node_of, sides_look_exchanged, sites};
+use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
 use super::segments_by_labels;
 use super::segments_by_labels::LabelMeaning;
 use super::segments_by_landmarks::Points;
+use super::sides::{side_note, sides_look_exchanged};
 use super::variant::Variant;
 use crate::error::Fault;
 use crate::network::units::millimetres;
@@ -45,7 +46,9 @@ impl Circle {
         let mut unknown = BTreeMap::new();
         let mut meanings = Vec::with_capacity(network.vessel_count());
         for (_, vessel) in network.vessels() {
-            meanings.push(match artery_of_label(&vessel.label, scheme) {
+            // A format that has names for its numbers, as iCafe's, has put them in their place.
+            let named = || artery_of_label(&vessel.label, LabelScheme::Names).filter(|_| scheme != LabelScheme::Names);
+            meanings.push(match artery_of_label(&vessel.label, scheme).or_else(named) {
                 _ if names_no_artery(&vessel.label) => LabelMeaning::Free,
                 Some(artery) => LabelMeaning::Artery(artery),
                 None => {
@@ -54,7 +57,8 @@ impl Circle {
                 }
             });
         }
-        if let (Some(label), LabelScheme::ICafe | LabelScheme::TopCow) = (unknown.keys().next(), scheme) {
+        let number = unknown.keys().find(|label| label.parse::<u32>().is_ok());
+        if let (Some(label), LabelScheme::ICafe | LabelScheme::TopCow) = (number, scheme) {
             let codes = if scheme == LabelScheme::ICafe { "1 to 22" } else { "1 to 12 and 15" };
             return Err(Fault::item(
                 format!("label \"{label}\""),
@@ -73,9 +77,11 @@ impl Circle {
             let names: Vec<&str> = unknown.keys().map(String::as_str).collect();
             notes.push(format!("not arteries of the circle, and so no part of it: {}", names.join(", ")));
         }
-        if sides_look_exchanged(&mean_positions(network, &meanings)) == Some(true) {
+        let at = mean_positions(network, &meanings);
+        if sides_look_exchanged(&at) == Some(true) {
             notes.push(EXCHANGED.to_owned());
         }
+        notes.extend(side_note(&at));
         Ok((Self { location: Location::Vessels(meanings) }, notes))
     }
 
@@ -96,16 +102,16 @@ impl Circle {
         }
         let mut notes = Vec::new();
         let mut found = Vec::new();
-        for landmark in landmarks {
-            found.push((landmark, nearest_node_of(network, landmark)?));
+        for (row, landmark) in landmarks.iter().enumerate() {
+            found.push((row, landmark, nearest_node_of(network, landmark)?));
         }
         let (mut points, mut taken) = (Points::default(), BTreeMap::new());
-        while let Some((landmark, nearest)) = take_nearest(&mut found) {
-            let sites = sites(&landmark.arteries);
+        while let Some((row, landmark, nearest)) = take_nearest(&mut found) {
+            let sites = landmark.sites();
             let is_end = sites.iter().any(|site| site.is_end() && *site != Site::Feeder);
             if is_end && let Some(first) = taken.get(&nearest.node) {
                 if let Some(next) = free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
-                    found.push((landmark, next));
+                    found.push((row, landmark, next));
                 } else {
                     notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label));
                 }
@@ -114,6 +120,17 @@ impl Circle {
             if is_end {
                 taken.insert(nearest.node, &landmark.label);
             }
+            if sites.iter().any(|site| site.is_end()) {
+                let (end, note) = end_of(network, landmark, &nearest);
+                notes.extend(note);
+                let is_outlet = sites.iter().any(|site| site.is_outlet());
+                if end.is_last || !is_outlet {
+                    points.ends.push(nearest.node);
+                }
+                if end.is_last && end.is_free && is_outlet {
+                    points.outlets.push(nearest.node);
+                }
+            }
             for site in sites {
                 site.put(&mut points, nearest.node);
             }
@@ -121,13 +138,16 @@ impl Circle {
             notes.push(format!("{} at node {node}, {:.3}{LANDMARK_NOTE_ENDING}", landmark.label, millimetres(nearest.distance)));
         }
         for s in [0, 1] {
+            points.m1[s] = points.m1[s].or(points.middle[s]);
             points.a2[s] = points.a2[s].or(points.anterior[s]);
             points.p2[s] = points.p2[s].or(points.posterior[s]);
         }
         let at = landmarks.iter().filter_map(|l| if let [one] = l.arteries[..] { Some((one, l.position)) } else { None });
-        if sides_look_exchanged(&at.collect()) == Some(true) {
+        let at = at.collect();
+        if sides_look_exchanged(&at) == Some(true) {
             notes.push(EXCHANGED.to_owned());
         }
+        notes.extend(side_note(&at));
         Ok((Self { location: Location::Nodes(Box::new(points)) }, notes))
     }
 
@@ -162,7 +182,7 @@ impl Circle {
     pub fn fits(&self, network: &Network) -> bool {
         match &self.location {
             Location::Vessels(meanings) => meanings.len() == network.vessel_count(),
-            Location::Nodes(_) => self.ends(network).iter().all(|node| *node < network.node_count()),
+            Location::Nodes(points) => points.nodes().all(|node| node < network.node_count()),
         }
     }
 
@@ -172,16 +192,18 @@ impl Circle {
         points.ica.iter().flatten().chain(&points.feeders).copied().collect()
     }
 
-    /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks, or for every labelled artery that enters
-    /// or leaves the circle its free end farthest from the middle.
+    /// The free ends where blood leaves, by landmarks of M1, A2, P2 and a third A2. Labels give none.
+    pub fn outlets(&self) -> Vec<usize> {
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
+        points.outlets.clone()
+    }
+
+    /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks of inlets and outlets, or for every
+    /// labelled artery that enters or leaves the circle its free end farthest from the middle.
     pub fn ends(&self, network: &Network) -> Vec<usize> {
         let mut nodes: Vec<usize> = match &self.location {
             Location::Vessels(meanings) => outermost_ends(network, meanings),
-            Location::Nodes(points) => {
-                let pairs = [points.ica, points.m1, points.a2, points.p2, points.posterior, points.anterior];
-                let others = points.carotid.iter().flatten().chain(&points.feeders).chain(&points.tip).chain(&points.third);
-                pairs.into_iter().flatten().flatten().chain(others.copied()).collect()
-            }
+            Location::Nodes(points) => points.ends.clone(),
         };
         nodes.sort_unstable();
         nodes.dedup();
@@ -190,10 +212,9 @@ impl Circle {
 }
 
 /// Removes the landmark that is nearest to its node; of several the first in the file.
-fn take_nearest<'a>(found: &mut Vec<(&'a Landmark, Nearest)>) -> Option<(&'a Landmark, Nearest)> {
-    let order =
-        |a: &(&Landmark, Nearest), b: &(&Landmark, Nearest)| a.1.distance.total_cmp(&b.1.distance).then(a.0.line.cmp(&b.0.line));
-    let first = (0..found.len()).min_by(|a, b| order(&found[*a], &found[*b]))?;
+fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, Nearest)>) -> Option<(usize, &'a Landmark, Nearest)> {
+    let key = |at: &usize| (found[*at].2.distance, found[*at].0);
+    let first = (0..found.len()).min_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1)))?;
     Some(found.swap_remove(first))
 }
 

@@ -79,8 +79,9 @@ const TOPCOW: [&str; 15] = [
 ];
 
 /// Words that do not change which artery is meant.
-const FILLERS: [&str; 14] = [
-    "artery", "arteries", "arteria", "segment", "part", "the", "of", "i", "ii", "t", "terminus", "terminal", "proximal", "distal",
+const FILLERS: [&str; 22] = [
+    "artery", "arteries", "arteria", "segment", "part", "the", "of", "i", "ii", "t", "terminus", "terminal", "proximal",
+    "distal", "tip", "apex", "inlet", "outlet", "inflow", "outflow", "end", "side",
 ];
 
 impl LabelScheme {
@@ -153,7 +154,8 @@ fn artery_of_name(label: &str) -> Option<Artery> {
             (None, _) => words.push(word),
         }
     }
-    let name = words.concat();
+    // Without the word artery in one that is not divided: leftInternalCarotidArtery, BasilarArtery.
+    let name = words.concat().replace("artery", "");
     match (side, midline(&name)) {
         (None, Some(artery)) => return Some(artery),
         // An artery in the midline has no side, so the label is ambiguous.
@@ -171,7 +173,8 @@ fn artery_of_name(label: &str) -> Option<Artery> {
     })
 }
 
-fn side_of(word: &str) -> Option<Side> {
+/// The side that a word means.
+pub(crate) fn side_of(word: &str) -> Option<Side> {
     match word {
         "l" | "left" | "lt" => Some(Left),
         "r" | "right" | "rt" => Some(Right),
@@ -181,7 +184,15 @@ fn side_of(word: &str) -> Option<Side> {
 
 fn midline(name: &str) -> Option<Artery> {
     match name {
-        "acomm" | "acom" | "acoa" | "anteriorcommunicating" | "antcomm" | "antcommunicating" => Some(Artery::AComm),
+        "acomm"
+        | "acom"
+        | "acoa"
+        | "acoma"
+        | "acomma"
+        | "anteriorcommunicating"
+        | "anteriorcomm"
+        | "antcomm"
+        | "antcommunicating" => Some(Artery::AComm),
         "ba" | "basilar" | "bas" => Some(Artery::Ba),
         "3rda2" | "thirda2" | "a23rd" | "a2third" | "mediana2" => Some(Artery::ThirdA2),
         _ => None,
@@ -193,9 +204,22 @@ fn sided(name: &str, side: Side) -> Option<Artery> {
         (&["mca", "middlecerebral"][..], Artery::Mca as fn(Side) -> Artery),
         (&["aca", "anteriorcerebral"], Artery::Aca),
         (&["pca", "posteriorcerebral"], Artery::Pca),
-        (&["ica", "internalcarotid"], Artery::Ica),
+        (&["ica", "internalcarotid", "carotid"], Artery::Ica),
         (&["va", "vertebral", "vert"], Artery::Va),
-        (&["pcomm", "pcom", "pcoa", "posteriorcommunicating", "postcomm", "postcommunicating"], Artery::PComm),
+        (
+            &[
+                "pcomma",
+                "pcoma",
+                "pcomm",
+                "pcom",
+                "pcoa",
+                "posteriorcommunicating",
+                "posteriorcomm",
+                "postcomm",
+                "postcommunicating",
+            ],
+            Artery::PComm,
+        ),
     ];
     for (names, artery) in families {
         for other in names.iter().filter(|other| name.starts_with(**other) || name.ends_with(**other)) {

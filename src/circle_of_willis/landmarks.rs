@@ -1,28 +1,35 @@
 //! Landmarks: points that a person set at inlets, outlets and bifurcations of arteries, and their nodes in a network.
 
-use std::collections::BTreeMap;
-
 use super::arteries::{Artery, Side};
-use super::labels::{LabelScheme, artery_of_label};
+use super::landmark_names::{Named, meaning_of};
 use super::segments_by_landmarks::Points;
-use crate::error::Fault;
-use crate::io::ListedLandmark;
+use crate::error::{Fault, Place};
+use crate::io::{LandmarkList, ListedLandmark};
 use crate::network::units::millimetres;
-use crate::network::{Nearest, Network, Origin, REACH, nearest_node};
-use crate::support::geometry::{Point, cross, distance, dot, lerp, norm_squared, sub, unit};
+use crate::network::{Frame, Nearest, Network, Origin, REACH, nearest_node};
+use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use crate::support::suggestions::did_you_mean;
 
 /// A point on an artery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landmark {
-    /// Its line in the file, from 1.
-    pub line: usize,
+    /// Its line or control point in the file.
+    pub place: Place,
     /// Its label as given.
     pub label: String,
     /// The artery whose inlet or outlet it is, or the arteries that meet there, sorted.
     pub arteries: Vec<Artery>,
+    /// Whether it is where arteries meet, not where one enters or leaves. M1 and M2 meet, and count as one.
+    pub meet: bool,
     /// Its position, m.
     pub position: Point,
+}
+
+impl Landmark {
+    /// What it means in a circle.
+    pub(crate) fn sites(&self) -> Vec<Site> {
+        sites(&self.arteries, self.meet)
+    }
 }
 
 /// The meaning of a landmark in a circle.
@@ -48,44 +55,91 @@ pub(crate) enum Site {
     Posterior(Side),
     /// Where AComm meets the anterior cerebral artery.
     Anterior(Side),
+    /// Where M1 divides.
+    Middle(Side),
 }
 
 const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an outlet (L-M1, L-A2, L-P2, 3rd-A2, ...) or a bifurcation \
                         (L-ICA/L-M1/L-A1, L-ICA/L-PComm, L-A1/L-A2/AComm, L-P1/L-P2/L-PComm, BA/L-P1/R-P1, ...)";
 
-/// The arteries of the landmarks in a table.
+/// The arteries of the landmarks in a file.
 ///
 /// # Errors
 ///
 /// A label that is not accepted, or is given twice.
 pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
-    for ListedLandmark { line, label, position } in listed {
-        let arteries =
-            arteries_of(&label).map_err(|hint| Fault::line(line, format!("label \"{label}\""), format!("{hint}{ACCEPTED}")))?;
-        if let Some(first) = out.iter().find(|other| other.arteries == arteries) {
-            return Err(Fault::line(line, format!("label \"{label}\", as on line {}", first.line), "expected every label once"));
+    for ListedLandmark { place, label, position } in listed {
+        let Named { arteries, meet } = match named(&label) {
+            Ok(named) => named,
+            Err(hint) => return Err(Fault::at(place, format!("label \"{label}\""), format!("{hint}{ACCEPTED}"))),
+        };
+        if let Some(first) = out.iter().find(|other| other.arteries == arteries && other.meet == meet) {
+            let on = if matches!(place, Place::Line(_)) { "on " } else { "" };
+            let found = format!("label \"{label}\", as {on}{}", first.place.words());
+            return Err(Fault::at(place, found, "expected every label once"));
         }
-        out.push(Landmark { line, label, arteries, position });
+        out.push(Landmark { place, label, arteries, meet, position });
     }
     Ok(out)
 }
 
-/// The arteries of a label, sorted. The error is a hint at the intended name.
-fn arteries_of(label: &str) -> Result<Vec<Artery>, String> {
-    let meant = |part: &str| {
+/// The meaning of a label. The error is a hint at the intended name.
+fn named(label: &str) -> Result<Named, String> {
+    let Some(named) = meaning_of(label) else {
         let names: Vec<String> = Artery::all().map(|artery| artery.to_string()).collect();
-        did_you_mean(part, names.iter().map(String::as_str))
+        let wrong = label.split('/').find(|part| meaning_of(part).is_none()).unwrap_or(label);
+        return Err(did_you_mean(wrong, names.iter().map(String::as_str)));
     };
-    let named = label.split('/').map(|part| artery_of_label(part, LabelScheme::Names).ok_or_else(|| meant(part)));
-    let mut arteries: Vec<Artery> = named.collect::<Result<_, _>>()?;
-    arteries.sort_unstable();
-    arteries.dedup();
-    if sites(&arteries).is_empty() { Err(String::new()) } else { Ok(arteries) }
+    if sites(&named.arteries, named.meet).is_empty() { Err(String::new()) } else { Ok(named) }
 }
 
-/// The meaning of a landmark of these arteries; empty where they are neither inlet nor outlet and do not meet in a circle.
-pub(crate) fn sites(arteries: &[Artery]) -> Vec<Site> {
+/// The landmarks of a file in the axes of a network, with notes on the frame.
+///
+/// Where the file states its frame and the network does not, both readings are tried: the one is taken in which the landmarks lie nearer
+/// to the vessels, at the median.
+pub(crate) fn in_axes_of(network: &Network, list: LandmarkList) -> (Vec<ListedLandmark>, Vec<String>) {
+    let LandmarkList { mut landmarks, frame, mut notes, .. } = list;
+    let Some(name) = frame.name() else { return (landmarks, notes) };
+    let is_known = network.frame.is_known();
+    let other = if frame == Frame::Lps { Frame::Ras } else { Frame::Lps };
+    let to = if is_known {
+        network.frame
+    } else {
+        let away = [frame, other].map(|to| {
+            let at = landmarks.iter().map(|landmark| distance_to_lines(network, frame.turn(to, landmark.position)));
+            let mut away: Vec<f64> = at.collect();
+            away.sort_by(f64::total_cmp);
+            away.get(away.len() / 2).copied().unwrap_or_default()
+        });
+        let to = if away[1] < away[0] { other } else { frame };
+        let [near, far] = [away[0].min(away[1]), away[0].max(away[1])].map(millimetres);
+        let taken = to.name().unwrap_or_default();
+        let unclear = if near > UNCLEAR * far { ", and hardly further the other way, so look at left and right" } else { "" };
+        notes.push(format!(
+            "landmarks are in {name}, and the input states no frame: it is taken as {taken}, in which they lie {near:.1} mm from the \
+             vessels at the median, against {far:.1} mm{unclear}"
+        ));
+        to
+    };
+    if to != frame && is_known {
+        notes.push(format!("landmarks are turned from {name} to {}, the frame of the input", to.name().unwrap_or_default()));
+    }
+    for landmark in &mut landmarks {
+        landmark.position = frame.turn(to, landmark.position);
+    }
+    (landmarks, notes)
+}
+
+/// Of two readings of the frame, the better one is hardly better where its distance is more than this share of the other one's.
+const UNCLEAR: f64 = 0.5;
+
+/// The meaning of a landmark of these arteries, which `meet` there or end there; empty where they are neither inlet nor outlet and do not
+/// meet in a circle.
+pub(crate) fn sites(arteries: &[Artery], meet: bool) -> Vec<Site> {
+    if let ([Artery::M1(side)], true) = (arteries, meet) {
+        return vec![Site::Middle(*side)];
+    }
     if let [single] = arteries {
         return match *single {
             Artery::Ica(s) => vec![Site::Ica(s)],
@@ -125,7 +179,12 @@ pub(crate) fn sites(arteries: &[Artery]) -> Vec<Site> {
 impl Site {
     /// Whether it is an inlet or outlet rather than a bifurcation.
     pub fn is_end(self) -> bool {
-        matches!(self, Self::Ica(_) | Self::M1(_) | Self::A2(_) | Self::P2(_) | Self::Feeder | Self::Third)
+        self.is_outlet() || matches!(self, Self::Ica(_) | Self::Feeder)
+    }
+
+    /// Whether blood leaves there.
+    pub fn is_outlet(self) -> bool {
+        matches!(self, Self::M1(_) | Self::A2(_) | Self::P2(_) | Self::Third)
     }
 
     /// Sets its node.
@@ -141,17 +200,61 @@ impl Site {
             Self::Tip => points.tip = Some(node),
             Self::Posterior(s) => points.posterior[s.index()] = Some(node),
             Self::Anterior(s) => points.anterior[s.index()] = Some(node),
+            Self::Middle(s) => points.middle[s.index()] = Some(node),
         }
     }
 }
 
 /// A node within this distance, m, is taken even if it is not a free end.
 const EXACT: f64 = 0.001;
+/// A landmark of an inlet or outlet is far from a free end beyond this distance, m.
+const FAR: f64 = 0.005;
+/// A landmark lies on a vessel up to this distance from it, m.
+const ON_VESSEL: f64 = 0.002;
+
+/// What the node of a landmark of an inlet or outlet is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct End {
+    /// Whether it is a free end.
+    pub is_free: bool,
+    /// Whether the artery enters or leaves there, as far as is seen; not where its vessel is seen to run on beyond the landmark.
+    pub is_last: bool,
+}
+
+/// What the node of a landmark of an inlet or outlet is, with a note where no free end is near.
+pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) -> (End, Option<String>) {
+    let is_free = degrees_of_ends(network)[nearest.node] == 1;
+    let is_outlet = landmark.sites().iter().any(|site| site.is_outlet());
+    let (label, id, away) = (&landmark.label, &network.node(nearest.node).id, millimetres(nearest.distance));
+    let what = if is_outlet { "outlet" } else { "inlet" };
+    if !is_free {
+        let taken = if is_outlet { "no outlet is stated there" } else { "blood is taken to come in there" };
+        let note = format!("{label} names an {what}, but the vessel runs on at node {id}, which is no free end: {taken}");
+        // A place where several feeders meet is no end, and is not meant as one.
+        return (End { is_free, is_last: !is_outlet }, (!landmark.meet).then_some(note));
+    }
+    if nearest.distance <= FAR {
+        return (End { is_free, is_last: true }, None);
+    }
+    let runs_on = distance_to_lines(network, landmark.position) <= ON_VESSEL;
+    let far = format!("{label} names an {what}, but the nearest free end, node {id}, is {away:.1} mm away");
+    let taken = match (runs_on, is_outlet) {
+        (true, true) => "the vessel is taken to run on, and no outlet is stated there",
+        (true, false) => "the vessel is taken to run on to it, and blood to come in there",
+        (false, _) => "it is taken for that end, and what lies between is not seen",
+    };
+    (End { is_free, is_last: !(runs_on && is_outlet) }, Some(format!("{far}: {taken}")))
+}
+
+/// The degree of every node among the observed vessels, or among all where none is observed.
+fn degrees_of_ends(network: &Network) -> Vec<usize> {
+    let observed = observed_degrees(network);
+    if observed.iter().any(|degree| *degree > 0) { observed } else { network.degrees(|_| true) }
+}
 
 /// The nearest free end within reach that is not `taken`. It is an end of the observed vessels, where there are any.
 pub(crate) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Nearest> {
-    let observed = observed_degrees(network);
-    let degree = if observed.iter().any(|degree| *degree > 0) { observed } else { network.degrees(|_| true) };
+    let degree = degrees_of_ends(network);
     nearest_node(network, at, |row| degree[row] == 1 && !taken(row)).filter(|end| end.distance <= REACH)
 }
 
@@ -164,8 +267,8 @@ pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<
     let at = landmark.position;
     let away = distance_to_lines(network, at);
     if away > REACH {
-        return Err(Fault::line(
-            landmark.line,
+        return Err(Fault::at(
+            landmark.place.clone(),
             format!("\"{}\" lies {:.1} mm from the nearest centerline", landmark.label, millimetres(away)),
             format!("expected a position within {} mm, in the axes of the network's file", millimetres(REACH)),
         ));
@@ -176,7 +279,7 @@ pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<
     let splits_vessel = |row: usize| observed[row] == 2 && all[row] > 2;
     let any = nearest_node(network, at, |row| all[row] > 0 && !splits_vessel(row))
         .or_else(|| nearest_node(network, at, |row| all[row] > 0));
-    let is_end = sites(&landmark.arteries).iter().any(|site| site.is_end());
+    let is_end = landmark.sites().iter().any(|site| site.is_end());
     if is_end
         && any.is_some_and(|any| any.distance > EXACT)
         && let Some(end) = free_end(network, at, &|_| false)
@@ -187,7 +290,7 @@ pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<
 }
 
 /// The distance (m) to the nearest point of any vessel.
-fn distance_to_lines(network: &Network, at: Point) -> f64 {
+pub(crate) fn distance_to_lines(network: &Network, at: Point) -> f64 {
     let straight = |ends: [usize; 2]| ends.into_iter().filter_map(|node| network.node(node).position).collect::<Vec<_>>();
     let of = |(ends, vessel): ([usize; 2], &crate::network::Vessel)| {
         let points: Vec<Point> =
@@ -201,34 +304,4 @@ fn to_segment(a: Point, b: Point, at: Point) -> f64 {
     let (along, square) = (sub(b, a), norm_squared(sub(b, a)));
     let share = if square > 0.0 { (dot(sub(at, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
     distance(lerp(a, b, share), at)
-}
-
-/// Below this product of unit vectors the arteries are too nearly in one plane for a decision.
-const TOO_FLAT: f64 = 0.05;
-
-/// Whether left and right look exchanged in right-handed axes: rightward · (forward x upward) is negative.
-///
-/// Rightward is from the left artery of every pair to the right one, forward from P2 or the basilar artery to A2, upward from the
-/// carotid to M1 and A1. `None` where too few arteries are known.
-pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
-    let mean = |arteries: &[Artery]| -> Option<Point> {
-        let points: Vec<Point> = arteries.iter().filter_map(|artery| at.get(artery).copied()).collect();
-        let sum = points.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
-        (!points.is_empty()).then(|| sum.map(|x| x / points.len() as f64))
-    };
-    let both = |artery: fn(Side) -> Artery| Side::BOTH.map(artery);
-    let mut rightward = [0.0; 3];
-    for artery in Artery::PAIRED {
-        if let [Some(left), Some(right)] = both(artery).map(|artery| at.get(&artery)) {
-            let step = sub(*right, *left);
-            rightward = [rightward[0] + step[0], rightward[1] + step[1], rightward[2] + step[2]];
-        }
-    }
-    let front = [both(Artery::A2), both(Artery::Aca), both(Artery::A1)].into_iter().find_map(|pair| mean(&pair))?;
-    let back = [both(Artery::P2), both(Artery::Pca), [Artery::Ba; 2]].into_iter().find_map(|pair| mean(&pair))?;
-    let top = [both(Artery::M1), both(Artery::Mca), both(Artery::A1)].into_iter().find_map(|pair| mean(&pair))?;
-    let bottom = mean(&both(Artery::Ica))?;
-    let (ahead, up) = (unit(sub(front, back)), unit(sub(top, bottom)));
-    let product = dot(unit(rightward), cross(ahead, up));
-    (product.abs() > TOO_FLAT).then_some(product < 0.0)
 }

@@ -39,6 +39,15 @@ pub(crate) struct Points {
     pub anterior: [Option<usize>; 2],
     /// Outlet of a third A2.
     pub third: Option<usize>,
+    /// Where M1 divides.
+    #[serde(default)]
+    pub middle: [Option<usize>; 2],
+    /// The free ends that landmarks name as outlets.
+    #[serde(default)]
+    pub outlets: Vec<usize>,
+    /// The nodes where landmarks say that an artery enters or leaves, but outlets whose vessel is seen to run on.
+    #[serde(default)]
+    pub ends: Vec<usize>,
 }
 
 /// The rules in the kept vessels of a network.
@@ -53,6 +62,13 @@ struct Rules<'a, K> {
 }
 
 impl Points {
+    /// Every node of a landmark.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> {
+        let pairs = [self.ica, self.m1, self.a2, self.p2, self.posterior, self.anterior, self.middle];
+        let others = self.carotid.iter().flatten().chain(&self.feeders).chain(&self.tip).chain(&self.third);
+        pairs.into_iter().flatten().flatten().chain(others.copied())
+    }
+
     /// The variant in the vessels that `kept` selects.
     pub fn variant(&self, network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
         Rules::new(network, self, kept).variant()

@@ -11,11 +11,12 @@ use crate::{ArterySource, InferOptions, Phenotype, classify, read};
 use clap::Args;
 use serde_json::Value;
 
+use super::Command;
 use super::args::arteries::{ArteryArgs, for_input};
 use super::args::reading::ReadingArgs;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
-use super::command_line::{command_line, command_line_of};
+use super::command_line::{command_line, command_line_of, command_line_of_words};
 use super::print::arteries::{say_collaterals, say_variant};
 use super::print::{Terminal, plural, say_read};
 use super::shell::print_json;
@@ -31,7 +32,8 @@ use super::subjects::{Inputs, Subject, expand};
   willis classify circle.graphml -o phenotype
   willis classify 'cohort/*' -o phenotypes")]
 pub struct ClassifyArgs {
-    /// Labelled vessels in any format that infer reads, or folders of willis infer; of several, or of patterns in quotes, a cohort
+    /// Labelled vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, or of a manifest (CSV
+    /// with a column input, a row a subject), a cohort
     #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -54,7 +56,7 @@ impl ClassifyArgs {
             Inputs::Many(subjects) => {
                 let infer = InferOptions { arteries: self.arteries.source(), ..InferOptions::default() };
                 let options = RunOptions { read: self.reading.shared()?, infer };
-                let parameters = options.comparable(&Value::Null);
+                let parameters = self.reading.compared(options.comparable(&Value::Null));
                 let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
                 return cohort.run(&subjects, &self, terminal);
             }
@@ -78,7 +80,7 @@ impl ClassifyArgs {
 
     fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
         let input = read(path, &self.reading.options(path)?)?.with_command(command);
-        say_read(terminal, &input, self.reading.units.is_none());
+        say_read(terminal, &input, self.reading.assumes_unit());
         let phenotype = classify(&input, self.source(path).as_ref(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
             terminal.say("note", note);
@@ -96,8 +98,16 @@ fn name_of(input: &Path) -> String {
     name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-impl Work for ClassifyArgs {
-    fn files(&self, input: &Path) -> Vec<PathBuf> {
+impl ClassifyArgs {
+    /// Calls with the arguments of a subject, which may have options of its own, and the line that repeats it.
+    fn of<T>(&self, subject: &Subject, make: impl FnOnce(&Self, String) -> Result<T>) -> Result<T> {
+        match subject.row_of_options().map(|row| Ok((row.command()?, row))).transpose()? {
+            Some((Command::Classify(own), row)) => make(&own, command_line_of_words(&row.words, "again")),
+            _ => make(self, command_line_of(&subject.input, &self.inputs)),
+        }
+    }
+
+    fn files_of(&self, input: &Path) -> Vec<PathBuf> {
         let record = Some(input.join(RECORD)).filter(|path| path.is_file());
         let landmarks = match self.source(input) {
             Some(ArterySource::Landmarks(path)) => Some(path),
@@ -105,10 +115,19 @@ impl Work for ClassifyArgs {
         };
         [self.reading.loops(input), landmarks, record].into_iter().flatten().collect()
     }
+}
+
+impl Work for ClassifyArgs {
+    fn files(&self, subject: &Subject) -> Vec<PathBuf> {
+        self.of(subject, |own, _| Ok(own.files_of(&subject.input))).unwrap_or_default()
+    }
+
+    fn check(&self, subject: &Subject) -> Result<()> {
+        self.of(subject, |own, _| own.reading.shared().map(drop).map_err(|error| subject.fault(error)))
+    }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
-        let command = command_line_of(&subject.input, &self.inputs);
-        self.phenotype(&subject.input, command, terminal)?.write(&folder.path(), &subject.name)
+        self.of(subject, |own, line| own.phenotype(&subject.input, line, terminal)?.write(&folder.path(), &subject.name))
     }
 
     fn figures(&self, record: &Value) -> Figures {

@@ -32,7 +32,10 @@ const STACK: usize = 8 << 20;
 /// What a command does with each subject.
 pub trait Work: Sync {
     /// The files besides the input that go into a subject.
-    fn files(&self, input: &Path) -> Vec<PathBuf>;
+    fn files(&self, subject: &Subject) -> Vec<PathBuf>;
+
+    /// Refuses options of its own that a subject cannot have.
+    fn check(&self, subject: &Subject) -> Result<()>;
 
     /// Writes all files of a subject, run.json among them, into a folder.
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
@@ -77,6 +80,9 @@ pub struct Entry {
     input: String,
     /// The SHA-256 of all files that go into it; null for one that cannot be read.
     files: BTreeMap<String, Option<String>>,
+    /// Its own options, of a manifest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    options: Vec<String>,
 }
 
 impl Entry {
@@ -87,7 +93,7 @@ impl Entry {
         for path in std::iter::once(input.clone()).chain(companion_files(&input)).chain(others) {
             files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
         }
-        Self { subject: subject.name.clone(), input: input.display().to_string(), files }
+        Self { subject: subject.name.clone(), input: input.display().to_string(), files, options: subject.own() }
     }
 
     /// The same with its files called otherwise.
@@ -166,8 +172,16 @@ impl Cohort<'_> {
     ///
     /// A folder that is not that of such a cohort, or cannot be written; subjects that failed, once all else is written; a stop.
     pub fn run(&self, subjects: &[Subject], work: &impl Work, terminal: Terminal) -> Result<()> {
+        if let Some(pattern) = ["{}", "{dir}"].iter().find(|pattern| self.output.to_string_lossy().contains(*pattern)) {
+            let accepted = format!("{pattern} stands for an input in `landmarks`, `bc` and `loops`; expected one folder for all");
+            return Err(Error::parameter("output", self.output.display(), accepted));
+        }
+        subjects.iter().try_for_each(|subject| work.check(subject))?;
+        if let Some(row) = subjects.iter().find_map(|subject| subject.row.as_ref()).filter(|row| !row.others.is_empty()) {
+            terminal.say("note", format!("columns of the manifest that are no options: {}", row.others.join(", ")));
+        }
         listen();
-        let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(&s.input))).collect();
+        let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(s))).collect();
         let ledger = Ledger::new(self.command, &self.parameters, entries);
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
@@ -368,6 +382,9 @@ impl Failure {
     }
 }
 
+/// Options that each subject has its own of, since its scanner chose them.
+const OF_SUBJECT: [&str; 1] = ["spacing_mm"];
+
 /// A run that was made separately, or why there is none.
 struct SeparateRun<'a> {
     folder: &'a Path,
@@ -409,8 +426,13 @@ pub fn gather(
         subject: subject.name.clone(),
         input: run.input.path.clone(),
         files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
+        options: Vec::new(),
     });
-    let cohort = Cohort { parameters: first.parameters.clone(), ..*cohort };
+    let mut parameters = first.parameters.clone();
+    if let Some(option) = OF_SUBJECT.iter().find(|option| runs.iter().any(|run| run.parameters[*option] != parameters[*option])) {
+        parameters[*option] = "of each subject".into();
+    }
+    let cohort = Cohort { parameters, ..*cohort };
     let folder = StagedFolder::new(output, cohort.force)?;
     Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
     cohort.write_table(&folder.path(), &rows)?;
@@ -458,6 +480,9 @@ impl<'a> SeparateRun<'a> {
         if self.record.is_err() != first.record.is_err() {
             // A run that failed does not know the content of a file of priors.
             (here["prior"], there["prior"]) = (Value::Null, Value::Null);
+        }
+        for option in OF_SUBJECT {
+            (here[option], there[option]) = (Value::Null, Value::Null);
         }
         if let Some((option, [here, there])) = differing(&here, &there) {
             let found = format!("has {option} {here}, where {} has {there}", first.folder.display());

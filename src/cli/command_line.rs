@@ -41,6 +41,34 @@ pub fn command_line_of_words(words: &[String], again: &str) -> String {
     written(words.iter().cloned(), |word| Some(word.to_owned()), again)
 }
 
+/// The words of this process's command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
+/// in the place of those of all.
+pub fn words_of_row(input: &Path, given: &[PathBuf], options: &[(String, String)]) -> Vec<String> {
+    row_words(given_words(), input, given, options)
+}
+
+fn row_words(
+    mut all: impl Iterator<Item = String>,
+    input: &Path,
+    given: &[PathBuf],
+    options: &[(String, String)],
+) -> Vec<String> {
+    let own: Vec<(String, &str)> =
+        options.iter().map(|(name, value)| (format!("--{}", name.replace('_', "-")), value.as_str())).collect();
+    let (mut words, mut input) = (Vec::new(), Some(input.to_string_lossy().into_owned()));
+    while let Some(word) = all.next() {
+        if own.iter().any(|(name, _)| *name == word) {
+            all.next();
+        } else if given.iter().any(|path| path.to_string_lossy() == *word) {
+            words.extend(input.take());
+        } else if !own.iter().any(|(name, _)| is_joined(&word, name)) {
+            words.push(word);
+        }
+    }
+    words.extend(own.iter().map(|(name, value)| format!("{name}={value}")));
+    words
+}
+
 /// The line of `willis infer` that makes the run of one mask that `willis bids` makes; `places` are the words that say which dataset,
 /// where to and which level.
 pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
@@ -114,6 +142,15 @@ mod tests {
             .join(" ");
         assert_eq!(line, "-v infer m.nii.gz -n 64 --seed 2");
         assert_eq!(words("bids -n 64 in out participant --session_label a b").join(" "), "infer m.nii.gz -n 64");
+    }
+
+    /// What a row of a manifest states replaces what was given for all.
+    #[test]
+    fn a_row_has_the_words_of_all_but_its_own() {
+        let all = "infer study.csv --spacing 0.5 -o out --landmarks={}.csv -n 64".split(' ').map(str::to_owned);
+        let own = [("spacing", "0.4,0.4,0.6"), ("landmarks", "/a b.fcsv")].map(|(a, b)| (a.to_owned(), b.to_owned()));
+        let words = row_words(all, Path::new("x.swc"), &[PathBuf::from("study.csv")], &own);
+        assert_eq!(words, ["infer", "x.swc", "-o", "out", "-n", "64", "--spacing=0.4,0.4,0.6", "--landmarks=/a b.fcsv"]);
     }
 
     /// A POSIX shell splits the line into the same words again.

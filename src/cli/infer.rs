@@ -26,13 +26,13 @@ use super::args::reading::ReadingArgs;
 use super::args::sampling::SamplingArgs;
 use super::checkpoint::{Follower, Interval};
 use super::cohort::{Cohort, Failure, Work};
-use super::command_line::{command_line, command_line_of};
+use super::command_line::{command_line, command_line_of, command_line_of_words};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
 use super::print::{Terminal, count, listen, say_read};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
-use super::with_flags;
+use super::{Command, with_flags};
 
 /// Infer the plausible topology of centerlines or of a candidate graph
 #[derive(Debug, Args)]
@@ -43,7 +43,8 @@ use super::with_flags;
 --help lists every option.")]
 pub struct InferArgs {
     /// A mask (NIfTI, MetaImage, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
-    /// (GraphML, CSV of edges); several, or a pattern in quotes ('scans/*.swc'), are a cohort: a folder each, and a table of all
+    /// (GraphML, CSV of edges); several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column input, a row a subject) are a
+    /// cohort: a folder each, and a table of all
     #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     inputs: Vec<PathBuf>,
     /// The folder to write; it must not exist, unless it is that of a cohort to go on with
@@ -201,7 +202,7 @@ impl<'a> Inferences<'a> {
             return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
         }
         let read = read(input, &self.args.reading.options(input)?)?.with_command(command);
-        say_read(terminal, &read, self.args.reading.units.is_none());
+        say_read(terminal, &read, self.args.reading.assumes_unit());
         prepare(read, &self.for_input(input), &mut Follower::new(terminal))
     }
 
@@ -311,12 +312,20 @@ impl<'a> Inferences<'a> {
             return Err(Error::parameter("record_failure", "with several", accepted));
         }
         let options = RunOptions { read: args.reading.shared()?, infer: self.options.clone() };
-        Ok(options.comparable(&Value::Null))
+        Ok(args.reading.compared(options.comparable(&Value::Null)))
     }
 }
 
-impl Work for Inferences<'_> {
-    fn files(&self, input: &Path) -> Vec<PathBuf> {
+impl Inferences<'_> {
+    /// Calls with the work of a subject, which may have options of its own.
+    fn of<T>(&self, subject: &Subject, make: impl FnOnce(&Inferences<'_>) -> Result<T>) -> Result<T> {
+        let Some(row) = subject.row_of_options() else { return make(self) };
+        let Command::Infer(own) = row.command()? else { return make(self) };
+        let line = |_: &Path| command_line_of_words(&row.words, "again");
+        make(&Inferences::new(&own.inference, &line).map_err(|error| row.fault(error))?)
+    }
+
+    fn files_of(&self, input: &Path) -> Vec<PathBuf> {
         let options = self.for_input(input);
         let landmarks = match options.arteries {
             Some(ArterySource::Landmarks(path)) => Some(path),
@@ -328,10 +337,22 @@ impl Work for Inferences<'_> {
         };
         [self.args.reading.loops(input), options.boundary.conditions, prior, landmarks].into_iter().flatten().collect()
     }
+}
+
+impl Work for Inferences<'_> {
+    fn files(&self, subject: &Subject) -> Vec<PathBuf> {
+        self.of(subject, |work| Ok(work.files_of(&subject.input))).unwrap_or_default()
+    }
+
+    fn check(&self, subject: &Subject) -> Result<()> {
+        self.of(subject, |work| work.args.reading.shared().map(drop).map_err(|error| subject.fault(error)))
+    }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
-        let prepared = self.prepared(&subject.input, self.line_of(&subject.input), terminal)?;
-        self.write(&prepared, folder, terminal).map(drop)
+        self.of(subject, |work| {
+            let prepared = work.prepared(&subject.input, work.line_of(&subject.input), terminal)?;
+            work.write(&prepared, folder, terminal).map(drop)
+        })
     }
 
     fn figures(&self, record: &Value) -> Figures {

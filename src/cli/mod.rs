@@ -122,6 +122,14 @@ pub fn call(words: Vec<String>) -> Result<()> {
     Cli::read(words, false).map_err(|refused| words::refusal(&refused.error))?.run()
 }
 
+/// The subcommand of other words than those at work, the subcommand first.
+fn command_of(words: &[String]) -> Result<Command> {
+    let all = std::iter::once("willis").chain(words.iter().map(String::as_str));
+    let matches = Cli::builder().try_get_matches_from(all);
+    let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
+    parsed.map(|cli| cli.command).map_err(|error| words::refusal(&error))
+}
+
 /// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.
 fn with_flags(error: &Error) -> String {
     let Error::Parameter { name, value, accepted } = error else { return flags_in(&error.to_string()) };

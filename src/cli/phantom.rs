@@ -8,7 +8,9 @@ use crate::internals::candidates::NEAREST;
 use crate::internals::flow::boundary_conditions::stated;
 use crate::internals::flow::{Boundary, FoundOutlets};
 use crate::internals::io::convert::{ENDINGS, Target};
-use crate::internals::io::{Format, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image};
+use crate::internals::io::{
+    Format, LandmarkFormat, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image,
+};
 use crate::internals::network::centerlines::Centerlines;
 use crate::internals::network::{Origin, fragments};
 use crate::internals::output::StagedFile;
@@ -106,7 +108,9 @@ impl PhantomArgs {
                 let (lines, truth) = break_up(&network, &params)?;
                 if kind == Kind::Cerebral {
                     let file = StagedFile::new(&sibling(&self.output, "landmarks.csv"), force)?;
-                    write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth.lost)))?;
+                    write_file(&file.path(), |out| {
+                        write_landmarks(out, LandmarkFormat::Csv, network.frame, &landmarks(&network, &truth.lost))
+                    })?;
                     file.commit()?;
                 }
                 self.write_broken(&lines, &truth, terminal, force)
@@ -184,7 +188,9 @@ impl PhantomArgs {
         write_file(&staged[0].path(), |out| write_nifti(out, &mask, packed))?;
         write_file(&staged[1].path(), |out| truth.write_json(out))?;
         if let Some(file) = staged.get(2).filter(|_| has_marks) {
-            write_file(&file.path(), |out| write_landmarks(out, &landmarks(&network, &truth.lost)))?;
+            write_file(&file.path(), |out| {
+                write_landmarks(out, LandmarkFormat::Csv, network.frame, &landmarks(&network, &truth.lost))
+            })?;
         }
         if let Some(((path, image), file)) = self.image.as_ref().zip(image).zip(staged.last()) {
             write_file(&file.path(), |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;

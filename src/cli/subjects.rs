@@ -5,11 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
+use crate::internals::io::{Manifest, ManifestRow, bytes_of, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use glob::{MatchOptions, glob_with};
 
-use super::Cli;
+use super::command_line::words_of_row;
+use super::{Cli, Command, command_of};
 
 /// The longest name of a folder, in characters.
 const LONGEST: usize = 80;
@@ -24,6 +26,69 @@ pub struct Subject {
     pub name: String,
     /// Its path, as given or as a pattern found it.
     pub input: PathBuf,
+    /// Its row in a manifest, where it has one.
+    pub row: Option<Row>,
+}
+
+/// The row of a subject in a manifest.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// The manifest, and the line in it, from 1.
+    place: (PathBuf, usize),
+    /// Its own options, by name and value.
+    pub options: Vec<(String, String)>,
+    /// The words of the command for it alone.
+    pub words: Vec<String>,
+    /// The columns of the manifest that are no options.
+    pub others: Vec<String>,
+}
+
+impl Subject {
+    /// A subject of an input, without options of its own.
+    pub fn new(name: String, input: PathBuf) -> Self {
+        Self { name, input, row: None }
+    }
+
+    /// An error of its options, with their place.
+    pub fn fault(&self, error: Error) -> Error {
+        match &self.row {
+            Some(row) => row.fault(error),
+            None => error,
+        }
+    }
+
+    /// Its own options, as they would be typed.
+    pub fn own(&self) -> Vec<String> {
+        let own = self.row.iter().flat_map(|row| &row.options);
+        own.map(|(name, value)| format!("--{}={value}", name.replace('_', "-"))).collect()
+    }
+
+    /// The row of a subject that has options of its own.
+    pub fn row_of_options(&self) -> Option<&Row> {
+        self.row.as_ref().filter(|row| !row.options.is_empty())
+    }
+}
+
+impl Row {
+    /// The command for its subject alone.
+    ///
+    /// # Errors
+    ///
+    /// An option that the command does not have, or a value that it does not take.
+    pub fn command(&self) -> Result<Command> {
+        command_of(&self.words).map_err(|error| self.fault(error))
+    }
+
+    /// An error of its options, with their place.
+    pub fn fault(&self, error: Error) -> Error {
+        let (path, line) = &self.place;
+        match error {
+            Error::Parameter { name, value, accepted } => {
+                Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
+            }
+            other => other,
+        }
+    }
 }
 
 /// What was given as input.
@@ -46,6 +111,11 @@ fn is_run(path: &Path) -> bool {
 /// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
 pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     given.iter().try_for_each(|path| check_folder(path).and_then(|()| check_word(path)))?;
+    if let [path] = given
+        && let Some(manifest) = manifest_in(path)?
+    {
+        return Ok(Inputs::Many(subjects_of(manifest, path, given)));
+    }
     if let [input] = given
         && !is_pattern(input)
     {
@@ -58,6 +128,40 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     let given: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
     let found = paths(&given, "file", |path| is_input(path) || is_run(path))?;
     Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
+}
+
+/// The manifest that a file is; `None` for a file that is none.
+fn manifest_in(path: &Path) -> Result<Option<Manifest>> {
+    let is_table = path.extension().is_some_and(|e| ["csv", "tsv"].iter().any(|ending| e.eq_ignore_ascii_case(ending)));
+    if !is_table || is_cohort_file(path) || !path.is_file() {
+        return Ok(None);
+    }
+    let bytes = bytes_of(path)?;
+    // A table that is no manifest is read again, and its faults are told then.
+    match read_manifest(&bytes, path.parent().unwrap_or(Path::new(""))) {
+        Ok(manifest) => Ok(manifest),
+        Err(fault) if has_inputs(&bytes) => Err(fault.in_file(path)),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Whether the first line of a table that is no comment names a column `input`.
+fn has_inputs(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
+    let header = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')).unwrap_or_default();
+    header.split([',', ';', '\t']).any(|name| name.trim().trim_matches('"').eq_ignore_ascii_case("input"))
+}
+
+/// The subjects of a manifest, each with its own options.
+fn subjects_of(manifest: Manifest, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
+    let others = manifest.others;
+    let named = named_as(manifest.rows.iter().map(|row| (row.input.clone(), row.subject.clone())).collect());
+    let with_row = |(subject, row): (Subject, ManifestRow)| {
+        let words = words_of_row(&row.input, given, &row.options);
+        let row = Row { place: (path.to_owned(), row.line), options: row.options, words, others: others.clone() };
+        Subject { row: Some(row), ..subject }
+    };
+    named.into_iter().zip(manifest.rows).map(with_row).collect()
 }
 
 /// Refuses a folder that is no run, with what in it may be meant.
@@ -132,6 +236,12 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
 pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
+    named_as(inputs.into_iter().map(|input| (input, None)).collect())
+}
+
+/// The same where a person may have said what an input is called.
+fn named_as(inputs: Vec<(PathBuf, Option<String>)>) -> Vec<Subject> {
+    let (inputs, names): (Vec<PathBuf>, Vec<Option<String>>) = inputs.into_iter().unzip();
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut times: HashMap<String, usize> = HashMap::new();
     for path in &inputs {
@@ -145,14 +255,15 @@ pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
             _ => stem(path),
         }
     };
-    let words: Vec<String> = inputs.iter().map(|path| safe(&word(path))).collect();
+    let words: Vec<String> =
+        inputs.iter().zip(&names).map(|(path, name)| safe(&name.clone().unwrap_or_else(|| word(path)))).collect();
     let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE].map(str::to_owned).into();
     let mut unique = |word: &String| {
         let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
         numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
     };
     let names: Vec<String> = words.iter().map(&mut unique).collect();
-    names.into_iter().zip(inputs).map(|(name, input)| Subject { name, input }).collect()
+    names.into_iter().zip(inputs).map(|(name, input)| Subject::new(name, input)).collect()
 }
 
 /// A word as the name of a folder on every system.

@@ -55,7 +55,7 @@ pub struct Boundary {
     pub roles: Vec<Role>,
     /// Nodes that became inlets because none was given.
     pub found_inlets: Vec<usize>,
-    /// Nodes that became outlets because none was given.
+    /// Nodes that became outlets because none was given, but those that a landmark names: these are stated.
     pub found_outlets: Vec<usize>,
 }
 
@@ -111,7 +111,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found;
+            boundary.found_outlets = found.into_iter().filter(|node| !is_named_outlet(network, *node)).collect();
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -188,6 +188,12 @@ pub fn stated(network: &Network) -> Vec<Given> {
     given.collect()
 }
 
+/// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
+fn is_named_outlet(network: &Network, node: usize) -> bool {
+    let node = network.node(node);
+    node.role == Some(Role::Outlet) && node.condition.is_none()
+}
+
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
     let ends = ends.nodes.len();
     let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
@@ -205,6 +211,7 @@ struct FreeEnds {
     radius: Vec<f64>,
     part: Vec<usize>,
     at_border: Vec<bool>,
+    named_outlet: Vec<bool>,
 }
 
 impl FreeEnds {
@@ -218,9 +225,10 @@ impl FreeEnds {
             radius[a] = vessel.end_radius(false);
             radius[b] = vessel.end_radius(true);
         }
-        let nodes = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
+        let nodes: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
         let at_border = network.nodes().map(|node| node.at_border).collect();
-        Self { nodes, radius, part: fragments(network, |_, v| counts(v)).of_node, at_border }
+        let named_outlet = (0..network.node_count()).map(|node| is_named_outlet(network, node)).collect();
+        Self { nodes, radius, part: fragments(network, |_, v| counts(v)).of_node, at_border, named_outlet }
     }
 
     /// The widest ends, up to three, and the widest of each part with two or more; `spare` leaves every part, and the
@@ -231,7 +239,7 @@ impl FreeEnds {
             *free.entry(self.part[*node]).or_insert(0_usize) += 1;
         }
         let many: std::collections::BTreeSet<usize> = free.iter().filter(|(_, n)| **n > 1).map(|(part, _)| *part).collect();
-        let mut widest = self.nodes.clone();
+        let mut widest: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.named_outlet[*node]).collect();
         let by_width = |a: &usize, b: &usize| self.radius[*b].total_cmp(&self.radius[*a]).then(a.cmp(b));
         widest.sort_by(|a, b| self.at_border[*b].cmp(&self.at_border[*a]).then_with(|| by_width(a, b)));
         let mut inlets = Vec::new();

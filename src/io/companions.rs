@@ -11,6 +11,7 @@ use crate::io::input::bytes_within;
 use crate::io::read::{ReadOptions, without_mark};
 use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
 use crate::io::tables::reader::TableReader;
+use crate::io::vendors::icafe::image_spacing;
 use crate::network::units::Scale;
 use crate::network::{Network, Origin, Vessel};
 use crate::support::geometry::distance;
@@ -40,6 +41,28 @@ pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     };
     found.sort();
     found
+}
+
+/// Where the voxel spacing of an input is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StatedSpacing {
+    /// In the file itself, whose coordinates are in mm.
+    Within,
+    /// In a file beside it, in mm: its coordinates are in voxels.
+    Beside(f64),
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Where the voxel spacing of an input is stated: a mask in NIfTI or MetaImage states its own, and Image_info.txt that of an iCafe tracing
+/// beside it.
+pub fn stated_spacing(path: &Path) -> StatedSpacing {
+    let head = head(path);
+    match format_of(path, without_mark(&head)) {
+        Ok(Format::Nifti | Format::MetaImage) => StatedSpacing::Within,
+        Ok(Format::Swc | Format::ICafe) => image_spacing(path).map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
+        _ => StatedSpacing::Nowhere,
+    }
 }
 
 /// The first bytes of a file; none where it cannot be read.

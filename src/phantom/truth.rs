@@ -4,13 +4,14 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
+use crate::io::MarkedPoint;
 use crate::network::Network;
 use crate::network::units::millimetres;
 use crate::support::geometry::Point;
 
 /// The labelled free ends of a complete network, except those of the vessels (rows) that are lost: label and true position, m, in node
 /// order.
-pub fn landmarks<'a>(network: &'a Network, lost: &[usize]) -> Vec<(&'a str, Point)> {
+pub fn landmarks(network: &Network, lost: &[usize]) -> Vec<MarkedPoint> {
     let degree = network.degrees(|_| true);
     let mut found: Vec<(usize, &str, Point)> = Vec::new();
     for (row, (ends, vessel)) in network.vessels().enumerate() {
@@ -20,7 +21,7 @@ pub fn landmarks<'a>(network: &'a Network, lost: &[usize]) -> Vec<(&'a str, Poin
         }
     }
     found.sort_by_key(|(node, ..)| *node);
-    found.into_iter().map(|(_, label, position)| (label, position)).collect()
+    found.into_iter().map(|(_, label, position)| MarkedPoint::new(label, position)).collect()
 }
 
 /// Where a vessel was broken.

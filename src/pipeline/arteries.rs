@@ -1,19 +1,22 @@
 //! Where the arteries of a Circle of Willis are in a network, and what its plausible topologies say of them.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks};
+use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks, in_axes_of};
 use crate::decision::{KnownEnds, Topologies, TopologySource};
-use crate::error::Result;
+use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{bytes_of, checksum, read_landmarks};
+use crate::io::{LandmarkFormat, bytes_of, checksum, read_landmarks};
 use crate::network::units::Scale;
 use crate::network::{Condition, Network, Role};
+use crate::output::atomic::write_file;
+use crate::output::names::LANDMARKS;
 use crate::sampling::SamplingOptions;
 
 /// How the arteries of a Circle of Willis are known.
@@ -25,7 +28,8 @@ pub enum ArterySource {
     AnyLabels,
     /// By labels of this kind.
     Labels(LabelScheme),
-    /// By a CSV file of landmarks: `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input.
+    /// By a file of landmarks: CSV of `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input, or a point list of 3D Slicer
+    /// (`.mrk.json`, `.fcsv`).
     Landmarks(PathBuf),
 }
 
@@ -45,16 +49,22 @@ impl ArterySource {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, notes })
+        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, copy: None, notes })
     }
 }
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
     let bytes = bytes_of(file)?;
-    let landmarks = read_landmarks(&bytes, scale).and_then(identify_landmarks).map_err(|fault| fault.in_file(file))?;
-    let (circle, notes) = Circle::at(network, &landmarks).map_err(|fault| fault.in_file(file))?;
+    let here = |fault: Fault| fault.in_file(file);
+    let list = read_landmarks(&bytes, scale).map_err(here)?;
+    let format = list.format;
+    let (listed, mut notes) = in_axes_of(network, list);
+    let landmarks = identify_landmarks(listed).map_err(here)?;
+    let (circle, found) = Circle::at(network, &landmarks).map_err(here)?;
+    notes.extend(found);
     let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
-    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, notes })
+    let copy = String::from_utf8(bytes).ok().map(|text| (format, text));
+    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes })
 }
 
 /// Where the arteries are, and how that is known.
@@ -64,6 +74,9 @@ pub(crate) struct FoundArteries {
     /// `names`, `icafe`, `topcow` or `landmarks`.
     pub(crate) known_by: String,
     pub(crate) landmarks: Option<SourceFile>,
+    /// What that file holds.
+    #[serde(default)]
+    copy: Option<(LandmarkFormat, String)>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -71,6 +84,18 @@ impl FoundArteries {
     /// The record of the landmarks.
     pub(crate) fn record(&self) -> Value {
         json!(self.landmarks)
+    }
+
+    /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
+    pub(crate) fn write_landmarks(&self, folder: &Path) -> Result<()> {
+        let Some((format, text)) = &self.copy else { return Ok(()) };
+        let [csv, markups, fcsv] = LANDMARKS;
+        let name = match format {
+            LandmarkFormat::Csv => csv,
+            LandmarkFormat::Markups => markups,
+            LandmarkFormat::Fcsv => fcsv,
+        };
+        write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
     }
 
     /// What plausible topologies say of the circle, and how they were drawn: by the evidence, or without any those that the samples vote
@@ -115,6 +140,7 @@ impl FoundArteries {
     ) -> Result<Vec<Collateral>> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
+        self.name_outlets(&mut network);
         let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
         collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
     }
@@ -125,6 +151,17 @@ impl FoundArteries {
             let node = network.node_mut(node);
             if node.condition.is_none() {
                 (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
+            }
+        }
+    }
+
+    /// Makes outlets of the landmarks where blood leaves, unless the input states what they are. Their condition is left to
+    /// [`Boundary::resolve`], which gives them that of an outlet found; but they are stated.
+    pub(crate) fn name_outlets(&self, network: &mut Network) {
+        for node in self.circle.outlets() {
+            let node = network.node_mut(node);
+            if node.condition.is_none() {
+                node.role = Some(Role::Outlet);
             }
         }
     }

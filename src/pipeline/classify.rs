@@ -44,14 +44,16 @@ pub struct Phenotype {
 ///
 /// Arteries that cannot be found; landmarks of the run that have changed; a breakdown of the solver.
 pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn super::Progress) -> Result<Phenotype> {
-    let (path, scale) = (Path::new(&input.provenance.input), &input.options.scale);
+    let path = Path::new(&input.provenance.input);
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
     let usual = ArterySource::default();
     let chosen = source.or(of_run).unwrap_or(&usual);
     let divide = input.run.is_none() && input.is_fragments && !chosen.is_landmarks();
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
-    let found = chosen.find(path, network, scale)?;
+    // The landmarks of a run are in the unit of its input.
+    let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
+    let found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale))?;
     if source.is_none() {
         check_landmarks(input, &found)?;
     }

@@ -223,6 +223,7 @@ impl Inference {
             let subject = Path::new(&prepared.provenance.input).file_stem().unwrap_or_default().to_string_lossy();
             write_phenotype(folder, &subject, &variant, Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
+            found.write_landmarks(folder)?;
         }
         // Known only once all else is written.
         summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());

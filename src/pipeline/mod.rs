@@ -134,6 +134,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     if let Some(found) = arteries.as_ref().filter(|_| !options.boundary.states_an_inlet()) {
         found.state_inlets(&mut network);
     }
+    if let Some(found) = &arteries {
+        found.name_outlets(&mut network);
+    }
 
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
@@ -152,7 +155,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
     let boundary = options.boundary.resolve(&network, outlets, progress)?;
-    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && boundary.found_outlets.is_empty() {
+    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
+    let all_stated = boundary.found_outlets.is_empty() && none_named;
+    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
         progress.step(Step::OutletsAllStated);
     }
     let mut provenance = input.provenance;

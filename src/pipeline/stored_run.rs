@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::arteries::ArterySource;
 use super::options::RunOptions;
 use crate::error::{Fault, Result};
-use crate::output::names::{GRAPH, RECORD};
+use crate::output::names::{GRAPH, LANDMARKS, RECORD};
 use crate::output::read_json;
 
 /// A run of infer in a folder.
@@ -62,10 +63,14 @@ impl StoredRun {
         if record["graph"]["sha256"].is_null() {
             return Err(wrong("a run without a graph of candidates"));
         }
-        let record: Record =
+        let mut record: Record =
             serde_json::from_value(record).map_err(|_| wrong("parameters that are not those of willis infer"))?;
         let samples =
             record.parameters["samples"].as_u64().ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
+        let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+        if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut record.options.infer.arteries, copy) {
+            *path = copy;
+        }
         Ok(Self {
             graph: folder.join(GRAPH),
             options: record.options,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use willis::error::Fault;
+use willis::error::{Fault, Place};
 use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
 use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{
@@ -117,7 +117,7 @@ fn landmarks(ends: &[(&str, &str)]) -> String {
 }
 
 fn marked(landmarks: &str) -> Result<Vec<Landmark>, Fault> {
-    read_landmarks(landmarks.as_bytes(), &Scale::default()).and_then(identify_landmarks)
+    read_landmarks(landmarks.as_bytes(), &Scale::default()).and_then(|list| identify_landmarks(list.landmarks))
 }
 
 fn by_labels(network: &Network) -> Variant {
@@ -567,10 +567,10 @@ fn a_table_of_landmarks_is_read_as_other_tables_are() {
         let found = marked(&text).unwrap();
         let same = |a: &Landmark, b: &Landmark| (&a.label, &a.arteries, a.position) == (&b.label, &b.arteries, b.position);
         assert!(found.len() == 2 && found.iter().zip(&plain).all(|(a, b)| same(a, b)), "{text}: {found:?}");
-        assert_eq!([found[0].line, found[1].line], [3, 6]);
+        assert_eq!([&found[0].place, &found[1].place], [&Place::Line(3), &Place::Line(6)]);
     }
     let cm = Scale { unit: LengthUnit::Centimetre, spacing: None };
-    let first = |text: &str| read_landmarks(text.as_bytes(), &cm).unwrap()[0].position;
+    let first = |text: &str| read_landmarks(text.as_bytes(), &cm).unwrap().landmarks[0].position;
     assert_eq!(first("label,x,y,z\nL-ICA,-2,0,-6\n"), [-20.0, 0.0, -60.0].map(metres));
     assert_eq!(first("label,x_mm,y_mm,z_mm\nL-ICA,-2,0,-6\n"), [-2.0, 0.0, -6.0].map(metres));
 }

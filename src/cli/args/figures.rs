@@ -1,5 +1,7 @@
 //! Options that are figures: a count, a probability, a length, a viscosity, each as a person types it.
 
+use std::fmt;
+
 use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::network::units::millimetres;
@@ -22,9 +24,30 @@ pub fn probability(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("expected a number from 0 to 1, such as {example}"))
 }
 
-/// A spacing in mm, as a number or a length.
-pub fn spacing(text: &str) -> Result<f64, String> {
-    text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres))
+/// A voxel spacing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spacing {
+    /// That which is stated for the input.
+    Auto,
+    /// A number, mm.
+    Mm(f64),
+}
+
+impl fmt::Display for Spacing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Mm(mm) => mm.fmt(f),
+        }
+    }
+}
+
+/// A spacing in mm, as a number or a length, or `auto`.
+pub fn spacing(text: &str) -> Result<Spacing, String> {
+    if text == "auto" {
+        return Ok(Spacing::Auto);
+    }
+    text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres)).map(Spacing::Mm)
 }
 
 /// A length given as an option, m.

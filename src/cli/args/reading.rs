@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::internals::io::byte_count;
+use crate::error::{Error, Fault, Result};
+use crate::internals::io::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;
 use crate::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 use clap::Args;
-use serde::Serialize;
+use serde_json::Value;
 
-use super::figures::{length, spacing};
+use super::figures::{Spacing, length, spacing};
 use super::{file_of, words};
 
 /// The file that a command works on.
@@ -26,16 +26,17 @@ pub struct InputArgs {
 }
 
 /// How an input is read.
-#[derive(Debug, Args, Serialize)]
+#[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
-    /// Voxel spacing in mm, of a NumPy mask or of coordinates in voxels: one number, or three
-    #[arg(long, value_name = "S|SX,SY,SZ", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
+    /// Voxel spacing in mm, of a NumPy mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
+    /// iCafe's Image_info.txt beside INPUT or the mask itself
+    #[arg(long, value_name = "S|SX,SY,SZ|auto", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
         hide_short_help = true)]
-    pub spacing: Option<Vec<f64>>,
+    pub spacing: Option<Vec<Spacing>>,
     /// The VTP point array that holds the radius, when it has an unusual name
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub radius_array: Option<String>,
@@ -82,9 +83,45 @@ impl ReadingArgs {
 
     /// The options of the library for an input.
     pub fn options(&self, input: &Path) -> Result<ReadOptions> {
-        let options = ReadOptions { loops: self.loops(input), ..self.shared()? };
+        let shared = self.shared()?;
+        let scale = if self.is_spacing_auto() && !input.is_dir() { self.stated_scale(input)? } else { shared.scale };
+        let options = ReadOptions { loops: self.loops(input), scale, ..shared };
         options.validate()?;
         Ok(options)
+    }
+
+    /// Whether each input states its spacing.
+    pub fn is_spacing_auto(&self) -> bool {
+        matches!(self.spacing.as_deref(), Some([Spacing::Auto]))
+    }
+
+    /// Whether the unit is assumed, since nothing states it.
+    pub fn assumes_unit(&self) -> bool {
+        self.units.is_none() && !self.is_spacing_auto()
+    }
+
+    /// The options that many inputs share, for two runs to be compared: `options` with those that [`Self::shared`] cannot hold.
+    pub fn compared(&self, mut options: Value) -> Value {
+        if self.is_spacing_auto() {
+            options["spacing_mm"] = "auto".into();
+        }
+        options
+    }
+
+    /// The unit of an input by the spacing that is stated for it.
+    fn stated_scale(&self, input: &Path) -> Result<Scale> {
+        match (stated_spacing(input), self.units) {
+            (StatedSpacing::Within, _) => Ok(Scale { unit: self.units.unwrap_or_default(), spacing: None }),
+            (StatedSpacing::Beside(mm), None | Some(LengthUnit::Voxel)) => {
+                Ok(Scale { unit: LengthUnit::Voxel, spacing: Some([mm; 3]) })
+            }
+            (StatedSpacing::Beside(_), Some(_)) => Err(Error::parameter("spacing", "auto", "goes with `units` voxel")),
+            (StatedSpacing::Nowhere, _) => {
+                let accepted =
+                    "expected Image_info.txt of iCafe beside it or a mask in NIfTI or MetaImage, else give the spacing in mm";
+                Err(Fault::file("nothing states the spacing", accepted).in_file(input))
+            }
+        }
     }
 
     /// The same for every input.
@@ -126,10 +163,12 @@ impl ReadingArgs {
     fn scale(&self) -> Result<Scale> {
         let spacing = match self.spacing.as_deref() {
             None => None,
-            Some([s]) => Some([*s; 3]),
-            Some([x, y, z]) => Some([*x, *y, *z]),
+            // Each input says what it is.
+            Some([Spacing::Auto]) => return Ok(Scale::default()),
+            Some([Spacing::Mm(s)]) => Some([*s; 3]),
+            Some([Spacing::Mm(x), Spacing::Mm(y), Spacing::Mm(z)]) => Some([*x, *y, *z]),
             Some(other) => {
-                let given: Vec<String> = other.iter().map(f64::to_string).collect();
+                let given: Vec<String> = other.iter().map(ToString::to_string).collect();
                 return Err(Error::parameter("spacing", given.join(","), "expected one or three positive numbers, in mm"));
             }
         };

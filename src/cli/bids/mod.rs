@@ -148,7 +148,7 @@ impl BidsArgs {
         let output = derivative.group();
         let cohort = Cohort { command: "bids", parameters: Value::Null, output: &output, force: true, json: self.inference.json };
         let named = |inputs: Vec<PathBuf>| {
-            let subject = |(path, input): (&PathBuf, PathBuf)| Subject { name: name_of(path), input };
+            let subject = |(path, input): (&PathBuf, PathBuf)| Subject::new(name_of(path), input);
             folders.iter().zip(inputs).map(subject).collect()
         };
         let mut rows = gather(&folders, &cohort, named, terminal)?;
@@ -175,7 +175,7 @@ struct Runs<'a> {
 
 impl Runs<'_> {
     fn subject(mask: &Mask) -> Subject {
-        Subject { name: mask.run(), input: mask.path.clone() }
+        Subject::new(mask.run(), mask.path.clone())
     }
 
     fn folder(&self, mask: &Mask) -> PathBuf {
@@ -184,7 +184,8 @@ impl Runs<'_> {
 
     /// With what a run is made.
     fn ledger(&self, mask: &Mask) -> Ledger {
-        let entry = Entry::of(&Self::subject(mask), self.work.files(&mask.path));
+        let subject = Self::subject(mask);
+        let entry = Entry::of(&subject, self.work.files(&subject));
         // The same by whatever way the dataset is named.
         Ledger::new("bids", &self.parameters, vec![entry.renamed(|path| self.dataset.place_of(path))])
     }

@@ -1,8 +1,9 @@
-//! Tables of text: centerline points, graphs, boundary conditions, landmarks, priors.
+//! Tables of text: centerline points, graphs, boundary conditions, manifests, priors.
 
 pub mod conditions;
 pub(crate) mod graph;
 pub(crate) mod lists;
+pub(crate) mod manifest;
 pub(crate) mod points;
 pub(crate) mod prior;
 pub(crate) mod reader;

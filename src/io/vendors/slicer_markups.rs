@@ -12,6 +12,7 @@ use crate::io::tables::write::real;
 use crate::network::centerlines::{Centerlines, is_radius};
 use crate::network::units::{LengthUnit, Scale, millimetres};
 use crate::network::{Frame, Network};
+use crate::support::geometry::Point;
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
@@ -22,25 +23,82 @@ struct File {
     markups: Option<Vec<Markup>>,
 }
 
+/// One markup: a curve, a line, a list of points.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Markup {
+pub(in crate::io) struct Markup {
+    /// Its type.
     #[serde(rename = "type", default)]
-    kind: String,
+    pub(in crate::io) kind: String,
     name: Option<String>,
     coordinate_system: Option<Value>,
     coordinate_units: Option<Value>,
+    /// Its points.
     #[serde(default)]
-    control_points: Vec<ControlPoint>,
+    pub(in crate::io) control_points: Vec<ControlPoint>,
     #[serde(default)]
     measurements: Vec<Measurement>,
 }
 
+/// A point of a markup.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct ControlPoint {
+pub(in crate::io) struct ControlPoint {
+    label: Option<String>,
     position: Option<Vec<Option<f64>>>,
     position_status: Option<String>,
+}
+
+impl Markup {
+    /// Its name, empty where it has none.
+    pub(in crate::io) fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or_default().trim()
+    }
+
+    /// The frame of its positions, LPS where it states none; Slicer's older files say 0 for RAS and 1 for LPS.
+    pub(in crate::io) fn frame(&self, item: impl Fn() -> String) -> Result<Frame, Fault> {
+        let Some(system) = &self.coordinate_system else { return Ok(Frame::Lps) };
+        let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
+        match text.as_str() {
+            "LPS" | "1" => Ok(Frame::Lps),
+            "RAS" | "0" => Ok(Frame::Ras),
+            other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
+        }
+    }
+}
+
+impl ControlPoint {
+    /// Its label, empty where it has none.
+    pub(in crate::io) fn label(&self) -> &str {
+        self.label.as_deref().unwrap_or_default().trim()
+    }
+
+    /// Whether a person has set it; a file may keep the place of a point that is not set.
+    pub(in crate::io) fn is_defined(&self) -> bool {
+        self.position_status.as_deref().is_none_or(|status| status == "defined")
+    }
+
+    /// Its three numbers.
+    pub(in crate::io) fn position(&self) -> Option<Point> {
+        match self.position.as_deref()? {
+            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
+            _ => None,
+        }
+    }
+}
+
+/// The markups of a file.
+///
+/// # Errors
+///
+/// Text that is not JSON of this kind.
+pub(in crate::io) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault> {
+    let file: File = serde_json::from_slice(bytes).map_err(|error| {
+        let text = error.to_string();
+        let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
+        Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
+    })?;
+    file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))
 }
 
 #[derive(Deserialize)]
@@ -63,12 +121,7 @@ struct Measurement {
 /// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement
 /// with more or fewer values than points, a curve without radii unless they are optional, a file without curves.
 pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let file: File = serde_json::from_slice(bytes).map_err(|error| {
-        let text = error.to_string();
-        let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
-        Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
-    })?;
-    let markups = file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))?;
+    let markups = markups_of(bytes)?;
     let mut lines = Centerlines::default();
     let (mut undefined, mut flipped, mut others) = (0, 0, Vec::new());
     for (row, markup) in markups.iter().enumerate() {
@@ -76,10 +129,10 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
             others.push(markup.kind.as_str());
             continue;
         }
-        let called = markup.name.as_deref().unwrap_or_default().trim();
+        let called = markup.name();
         let item = || format!("markup {row} \"{}\"", called.escape_debug());
-        let ras = is_ras(markup, item)?;
-        flipped += usize::from(ras);
+        let frame = markup.frame(item)?;
+        flipped += usize::from(frame == Frame::Ras);
         if markup.coordinate_system.is_some() {
             lines.frame = Frame::Lps;
         }
@@ -91,10 +144,7 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
                 undefined += 1;
                 continue;
             }
-            let position = point.position.as_deref().and_then(|p| match p {
-                [Some(x), Some(y), Some(z)] => Some(if ras { [0.0 - x, 0.0 - y, *z] } else { [*x, *y, *z] }),
-                _ => None,
-            });
+            let position = point.position().map(|p| frame.turn(Frame::Lps, p));
             let position = position.map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
             let wrong = || Fault::item(item(), format!("control point {at} without a position"), "expected three finite numbers");
             let radius = radii.and_then(|radii| radii[at]).map_or(f64::NAN, |r| scale.length(r));
@@ -133,19 +183,8 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     Ok((lines, notes))
 }
 
-/// Whether positions are in RAS; Slicer's older files say 0 for RAS and 1 for LPS.
-fn is_ras(markup: &Markup, item: impl Fn() -> String) -> Result<bool, Fault> {
-    let Some(system) = &markup.coordinate_system else { return Ok(false) };
-    let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
-    match text.as_str() {
-        "LPS" | "1" => Ok(false),
-        "RAS" | "0" => Ok(true),
-        other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
-    }
-}
-
 /// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.
-fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
+pub(in crate::io) fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
     let code = match &markup.coordinate_units {
         None => return Ok(*scale),
         Some(Value::Array(code)) => code.first().and_then(Value::as_str).unwrap_or_default(),
@@ -190,7 +229,8 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
     }
 }
 
-const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+/// The published schema of the files.
+pub(in crate::io) const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
 
 /// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the
 /// control points; LPS, millimetres. A network in RAS is turned to LPS. A vessel without a path is straight, a missing radius 0.
