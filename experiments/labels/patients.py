@@ -1,6 +1,4 @@
 """Patients of INSIST, whole and damaged, each named by the model of the others: other draws, other frames, and segments deleted unseen."""
-import sys
-from pathlib import Path
 
 import answer
 import cases
