@@ -24,7 +24,7 @@ def label(source, out, model=None, extra=()):
     common.willis("label", source, "-o", out, *extra)
 
 
-def answer(folder, out, folds, levels=None, every=1):
+def answer(folder, out, folds, levels=None, every=1, extra=()):
     """Answers to the cases of a folder that are not there yet, two at a time."""
     out.mkdir(parents=True, exist_ok=True)
     of = models(folds)
@@ -35,7 +35,7 @@ def answer(folder, out, folds, levels=None, every=1):
     def one(case):
         to = out / f"{case.name}.graphml"
         if not (out / f"{case.name}.names.csv").exists():
-            label(case / "fragments.swc", to, of[json.loads((case / "truth.json").read_text())["subject"]])
+            label(case / "fragments.swc", to, of[json.loads((case / "truth.json").read_text())["subject"]], extra)
 
     common.everywhere(one, listed[::every])
     return out

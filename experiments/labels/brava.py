@@ -52,7 +52,7 @@ def case(job):
     if not (folder / "answer.names.csv").exists():
         order, parent, loops = cases.spanning(len(points), edges)
         cases.write(folder, at, radii, code, order, parent, loops, {})
-        answer.label(folder / "fragments.swc", folder / "answer.graphml", model, ["--frame", "RAS"])
+        answer.label(folder / "fragments.swc", folder / "answer.graphml", model)
     rows = common.rows(folder / "answer.names.csv")
     where = np.array([[float(r[f"{axis}_mm"]) for axis in "xyz"] for r in rows])
     true = code[cKDTree(at).query(where)[1]]
