@@ -11,8 +11,9 @@ from networks import SHARED
 from scipy.spatial import cKDTree
 
 DATA = SHARED / "brava/vtp"
-# BraVa's numbers of territories: ACA (from A2 on), MCA, PCA (from P2 on); 0 is the circle with its inflow.
-CODES = {"R-A2": 2, "R-M1": 3, "R-M2": 3, "L-M1": 4, "L-M2": 4, "L-A2": 5, "R-P2": 6, "L-P2": 7}
+# BraVa's numbers of territories: ACA, MCA, PCA (from P2 on); 0 is the circle with its inflow. ACA is called "A2" there, but in every brain and
+# on both sides its number begins at the junction where that of the MCA begins, so A1 has it too.
+CODES = {"R-A1": 2, "R-A2": 2, "R-M1": 3, "R-M2": 3, "L-M1": 4, "L-M2": 4, "L-A1": 5, "L-A2": 5, "R-P2": 6, "L-P2": 7}
 ARTERIES = {"ACA": (2, 5), "MCA": (3, 4), "PCA": (6, 7)}
 LEFT = (4, 5, 7)
 
@@ -41,7 +42,7 @@ def brain(path):
 
 
 def case(job):
-    """(named mm, all mm, right mm, {artery: (right side mm, mm)}) of one brain."""
+    """(name, named mm, all mm, right mm, {artery: (right side mm, mm)}, right mm where A1 counts as the circle) of one brain."""
     path, work, model = job
     name = path.name.split("_")[0]
     points, radii, edges, code = brain(path)
@@ -57,13 +58,14 @@ def case(job):
     where = np.array([[float(r[f"{axis}_mm"]) for axis in "xyz"] for r in rows])
     true = code[cKDTree(at).query(where)[1]]
     mm = np.array([float(r["length_mm"]) for r in rows])
-    seen = np.array([r["label"] != cases.OTHER for r in rows])
+    seen = np.array([r["label"] not in ("", cases.OTHER) for r in rows])
     said = np.array([CODES.get(r["label"], 0) for r in rows])
+    circle = np.array([0 if r["label"].endswith("-A1") else code for r, code in zip(rows, said)])
     sides = {}
     for artery, both in ARTERIES.items():
         use = seen & np.isin(true, both) & (said > 0)
         sides[artery] = mm[use] @ (np.isin(said, LEFT) == np.isin(true, LEFT))[use], mm[use].sum()
-    return name, mm[seen].sum(), mm.sum(), mm[seen] @ (said == true)[seen], sides
+    return name, mm[seen].sum(), mm.sum(), mm[seen] @ (said == true)[seen], sides, mm[seen] @ (circle == true)[seen]
 
 
 def run(work, options):
@@ -76,5 +78,5 @@ def run(work, options):
     share = lambda part: score.shown(score.estimate(rows, part, score.share))
     each = np.array([r["sums"][3] / max(r["sums"][1], 1e-9) for r in rows])
     line = [len(rows), share(lambda r: (r["sums"][1], r["sums"][2])), share(lambda r: (r["sums"][3] / max(r["sums"][1], 1e-9), 1)), f"{np.median(each):.3f}, {each.min():.3f} ({rows[int(each.argmin())]['subject']})"]
-    line += [share(lambda r: r["sums"][4][artery]) for artery in ARTERIES]
-    return common.table(["brains", "share of length named", "territory right", "median, worst", *(f"side of {artery} right" for artery in ARTERIES)], [line])
+    line += [share(lambda r: (r["sums"][5] / max(r["sums"][1], 1e-9), 1))] + [share(lambda r: r["sums"][4][artery]) for artery in ARTERIES]
+    return common.table(["brains", "share of length named", "territory right", "median, worst", "with A1 counted as circle", *(f"side of {artery} right" for artery in ARTERIES)], [line])

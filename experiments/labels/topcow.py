@@ -36,7 +36,7 @@ def case(job):
     true = classes[tuple(near[(slice(None), *voxel.T)])]
     mm = np.array([float(r["length_mm"]) for r in rows])
     right = np.array([r["label"] in CLASSES[int(k)] for r, k in zip(rows, true)])
-    named = np.array([r["label"] != cases.OTHER for r in rows])
+    named = np.array([r["label"] not in ("", cases.OTHER) for r in rows])
     segments = {r["segment"]: float(r["probability"]) for r in common.rows(work / f"{name}.segments.csv")}
     return name, mm @ right / mm.sum(), mm @ named / mm.sum(), segments, name.rpartition("_")[2]
 

@@ -36,10 +36,10 @@ def alone(source, out, extra=(), keep=()):
     scratch, folder = out.with_suffix(".run"), out.with_suffix(".classified")
     loops = [path for path in (source.with_suffix(".loops.csv"), source.with_name("loops.csv")) if path.exists()]
     common.willis("infer", source, "-o", scratch, *(["--loops", loops[0]] if loops else []), *extra, "--dpi", 72)
-    common.willis("classify", scratch, "-o", folder)
-    found = phenotype(folder)
     for name in keep:
         os.replace(scratch / name, out.with_name(f"{out.name}.{name}"))
+    common.willis("classify", scratch, "-o", folder)
+    found = phenotype(folder)
     shutil.rmtree(scratch)
     shutil.rmtree(folder)
     return found

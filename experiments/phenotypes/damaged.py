@@ -25,13 +25,17 @@ def bridging():
 
 
 def own(job):
-    """phenotype.json and the kept topology of one case; kept in the work folder."""
+    """phenotype.json (None where classify refuses) and the kept topology of one case; kept in the work folder."""
     case, work = job
     out = work / "answers" / f"{case.level}-{case.name}"
     kept, found = out.with_name(f"{out.name}.edges.csv"), out.with_name(f"{out.name}.phenotype.json")
     if not found.exists():
         out.parent.mkdir(exist_ok=True)
-        answer = ask.alone(case.folder / "fragments.swc", out, ask.folds(case.subject), ["edges.csv"])
+        try:
+            answer = ask.alone(case.folder / "fragments.swc", out, ask.folds(case.subject), ["edges.csv"])
+        except SystemExit as end:
+            print(end, file=sys.stderr)
+            answer = None
         found.write_text(json.dumps(answer))
     return json.loads(found.read_text()), [row for row in common.rows(kept) if row["origin"] == "candidate"]
 
@@ -71,7 +75,8 @@ def run(work, options):
     limits = rules.limits(cases)
     judged = bench.each(by_rule, [(case, limits, kept) for case, (_, kept) in zip(cases, answers)])
     scored = [{patients.name_of(s["segment"]): bool(s["present"]) for s in json.loads((case.folder / "truth.json").read_text())["phenotype"]} for case in cases]
-    return tables_of(cases, scored, [found for found, _ in answers], judged, judge)
+    refused = {"segments": dict.fromkeys(ask.RING), "probabilities": {"segments": {}}}
+    return tables_of(cases, scored, [found or refused for found, _ in answers], judged, judge)
 
 
 def interval(figure):
@@ -82,7 +87,7 @@ def interval(figure):
 def tables_of(cases, scored, found, judged, judge):
     """All tables of the part as Markdown."""
     exact = [float(all(f["segments"][s] == there for s, there in own.items())) if own else None for f, own in zip(found, scored)]
-    still = [np.mean([not f["segments"][s] for s in absent]) if (absent := [s for s, there in own.items() if not there]) else None for f, own in zip(found, scored)]
+    still = [np.mean([f["segments"][s] is False for s in absent]) if (absent := [s for s, there in own.items() if not there]) else None for f, own in zip(found, scored)]
     lines, less = [], []
     for level in LEVELS:
         at = [k for k, case in enumerate(cases) if case.level == level]
@@ -105,10 +110,13 @@ def tables_of(cases, scored, found, judged, judge):
         rows.append(cells)
     text += "\n\nEach segment, left and right together: sensitivity (present and found) and specificity (absent and not found):\n\n"
     text += common.table(["segment", *(f"{level}, {what}" for level in LEVELS for what in ("sensitivity", "specificity"))], rows)
+    refused = [case for case, f in zip(cases, found) if not f["probabilities"]["segments"]]
+    scored = [own if f["probabilities"]["segments"] else {} for f, own in zip(found, scored)]
     pairs = [(case, f["probabilities"]["segments"][s], there) for case, f, own in zip(cases, found, scored) for s, there in own.items()]
     sure = [f"{case.level} {case.name} {s} P {p:.5f}" for case, f, own in zip(cases, found, scored) for s, there in own.items() if (p := f["probabilities"]["segments"][s]) > 0.999 and not there or p < 0.001 and there]
     parts = [judge.bins(np.array([p for c, p, _ in pairs if c is case]), np.array([t for c, _, t in pairs if c is case], bool))[0] if any(c is case for c, *_ in pairs) else None for case in cases]
     error = judge.estimate(cases, parts, judge.expected_error)
     _, table = tables.reliability([(p, there) for _, p, there in pairs])
+    text += f"\n\nCases that `classify` refused, which count as wrong above: {len(refused)}{' (' + ', '.join(f'{case.level} {case.name}' for case in refused) + ')' if refused else ''}."
     text += f"\n\nExpected calibration error of the segments' probability, all levels, {len(pairs)} segments: {interval(error)}. Wrong with a probability above .999 or below .001: {len(sure)}{' (' + ', '.join(sure) + ')' if sure else ''}.\n\n{table}"
     return text
