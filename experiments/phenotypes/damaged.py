@@ -10,6 +10,7 @@ import common
 import numpy as np
 import patients
 import tables
+import topcow
 from networks import SHARED
 
 VARIANTS = 4
@@ -75,7 +76,7 @@ def run(work, options):
     limits = rules.limits(cases)
     judged = bench.each(by_rule, [(case, limits, kept) for case, (_, kept) in zip(cases, answers)])
     scored = [{patients.name_of(s["segment"]): bool(s["present"]) for s in json.loads((case.folder / "truth.json").read_text())["phenotype"]} for case in cases]
-    refused = {"segments": dict.fromkeys(ask.RING), "probabilities": {"segments": {}}}
+    refused = {"segments": dict.fromkeys(ask.RING), "anterior": {"3rd-A2": False}, "probabilities": {"segments": {}}}
     return tables_of(cases, scored, [found or refused for found, _ in answers], judged, judge)
 
 
@@ -99,6 +100,8 @@ def tables_of(cases, scored, found, judged, judge):
     text = "Share of cases in which all scored segments are right, and share of absent segments that stay absent, mean of the cases:\n\n"
     text += common.table(["damage", "cases", "`classify`, exact", "kept topology, exact", *(f"{name}, exact" for name in RULES.values()), "`classify`, absent stays absent", "kept topology", *RULES.values()], lines)
     text += "\n\nExact, less that of the rules:\n\n" + common.table(["damage", *(f"`classify` - {name}" for name in RULES.values()), *(f"kept topology - {name}" for name in RULES.values())], less)
+    field = {f"{level}: `classify`": [(own, ask.with_third(f)) for case, f, own in zip(cases, found, scored) if case.level == level and own] for level in LEVELS}
+    text += "\n\n" + topcow.field_table(common, field)
     rows = []
     for kind in dict.fromkeys(s.rpartition("-")[2] for s in ask.RING):
         cells = [kind]
