@@ -1,5 +1,4 @@
 """The published circle and its ten variants, broken with many seeds: is the exact variant found again?"""
-import json
 from collections import Counter
 
 import ask
@@ -27,39 +26,50 @@ def case(job):
     links.write_text(links.read_text() + "".join(line + "\n" for line in own))
     nearest = ask.fixed(source, landmarks, work / f"{name}.nearest", ["--loops", links])
     truth = tuple(segment for segment in ask.RING if segment in lacks.split(","))
-    lost = len(json.loads(source.with_suffix(".truth.json").read_text())["lost_vessels"])
-    return lacks, seed, truth, found, median, nearest, lost
+    return lacks, seed, truth, found, median, nearest, ask.alone(source, work / f"{name}.alone")
 
 
 def run(work, options):
-    jobs = [(work, lacks, seed) for lacks in VARIANTS for seed in range(*options.seeds)]
-    rows = common.everywhere(case, jobs)
-    lines, failures = [], []
-    right = lambda segments, truth: ask.missing(segments) == truth
-    totals = [0, 0, 0]
+    seeds = [seed for first, last in options.seeds for seed in range(first, last)]
+    rows = common.everywhere(case, [(work, lacks, seed) for lacks in VARIANTS for seed in seeds])
+    right = lambda answer, truth: ask.missing(answer.get("segments", answer)) == truth
+    # Of a row: with landmarks, with nothing but the file, the nearest end, the median of L.
+    columns = (3, 6, 5, 4)
+    count = lambda some: [sum(right(row[k], row[2]) for row in some) for k in columns]
+    lines = []
     for lacks in VARIANTS:
         own = [row for row in rows if row[0] == lacks]
-        counts = [sum(right(row[k]["segments"] if k == 3 else row[k], row[2]) for row in own) for k in (3, 5, 4)]
-        totals = [a + b for a, b in zip(totals, counts)]
-        sure = sum(row[3]["probabilities"]["variant"] for row in own) / len(own)
-        lines.append([f"without {lacks}" if lacks else "complete", *(f"{n} of {len(own)}" for n in counts), f"{sure:.2f}"])
-    lines.append(["**all**", *(f"**{n} of {len(rows)} ({100 * n / len(rows):.1f} %)**" for n in totals), ""])
-    for lacks, seed, truth, found, _, _, lost in rows:
+        sure = [sum(row[k]["probabilities"]["variant"] for row in own) / len(own) for k in (3, 6)]
+        lines.append([f"without {lacks}" if lacks else "complete", *(f"{n} of {len(own)}" for n in count(own)), *(f"{p:.2f}" for p in sure)])
+    for first, last in options.seeds:
+        own = [row for row in rows if first <= row[1] < last]
+        lines.append([f"seeds {first} to {last - 1}", *(f"{n} of {len(own)} ({100 * n / len(own):.1f} %)" for n in count(own)), "", ""])
+    lines.append(["**all**", *(f"**{n} of {len(rows)} ({100 * n / len(rows):.1f} %)**" for n in count(rows)), "", ""])
+    text = common.table(["circle", "willis, landmarks", "willis, nothing but the file", "nearest end", "median of L", "mean probability of the answer, landmarks", "nothing but the file"], lines)
+    pairs = {
+        name: [({s: s not in row[2] for s in ask.RING}, ask.with_third(row[k]) if k in (3, 6) else row[k]) for row in rows]
+        for name, k in zip(("willis, landmarks", "willis, nothing but the file", "nearest end", "median of L"), columns)
+    }
+    text += "\n\n" + topcow.field_table(common, pairs)
+    for name in list(pairs)[:2]:
+        text += f"\n\nEach segment by {name}:\n\n" + topcow.segment_table(common, pairs[name])
+    for k, how in ((3, "with landmarks"), (6, "with nothing but the file")):
+        text += f"\n\n### Answers {how}\n\n" + failures(rows, k)
+        error, table = tables.reliability([(row[k]["probabilities"]["variant"], right(row[k], row[2])) for row in rows])
+        segments, _ = tables.reliability([(row[k]["probabilities"]["segments"][s], s not in row[2]) for row in rows for s in ask.RING])
+        text += f"Expected calibration error of the answer's probability {error:.3f}, of the segments' {segments:.3f}:\n\n{table}"
+    return text
+
+
+def failures(rows, k):
+    """What went wrong, by kind and one by one."""
+    lines = []
+    for row in rows:
+        found, truth = row[k], row[2]
         got = ask.missing(found["segments"])
         if got != truth:
             kinds = ["a segment is taken for missing" for s in got if s not in truth] + ["a missing segment is taken for there" for s in truth if s not in got]
-            p = dict((tuple(v["variant"].removeprefix("without ").split(", ")), v["probability"]) for v in found["probabilities"]["variants"])
-            failures.append((lacks or "complete", seed, " and ".join(dict.fromkeys(kinds)), found["variant"], found["probabilities"]["variant"], lost, p))
-    error, table = tables.reliability([(row[3]["probabilities"]["variant"], right(row[3]["segments"], row[2])) for row in rows])
-    segments, _ = tables.reliability([(row[3]["probabilities"]["segments"][s], s not in row[2]) for row in rows for s in ask.RING])
-    kinds = Counter(f[2] for f in failures)
-    text = common.table(["circle", "willis", "nearest end", "median of L", "mean probability of the answer"], lines)
-    pairs = {
-        name: [({s: s not in row[2] for s in ask.RING}, ask.with_third(row[3]) if k == 3 else row[k]) for row in rows]
-        for name, k in (("willis", 3), ("nearest end", 5), ("median of L", 4))
-    }
-    text += "\n\n" + topcow.field_table(common, pairs) + "\n\nEach segment by willis:\n\n" + topcow.segment_table(common, pairs["willis"])
-    text += "\n\nWhat went wrong, by kind: " + ("; ".join(f"{kind}: {n}" for kind, n in kinds.most_common()) or "nothing") + ".\n\n"
-    if failures:
-        text += common.table(["circle", "seed", "how", "answer", "its probability"], [[f[0], f[1], f[2], f[3], f"{f[4]:.2f}"] for f in failures]) + "\n\n"
-    return text + f"Expected calibration error of the answer's probability {error:.3f}, of the segments' {segments:.3f}:\n\n{table}"
+            lines.append([row[0] or "complete", row[1], " and ".join(dict.fromkeys(kinds)), found["variant"], f"{found['probabilities']['variant']:.2f}"])
+    kinds = Counter(line[2] for line in lines)
+    text = "What went wrong, by kind: " + ("; ".join(f"{kind}: {n}" for kind, n in kinds.most_common()) or "nothing") + ".\n\n"
+    return text + (common.table(["circle", "seed", "how", "answer", "its probability"], lines) + "\n\n" if lines else "")

@@ -83,7 +83,7 @@ def meeting(tree, side, pairs, alone, away):
 
 
 def case(job):
-    folder, tree, work, weights = job
+    folder, tree, work, prior = job
     level, name = folder.parent.name, folder.name
     out = work / f"{level}-{name}"
     truth = json.loads((folder / "truth.json").read_text())
@@ -93,7 +93,7 @@ def case(job):
     if not scored or not {"L-ICA", "R-ICA", "BA", "L-VA", "R-VA"} & set(seen):
         return None
     loops = ["--loops", folder / "loops.csv"] if (folder / "loops.csv").exists() else []
-    found, median = ask.answer(folder / "fragments.swc", marks, out, loops or ["--seed", "0"], ["--prior", weights] if weights else [])
+    found, median = ask.answer(folder / "fragments.swc", marks, out, loops or ["--seed", "0"], prior)
     links = out.with_suffix(".links.csv")
     joining.joined(folder / "fragments.swc", links, 15.0)
     if loops:
@@ -141,7 +141,7 @@ def run(work, options):
     for level in LEVELS:
         for folder in sorted((cases / level).iterdir()):
             subject = json.loads((folder / "truth.json").read_text())["subject"]
-            jobs.append((folder, trees[subject], work, weights_for(subject)))
+            jobs.append((folder, trees[subject], work, ["--prior", weights] if (weights := ask.unseeing(subject, "WILLIS_FOLD_WEIGHTS", "weights.fold-*.toml")) else []))
     rows = [row for row in common.everywhere(case, jobs) if row]
     right = lambda segments, scored: all(segments[name] == there for name, there in scored.items())
     lines, pairs, parts = [], [], []
@@ -165,13 +165,3 @@ def run(work, options):
     text += "\n\n" + topcow.field_table(common, field)
     text += "\n\nEach segment by willis, all levels of damage:\n\n" + topcow.segment_table(common, by_willis)
     return text + f"\n\nExpected calibration error of the segments' probability {of_segments:.3f}:\n\n{segments}\n\nand of the variant's {error:.3f}:\n\n{table}"
-
-
-def weights_for(subject):
-    """Weights that have not seen the subject, from the folder that WILLIS_FOLD_WEIGHTS names; the shipped ones without it."""
-    import tomllib
-    folder = os.environ.get("WILLIS_FOLD_WEIGHTS")
-    for path in sorted(Path(folder).glob("weights.fold-*.toml")) if folder else []:
-        if subject in tomllib.loads(path.read_text())["provenance"]["held_out"]:
-            return path
-    return None

@@ -9,9 +9,9 @@ use serde_json::Value;
 use super::in_progress::is_in_progress;
 use super::names::{
     AGREEMENT, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, FAILURE,
-    FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
-    MODULATION_PICTURE, NODES, PAGE, PAIRINGS, PHENOTYPE, PHENOTYPE_TABLE, RECORD, SHARD, SHARD_SUMS, SUGGESTED_CUTS,
-    TERRITORIES, TERRITORY_PICTURE, TOPOLOGY, TRANSIT,
+    FLOW_PICTURE, GRAPH, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, LANDMARKS, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE,
+    MEDIAN_TOPOLOGY, MODULATION_PICTURE, NODES, PAGE, PAIRINGS, PHENOTYPE, PHENOTYPE_TABLE, RECORD, SHARD, SHARD_SUMS,
+    SUGGESTED_CUTS, TERRITORIES, TERRITORY_PICTURE, TOPOLOGY, TRANSIT,
 };
 use crate::output::files::read_json;
 
@@ -61,7 +61,8 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
 fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
-    is_named(path, &FILES) || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
+    let is_known = is_named(path, &FILES) || is_named(path, &LANDMARKS);
+    is_known || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 
 /// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
