@@ -10,8 +10,8 @@ use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
 use willis::internals::report::Outcome;
 use willis::{
-    ArterySource, BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SamplingOptions,
-    SaveOptions, Silent,
+    BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SamplingOptions, SaveOptions,
+    Silent,
 };
 
 use crate::errors::raised;
@@ -403,8 +403,8 @@ pub struct Phenotype {
 #[pyfunction]
 pub fn classify(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Phenotype> {
     let found = interruptible(py, &Watch::default(), None, None, None, |_| {
-        let source: Option<ArterySource> = words::classify(scan.path(), &words)?;
-        willis::classify(&scan.input.as_ref().clone().with_command(line), source.as_ref(), &mut Silent)
+        let (source, phenotypes) = words::classify(scan.path(), &words)?;
+        willis::classify(&scan.input.as_ref().clone().with_command(line), source.as_ref(), &phenotypes, &mut Silent)
     })?;
     found.map(|phenotype| Phenotype { phenotype })
 }

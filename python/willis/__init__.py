@@ -20,12 +20,13 @@ from ._network import (
     read,
 )
 from ._run import Handle, Run, SavedRun, Shard, candidates, infer, load, merge
-from ._study import Cohort, Phenotype, classify, cohort, phantom, train
+from ._study import Cohort, Labelled, Phenotype, classify, cohort, label, phantom, train
 from ._willis import __version__
 
 __all__ = [
     "Cohort",
     "Handle",
+    "Labelled",
     "Modulation",
     "Network",
     "Note",
@@ -46,6 +47,7 @@ __all__ = [
     "from_skan",
     "from_vtk",
     "infer",
+    "label",
     "load",
     "merge",
     "modulate",

@@ -256,6 +256,8 @@ def infer(
     bc: PathLike | None = None,
     landmarks: PathLike | None = None,
     labels: Literal["names", "icafe", "topcow"] | None = None,
+    variant_prior: PathLike | None = None,
+    unseen: float = 0.0,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
     background: bool = False,

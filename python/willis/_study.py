@@ -42,9 +42,12 @@ def classify(
     *,
     landmarks: PathLike | None = None,
     labels: Literal["names", "icafe", "topcow"] | None = None,
+    variant_prior: PathLike | None = None,
+    unseen: float = 0.0,
 ) -> Phenotype:
     """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""
-    made = words({"landmarks": landmarks, "labels": labels}, {})
+    options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen}
+    made = words(options, {})
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, Run):
             with warnings.catch_warnings():
@@ -59,6 +62,32 @@ def classify(
     for note in found.notes:
         say("note", note)
     return Phenotype(found)
+
+
+class Labelled:
+    """Arteries of a Circle of Willis with their names."""
+
+    def __init__(self, folder: Path) -> None:
+        at = folder / "labelled.graphml"
+        #: The vessels, divided where the name changes, with their labels.
+        self.network: Network = read(at)
+        #: A row for about every millimetre, with the probability of each name.
+        self.names: Table = table_of(at.with_suffix(".names.csv"))
+        #: Bifurcations and ends, with probabilities.
+        self.landmarks: Table = table_of(at.with_suffix(".landmarks.csv"))
+        #: The seven segments of the circle, with the probability that each is there.
+        self.segments: Table = table_of(at.with_suffix(".segments.csv"))
+
+    def __repr__(self) -> str:
+        return f"<willis.Labelled: {len(self.landmarks['label'])} landmarks>"
+
+
+def label(source: PathLike, *, model: PathLike | None = None) -> Labelled:
+    """Names the arteries of a file from their geometry alone: what ``willis label`` does."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder, "labelled.graphml")
+        _willis.call(["label", os.fspath(source), "-o", str(out), *words({"model": model}, {})])
+        return Labelled(Path(folder))
 
 
 class Cohort:
@@ -119,7 +148,7 @@ def train(
     cases: Sequence[PathLike],
     output: PathLike,
     *,
-    model: Literal["tracing", "skeleton", "contacts"] = "tracing",
+    model: Literal["tracing", "skeleton", "contacts", "labels"] = "tracing",
     folds: int = 3,
     l2: float = 0.002,
     passes: int = 3,

@@ -7,7 +7,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::RECORD;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
-use crate::{ArterySource, InferOptions, Phenotype, classify, read};
+use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify, read};
 use clap::Args;
 use serde_json::Value;
 
@@ -77,6 +77,11 @@ impl ClassifyArgs {
     /// How the arteries of an input are known, where a person said it.
     pub(super) fn source(&self, input: &Path) -> Option<ArterySource> {
         self.arteries.source().map(|source| for_input(&source, input))
+    }
+
+    /// What is known of people's circles before one is seen.
+    pub(super) fn phenotypes(&self) -> PhenotypeOptions {
+        self.arteries.phenotypes()
     }
 
     fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {

@@ -19,8 +19,8 @@ use super::print::{say_read, say_step, taken};
 use super::simulate::SimulateArgs;
 use crate::error::{Error, Result};
 use crate::{
-    ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network, ReadOptions,
-    SimulationRun, Step,
+    ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
+    PhenotypeOptions, ReadOptions, SimulationRun, Step,
 };
 
 /// How an input is read, by the words that follow its name: `--units um`.
@@ -65,13 +65,15 @@ pub fn modulate(input: &Path, network: &Network, words: &[String]) -> Result<(Bo
     parsed::<ModulateArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?.meaning(input, network)
 }
 
-/// How the arteries of an input are known, by the words of `willis classify`, where one of them says it.
+/// How the arteries of an input are known, by the words of `willis classify`, where one of them says it, and what is known of people's
+/// circles.
 ///
 /// # Errors
 ///
 /// A word that is no option, or a value that it does not take.
-pub fn classify(input: &Path, words: &[String]) -> Result<Option<ArterySource>> {
-    Ok(parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?.source(input))
+pub fn classify(input: &Path, words: &[String]) -> Result<(Option<ArterySource>, PhenotypeOptions)> {
+    let args = parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?;
+    Ok((args.source(input), args.phenotypes()))
 }
 
 /// The whole anatomy that `willis phantom KIND` makes, by its words.

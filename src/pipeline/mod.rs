@@ -131,8 +131,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let by_geometry = source.as_ref().is_some_and(|source| *source == ArterySource::Geometry);
     let by_labels = source.as_ref().filter(|source| !source.is_landmarks() && !by_geometry);
 
-    let from_mask = input.format.is_some_and(Format::is_mask);
-    let kind = Kind::of(&input.network, from_mask);
+    let kind = Kind::of(&input.network, input.format.is_some_and(Format::is_mask));
     let cuts = Cuts::load(&options.cut, options.mask.as_deref(), &input, kind)?;
 
     // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
@@ -159,8 +158,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
             let boundary = options.boundary.resolve(network, FoundOutlets::CEREBRAL, &mut Silent)?;
             Ok(prior.graph(network.clone(), is_fragments, &boundary, &building, None)?.0)
         };
-        let found = named(&path, &network, over_connected, progress)?;
-        match found {
+        match named(&path, &network, over_connected, progress)? {
             Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
             Named::Nothing(why) => unnamed = Some(why),
         }
@@ -210,13 +208,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         arteries = Some(arteries::by_geometry(&path, &graph, Some(names))?);
     }
     provenance.notes.extend(unnamed);
-    for note in arteries.iter().flat_map(|found| &found.notes) {
-        progress.step(Step::Note(note));
-        provenance.notes.push(note.clone());
-    }
-    if !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true) {
-        progress.step(Step::Note(NOTHING_UNCERTAIN));
-        provenance.notes.push(NOTHING_UNCERTAIN.to_owned());
+    let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
+    let said = arteries.iter().flat_map(|found| found.notes.clone());
+    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())) {
+        progress.step(Step::Note(&note));
+        provenance.notes.push(note);
     }
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(prior.usual_rule(&graph)),

@@ -107,58 +107,6 @@ pub(in crate::io) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault> {
     file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))
 }
 
-impl Markup {
-    /// Its name, empty where it has none.
-    pub(in crate::io) fn name(&self) -> &str {
-        self.name.as_deref().unwrap_or_default().trim()
-    }
-
-    /// The frame of its positions, LPS where it states none; Slicer's older files say 0 for RAS and 1 for LPS.
-    pub(in crate::io) fn frame(&self, item: impl Fn() -> String) -> Result<Frame, Fault> {
-        let Some(system) = &self.coordinate_system else { return Ok(Frame::Lps) };
-        let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
-        match text.as_str() {
-            "LPS" | "1" => Ok(Frame::Lps),
-            "RAS" | "0" => Ok(Frame::Ras),
-            other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
-        }
-    }
-}
-
-impl ControlPoint {
-    /// Its label, empty where it has none.
-    pub(in crate::io) fn label(&self) -> &str {
-        self.label.as_deref().unwrap_or_default().trim()
-    }
-
-    /// Whether a person has set it; a file may keep the place of a point that is not set.
-    pub(in crate::io) fn is_defined(&self) -> bool {
-        self.position_status.as_deref().is_none_or(|status| status == "defined")
-    }
-
-    /// Its three numbers.
-    pub(in crate::io) fn position(&self) -> Option<Point> {
-        match self.position.as_deref()? {
-            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
-            _ => None,
-        }
-    }
-}
-
-/// The markups of a file.
-///
-/// # Errors
-///
-/// Text that is not JSON of this kind.
-pub(in crate::io) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault> {
-    let file: File = serde_json::from_slice(bytes).map_err(|error| {
-        let text = error.to_string();
-        let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
-        Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
-    })?;
-    file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))
-}
-
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Measurement {
