@@ -42,7 +42,8 @@ function goTo(row) {
   pick(row, false);
   if (!scene || !threshold?.uncertain[row]) { scene?.reveal(row); return; }
   const rivals = threshold.rivals(row);
-  scene.overlay.chances = [row, ...rivals].slice(0, 12).map(one => ({ at: scene.shape.middle(one), text: review.figure(one), strong: one === row }));
+  scene.overlay.chances = [row, ...rivals]
+    .filter((one, at) => at === 0 || !(threshold.chance(one) < 0.02)).slice(0, 12).map(one => ({ at: scene.shape.middle(one), text: review.figure(one), strong: one === row }));
   // Alternatives that are hardly probable do not widen the view.
   const likely = rivals.filter(one => threshold.probability === null || !(threshold.chance(one) < 0.03));
   scene.goTo(row, rivals, likely);
@@ -68,6 +69,13 @@ function showAnswer() {
     words.push(". ", figure(`The vessels form ${count(counts.components, "part")}${counts.cycles ? ` with ${count(counts.cycles, "loop")}` : ""}.`, false));
     if (threshold.decided.size) words.push(" ", figure(`${grouped(threshold.decided.size)} decided by a person.`, false));
     else if (!threshold.asRun && threshold.now !== threshold.cut) words.push(" ", figure("At another threshold than that of the run.", false));
+  }
+  if (!threshold) {
+    // What a simulation leads with: the inflow and what became of it.
+    const of = name => data.facts.find(([fact]) => fact === name), inflow = of("inflow"), after = of("inflow perturbed"), reversed = of("reversed flows");
+    if (inflow) words.push(figure(after ? `Inflow ${shown(inflow[1], 3)} → ${shown(after[1], 3)} ${inflow[2]}` : `Inflow ${shown(inflow[1], 3)} ${inflow[2]}`));
+    if (reversed) words.push("; ", figure(reversed[1] === 0 ? "no flow is reversed" : `${count(reversed[1], "flow is", "flows are")} reversed`));
+    if (inflow) words.push(".");
   }
   const phenotype = data.phenotype;
   if (phenotype) {

@@ -34,8 +34,17 @@ class SceneView {
     this.geometry.markers.forEach(([kind], i) => this.looks.set(MARKERS[kind], 4 * (this.geometry.vessels + i)));
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.tone(dark.matches));
-    window.addEventListener("beforeprint", () => this.tone(false, true));
-    window.addEventListener("afterprint", () => this.tone(dark.matches));
+    // The printed page holds a picture, which needs no painting after the page has got another size.
+    window.addEventListener("beforeprint", () => {
+      this.tone(false, true);
+      this.printed = this.picture();
+      this.printed.className = "printed";
+      byId("view").after(this.printed);
+    });
+    window.addEventListener("afterprint", () => {
+      this.printed?.remove();
+      this.tone(dark.matches);
+    });
     this.tone(dark.matches);
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     // A lost graphics context is restored automatically, but empty.

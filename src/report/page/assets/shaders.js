@@ -95,6 +95,11 @@ void main() {
   if ((state & 8) == 0) colour = mix(colour, paper, 0.35 * smoothstep(0.4, 0.9, deep));
   if ((state & 64) != 0) colour = mix(colour, paper, 0.82);
   gl_FragDepth = (state & 8) != 0 ? 0.01 * deep : 0.02 + 0.98 * deep;
-  float edge = 0.5 * mix(radii.x, radii.y, share) * normal.z * normal.z / pixel;
-  ink = vec4(colour, clamp(edge + 0.25, 0.0, 1.0));
+  // How far inside of the outline the pixel lies, whichever way the tube points.
+  float flat_length = length(axis.xy);
+  vec2 forth = flat_length > 1e-6 * pixel ? axis.xy / flat_length : vec2(1.0, 0.0);
+  float part = dot(place, forth);
+  float inside = max(radii.x - length(place), radii.y - length(place - axis.xy));
+  if (part > 0.0 && part < flat_length) inside = max(inside, mix(radii.x, radii.y, part / flat_length) - abs(dot(place, vec2(-forth.y, forth.x))));
+  ink = vec4(colour, clamp(inside / pixel + 0.5, 0.0, 1.0));
 }`;
