@@ -84,10 +84,10 @@ pub use network::units::{LengthUnit, Scale};
 pub use network::{Network, RadiusRule};
 pub use perturbation::stenosis::Stenosis;
 pub use pipeline::{
-    ArterySource, BoundaryOptions, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions, Labelled,
-    ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent, SimulationRun,
-    Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge, modulate, modulate_with, prepare, read,
-    read_bytes, simulate, simulate_with, write,
+    ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions,
+    Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent,
+    SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge, modulate, modulate_with, prepare,
+    read, read_bytes, simulate, simulate_with, write,
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;

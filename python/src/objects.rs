@@ -10,8 +10,8 @@ use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
 use willis::internals::report::Outcome;
 use willis::{
-    BoundaryOptions, Change, FlowOptions, Inference, Input, ModulationOptions, Network, Result, SamplingOptions, SaveOptions,
-    Silent,
+    BoundaryOptions, Change, ConnectionDecision, FlowOptions, Inference, Input, ModulationOptions, Network, Result,
+    SamplingOptions, SaveOptions, Silent,
 };
 
 use crate::errors::raised;
@@ -278,6 +278,15 @@ impl Run {
     /// The same samples decided on by another rule.
     fn decided_by(&self, py: Python<'_>, rule: &str) -> PyResult<Self> {
         let decided = py.detach(|| self.run.decided_by(rule.parse()?));
+        decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
+    }
+
+    /// The run again with decisions of a person: the rows that were accepted and rejected, by whom, and when.
+    fn decide(&self, py: Python<'_>, accept: Vec<usize>, reject: Vec<usize>, who: &str, when: &str) -> PyResult<Self> {
+        let each = accept.into_iter().map(|edge| (edge, true)).chain(reject.into_iter().map(|edge| (edge, false)));
+        let made: Vec<ConnectionDecision> =
+            each.map(|(edge, accepted)| ConnectionDecision { edge, accepted, who: who.into(), when: when.into() }).collect();
+        let decided = py.detach(|| self.run.with_decisions(&made, &mut Silent));
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }
 

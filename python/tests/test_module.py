@@ -98,6 +98,26 @@ def test_rekeep_pickle_and_shards():
     np.testing.assert_array_equal(merged.edges["likelihood"], run.edges["likelihood"])
 
 
+def test_decisions(tmp_path):
+    run = willis.infer(BROKEN, samples=64)
+    rows = run.undecided
+    accepted, rejected = int(rows[0]), int(rows[-1])
+    again = run.decide(accept=[accepted], reject=[rejected], who="A. Reader")
+    assert again.kept[accepted] and not again.kept[rejected]
+    assert again.edges["probability"][accepted] == 1 and again.edges["probability"][rejected] == 0
+    # The list of a page does the same.
+    ids = [list(run.nodes["id"][run.edges[end][[accepted, rejected]]]) for end in ("node_a", "node_b")]
+    lines = [f"{row},{a},{b},{word}" for row, a, b, word in zip((accepted, rejected), *ids, ("accept", "reject"))]
+    (tmp_path / "decisions.csv").write_text("edge,id_a,id_b,decision\n" + "\n".join(lines) + "\n")
+    read = willis.infer(BROKEN, samples=64, decisions=tmp_path / "decisions.csv")
+    np.testing.assert_array_equal(read.edges["likelihood"], again.edges["likelihood"])
+    np.testing.assert_array_equal(read.kept, again.kept)
+    with pytest.raises(willis.WillisError, match="decided on before"):
+        again.decide(accept=[rejected])
+    with pytest.raises(willis.WillisError, match="each row once"):
+        run.decide(accept=[1], reject=[1])
+
+
 def test_errors_say_what_where_and_what_else(tmp_path):
     path = tmp_path / "bad.swc"
     path.write_text("1 0 0 0 0 1 -1\n2 0 1 0 x 1 1\n")

@@ -11,6 +11,7 @@ import threading
 import warnings
 import weakref
 from collections.abc import Callable, Sequence
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, Literal
 
@@ -96,6 +97,16 @@ class Run:
     def rekeep(self, keep: str) -> Run:
         """The same samples decided on by another rule, as ``keep`` of :func:`infer`."""
         return Run(self._run.decided_by(keep))
+
+    def decide(self, accept: Sequence[int] = (), reject: Sequence[int] = (), *, who: str = "") -> Run:
+        """The run again with decisions of a person on rows of :attr:`edges`: accepted connections are certain, rejected ones are gone,
+        and the probabilities of those beside them follow. ``decisions`` of :func:`infer` takes the list that a page saves.
+        """
+        accepted, rejected = ([int(row) for row in rows] for rows in (accept, reject))
+        if min([*accepted, *rejected, 0]) < 0 or len({*accepted, *rejected}) < len(accepted) + len(rejected):
+            raise WillisError("decisions: a row that is negative or comes twice; expected each row once", item="decisions")
+        when = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+        return Run(self._run.decide(accepted, rejected, who, when))
 
     def save(self, folder: PathLike, *, dpi: int = 150) -> None:
         """Writes the folder that ``willis infer`` writes, byte for byte but for the times in run.json."""
@@ -239,6 +250,7 @@ def infer(
     viscosity: str = "3.5cP",
     solver: Literal["auto", "lanes", "gradients", "reference"] = "auto",
     keep: str | None = None,
+    decisions: PathLike | None = None,
     prior: PathLike | None = None,
     cut: PathLike | None = None,
     mask: PathLike | None = None,

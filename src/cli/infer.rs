@@ -22,6 +22,7 @@ use super::args::arteries::{self, ArteryArgs};
 use super::args::boundary::{self, BoundaryArgs};
 use super::args::candidates::CandidateArgs;
 use super::args::figures::whole;
+use super::args::file_of;
 use super::args::reading::ReadingArgs;
 use super::args::sampling::SamplingArgs;
 use super::checkpoint::{Follower, Interval};
@@ -66,6 +67,10 @@ pub struct InferenceArgs {
     /// [default: probable where candidates come with evidence, else median]
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     pub keep: Option<String>,
+    /// What a person decided on connections, as report.html writes it (decisions.csv): accepted ones are certain, rejected ones are gone;
+    /// {} in it is the path of INPUT without its ending
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Answer")]
+    pub decisions: Option<PathBuf>,
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true,
         help_heading = "Answer", hide_short_help = true)]
@@ -164,6 +169,7 @@ impl InferenceArgs {
         self.candidates.put(&mut options)?;
         options.arteries = self.arteries.source();
         options.phenotypes = self.arteries.phenotypes();
+        options.decisions.clone_from(&self.decisions);
         options.validate()?;
         Ok((options, runs))
     }
@@ -201,6 +207,7 @@ impl<'a> Inferences<'a> {
         let mut options = self.options.clone();
         options.boundary = boundary::for_input(&options.boundary, input);
         options.arteries = options.arteries.as_ref().map(|source| arteries::for_input(source, input));
+        options.decisions = options.decisions.as_ref().map(|name| file_of(name, input));
         options
     }
 
@@ -344,7 +351,10 @@ impl Inferences<'_> {
             Some(Prior::File(path)) => Some(path),
             _ => None,
         };
-        [self.args.reading.loops(input), options.boundary.conditions, prior, landmarks].into_iter().flatten().collect()
+        [self.args.reading.loops(input), options.boundary.conditions, prior, landmarks, options.decisions]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 }
 

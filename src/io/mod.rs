@@ -35,6 +35,7 @@ pub use numpy::matrix::{NamedArray, write_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 pub use read::{BuiltNetwork, Content, Document, ReadOptions, bytes_of, read, read_bytes};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
+pub use tables::decisions::{ListedDecision, read_decisions};
 pub use tables::graph::{END_POSITION_COLUMNS, axis, condition_columns, graph_columns, node_columns, vessel_columns};
 pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};

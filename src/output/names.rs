@@ -36,6 +36,8 @@ pub const TERRITORY_PICTURE: &str = "territories";
 pub const LIKELIHOOD_PICTURE: &str = "likelihood";
 /// The likelihood against the samples as a picture.
 pub const CONVERGENCE_PICTURE: &str = "convergence";
+/// A run in one picture.
+pub const SUMMARY_PICTURE: &str = "summary";
 /// A resistance modulation as a picture.
 pub const MODULATION_PICTURE: &str = "modulation";
 /// How hypertension is distributed, as a picture.

@@ -14,8 +14,9 @@ use crate::flow::boundary_conditions::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::network::Network;
-use crate::output::write_record;
-use crate::report::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
+use crate::report::{
+    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
+};
 use crate::sampling::{SamplingOptions, infer};
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
@@ -166,7 +167,6 @@ impl Phenotype {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
         write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.json)?;
-        write_collaterals(folder, &self.collaterals)?;
-        write_record(folder, &self.record)
+        write_classified(folder, &self.record, collateral_columns(&self.collaterals))
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::shard::Solver;
-use super::{Prepared, SaveOptions};
+use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
 use crate::circle_of_willis::Posterior;
 use crate::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
 use crate::error::{Error, Result};
@@ -141,6 +141,24 @@ impl Inference {
         Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
     }
 
+    /// The run again with decisions of a person: accepted connections are certain, rejected ones are gone, and those beside them follow.
+    /// Decisions that the run was made with stay.
+    ///
+    /// # Errors
+    ///
+    /// A row that is no candidate and no contact, or was decided on before; as [`infer`](crate::infer).
+    pub fn with_decisions(&self, made: &[ConnectionDecision], progress: &mut dyn Progress) -> Result<Self> {
+        let mut prepared = Prepared::clone(&self.prepared);
+        let mut all: Vec<ConnectionDecision> = serde_json::from_value(prepared.decisions["made"].clone()).unwrap_or_default();
+        if let Some(again) = made.iter().find(|new| all.iter().any(|old| old.edge == new.edge)) {
+            return Err(Error::parameter("decisions", again.edge, "was decided on before; expected another connection"));
+        }
+        prepared.uniform_prior = super::decide_on(&mut prepared.graph, made, prepared.uniform_prior)?;
+        all.extend_from_slice(made);
+        prepared.decisions["made"] = json!(all);
+        Arc::new(prepared).sample(&self.sampling, progress)
+    }
+
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
     ///
     /// # Errors
@@ -216,8 +234,8 @@ impl Inference {
         summary.state_prior(prepared.prior.clone());
         summary.state_cut(prepared.cuts.clone());
         summary.state_image(prepared.image.clone());
+        summary.state_decisions(prepared.decisions.clone());
         summary.time = self.time.clone();
-        let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
             let variant = posterior.best();
             let phenotype = phenotype_json(&prepared.graph, &variant, Some(posterior));
@@ -226,6 +244,7 @@ impl Inference {
             summary.state_phenotype(phenotype, &found.known_by, found.record());
             found.write_landmarks(folder)?;
         }
+        let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
         // Known only once all else is written.
         summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
         write_record(folder, &summary)?;

@@ -4,6 +4,7 @@ mod arteries;
 mod boundary_options;
 mod classify;
 mod cuts;
+mod decisions;
 mod inference;
 mod input;
 mod label;
@@ -20,6 +21,7 @@ pub use arteries::ArterySource;
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use cuts::Cut;
+pub use decisions::ConnectionDecision;
 pub use inference::Inference;
 pub use input::{Contents, Input, read, read_bytes};
 pub use label::{LabelOptions, Labelled, label};
@@ -106,6 +108,9 @@ pub struct Prepared {
     pub(crate) image: Value,
     /// What it shows along doubtful vessels.
     pub(crate) image_cuts: Vec<ImageCut>,
+    /// The record of what a person decided.
+    #[serde(default)]
+    pub(crate) decisions: Value,
     /// What is known of the contacts beside their vessels.
     pub(crate) contacts: Contacts,
     pub(crate) uniform_prior: bool,
@@ -198,8 +203,15 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
-    let (graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
+    let (mut graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
     let boundary = boundary.extended_to(graph.node_count());
+    let mut uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
+    let mut decided = Value::Null;
+    if let Some(path) = &options.decisions {
+        let (made, record) = decisions::load(path, &graph, &provenance.sha256)?;
+        uniform_prior = decide_on(&mut graph, &made, uniform_prior)?;
+        decided = record;
+    }
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
@@ -226,7 +238,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),
         image: image.map_or(Value::Null, |image| image.record(unseen)),
         contacts,
-        uniform_prior: matches!(prior, prior::LoadedPrior::Uniform),
+        uniform_prior,
+        decisions: decided,
         candidates: is_fragments.then_some(building),
         arteries,
         started: input.started,
@@ -276,6 +289,16 @@ fn named(
         }
         Err(why) => Err(why),
     }
+}
+
+/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
+/// so from then on the vessels' own priors count, which are set to 1.
+fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
+    if uniform_prior && !made.is_empty() {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    decisions::apply(graph, made)?;
+    Ok(uniform_prior && made.is_empty())
 }
 
 /// That there is no candidate, and what may help.

@@ -49,6 +49,8 @@ pub struct InferOptions {
     pub until_stable: bool,
     /// Which uncertain vessels stay; by default the most probable forest where candidates come with evidence, else the median.
     pub keep: Option<Keep>,
+    /// The decisions of a person, as the page of a run writes them: accepted connections are certain, rejected ones are gone.
+    pub decisions: Option<PathBuf>,
     /// Where the arteries of a Circle of Willis are, where it is to be classified.
     pub arteries: Option<ArterySource>,
     /// What is known of people's circles before one is seen.
@@ -200,7 +202,7 @@ impl RunOptions {
         let mut flat = serde_json::Map::new();
         flatten(serde_json::to_value(self).unwrap_or_default(), &mut flat);
         flat.remove("max_input");
-        for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks")] {
+        for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks"), ("decisions", "decisions")] {
             let is_given = flat.remove(own).is_some_and(|path| !path.is_null());
             flat.insert(name.to_owned(), if is_given { "a file".into() } else { Value::Null });
         }

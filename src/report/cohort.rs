@@ -134,7 +134,7 @@ pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<Row> = rows.to_vec();
     first.sort_by(|a, b| uncertainty(b).total_cmp(&uncertainty(a)));
-    write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about))?;
+    write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about, folder))?;
     table.commit()?;
     page.commit()
 }

@@ -7,8 +7,10 @@ use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 use super::figures::convergence::convergence;
+use super::figures::figure::Figure;
 use super::figures::heat_map::{Matrix, heat_map};
-use super::page::{Picture, infer_page, write_page};
+use super::figures::summary::{DrawnVessel, Projection, summary as summary_picture};
+use super::page::{Picture, infer_page, scene, write_page};
 use super::run_record::Summary;
 use crate::contacts::pairings::Pairings;
 use crate::decision::{Decision, ExpectedErrors, Keep, SuggestedCut, Topology, threshold};
@@ -19,7 +21,7 @@ use crate::io::{
 };
 use crate::masks::strips::Strip;
 use crate::network::units::millimetres;
-use crate::network::{Condition, Network, Origin, Role, fragments};
+use crate::network::{Condition, Frame, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
 use crate::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
@@ -155,6 +157,9 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
         notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
     }
     summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
+    if let Some(picture) = overview(outcome, summary) {
+        picture.write(folder, dpi)?;
+    }
     let figures = pictures(folder, outcome, &matrix, dpi)?;
     write_record(folder, summary)?;
     if network.vessel_count() <= PAGE_LIMIT {
@@ -251,6 +256,43 @@ fn topology(
         notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
     }
     Ok(nodes)
+}
+
+/// The largest network that gets the picture of the whole run.
+const OVERVIEW_LIMIT: usize = 5_000;
+
+/// The run in one picture, where the vessels have places and are not too many to be seen.
+fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
+    let (network, answer) = (outcome.network, outcome.answer);
+    let scene = scene(network, outcome.boundary).ok().filter(|_| network.vessel_count() <= OVERVIEW_LIMIT)?;
+    let drawn = network.vessels().zip(scene.vessels).enumerate().map(|(row, ((_, vessel), course))| DrawnVessel {
+        course,
+        probability: vessel.evidence.map(|evidence| evidence.probability),
+        certain: !outcome.result.uncertain[row],
+        kept: answer.kept[row],
+    });
+    let of = |origin: Origin| network.vessels().zip(&answer.kept).filter(move |((_, v), _)| v.origin == origin);
+    let kept = of(Origin::Candidate).filter(|(_, kept)| **kept).count();
+    let mut words = format!("{kept} of {} possible connections kept", of(Origin::Candidate).count());
+    if outcome.contacts() > 0 {
+        words += &format!(", {} of {} contacts cut", outcome.cuts().count(), outcome.contacts());
+    }
+    words += &format!("; {} undecided", answer.undecided.len());
+    if let Some(expected) = outcome.expected {
+        words += &format!("; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
+    }
+    Some(summary_picture(summary.name().to_owned(), words, drawn.collect(), views(network.frame)))
+}
+
+/// From the front and from the patient's left as radiologists see it, where it is known which way that is.
+fn views(frame: Frame) -> [Projection; 2] {
+    let view = |name, right, up, edges| Projection { name, right, up, edges };
+    let up = [0.0, 0.0, 1.0];
+    match frame {
+        Frame::Ras => [view("front", [-1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, -1.0, 0.0], up, ["A", "P"])],
+        Frame::Lps => [view("front", [1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, 1.0, 0.0], up, ["A", "P"])],
+        Frame::Unknown => [view("along y", [1.0, 0.0, 0.0], up, ["", "x"]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])],
+    }
 }
 
 fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Picture>> {

@@ -13,7 +13,9 @@ mod transport;
 
 pub use inference::{ImageCut, Outcome, agreement, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use phenotype::{Classified, classification_record, collateral_json, phenotype_json, write_collaterals, write_phenotype};
+pub use phenotype::{
+    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
+};
 pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::node_columns as simulated_nodes;
 pub use simulation::vessel_columns as simulated_vessels;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::page::phenotype::write_phenotype_page;
 use super::run_record::Provenance;
 use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
@@ -11,8 +12,8 @@ use crate::io::{Column, write_csv};
 use crate::network::Network;
 use crate::network::units::ml_per_min;
 use crate::output::atomic::write_file;
-use crate::output::names::{COLLATERAL, PHENOTYPE, PHENOTYPE_TABLE};
-use crate::output::write_json;
+use crate::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
+use crate::output::{write_json, write_record};
 
 /// A classification with everything that its files need.
 #[derive(Debug)]
@@ -171,12 +172,8 @@ pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     Value::Object(collaterals.iter().map(each).collect())
 }
 
-/// Writes collateral.csv: the flow in every segment and territory, with all feeders and without each of them.
-///
-/// # Errors
-///
-/// A file that cannot be written.
-pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()> {
+/// The columns of collateral.csv: the flow in every segment and territory, with all feeders and without each of them.
+pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
     let mut rows = Vec::new();
     for collateral in collaterals {
         let segments = RING.iter().zip(&collateral.segments).map(|(artery, flows)| ("segment", artery, flows));
@@ -188,7 +185,7 @@ pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()
         }
     }
     let real = |name, of: fn(f64, f64) -> f64| Column::real(name, rows.iter().map(move |row| of(row.3, row.4)));
-    let columns = [
+    vec![
         Column::text("occluded", rows.iter().map(|row| row.0.to_string())),
         Column::text("kind", rows.iter().map(|row| row.1.to_owned())),
         Column::text("artery", rows.iter().map(|row| row.2.to_string())),
@@ -196,6 +193,16 @@ pub fn write_collaterals(folder: &Path, collaterals: &[Collateral]) -> Result<()
         real("flow_occluded_mL_per_min", |_, after| after),
         real("residual_share", |before, after| if before > 0.0 { after / before } else { f64::NAN }),
         Column::whole("takes_over", rows.iter().map(|row| usize::from(row.5))),
-    ];
-    write_file(&folder.join(COLLATERAL), |out| write_csv(out, &columns))
+    ]
+}
+
+/// Writes collateral.csv, the page and the record of a classification into a folder.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_classified(folder: &Path, record: &Value, collaterals: Vec<Column>) -> Result<()> {
+    write_file(&folder.join(COLLATERAL), |out| write_csv(out, &collaterals))?;
+    write_file(&folder.join(PAGE), |out| write_phenotype_page(out, record, collaterals))?;
+    write_record(folder, record)
 }

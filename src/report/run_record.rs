@@ -1,6 +1,7 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -136,6 +137,12 @@ fn topology(t: &Topology) -> Value {
 }
 
 impl Summary {
+    /// The name of the file that the run is of.
+    pub fn name(&self) -> &str {
+        let path = self.input["path"].as_str().unwrap_or_default();
+        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+    }
+
     /// States which file holds the graph that was sampled, and its SHA-256.
     pub fn state_graph(&mut self, name: &str, sha256: &str) {
         self.graph = json!({ "path": name, "sha256": sha256 });
@@ -164,6 +171,13 @@ impl Summary {
     pub fn state_image(&mut self, image: Value) {
         if !image.is_null() {
             self.parameters["image"] = image;
+        }
+    }
+
+    /// States what a person decided; null where nobody did.
+    pub fn state_decisions(&mut self, decisions: Value) {
+        if !decisions.is_null() {
+            self.parameters["decisions"] = decisions;
         }
     }
 

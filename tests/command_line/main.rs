@@ -9,6 +9,7 @@ mod bids;
 mod checkpoint;
 mod cohort;
 mod commands;
+mod decisions;
 mod manifest;
 mod merge;
 mod modulation_folder;

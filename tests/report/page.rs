@@ -217,6 +217,27 @@ fn a_modulation_has_a_table_of_vessels_for_each_class() {
     assert_eq!(content["figures"].as_array().map(Vec::len), Some(2));
 }
 
+/// The page of a classification is closed, and has the phenotype of phenotype.json; so has the page of a run with landmarks.
+#[test]
+fn a_circle_is_drawn_from_its_phenotype() {
+    let here = folder();
+    run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "scan.swc", "-q"]);
+    run(here.path(), &["infer", "scan.swc", "--landmarks", "scan.landmarks.csv", "-o", "run", "-n", "64", "-q"]);
+    run(here.path(), &["classify", "run", "-o", "classified", "-q"]);
+    run(here.path(), &["classify", &data("circle-of-willis/without-L-A1.graphml"), "-o", "as-it-stands", "-q"]);
+    for out in ["run", "classified", "as-it-stands"] {
+        let html = page(here.path(), out);
+        is_closed(&html);
+        let told: Value =
+            serde_json::from_slice(&fs::read(here.path().join(out).join("phenotype.json")).expect("told")).expect("JSON");
+        assert_eq!(content(&html)["phenotype"], told, "{out}");
+        assert!(html.contains("<section id=\"circle\""), "{out}");
+    }
+    let content = content(&page(here.path(), "classified"));
+    let rows = csv(&here.path().join("classified/collateral.csv"))("artery").len();
+    assert_eq!(content["collaterals"]["rows"], rows);
+}
+
 /// The largest picture a page is made for: 20,000 vessels stay sendable by mail.
 #[test]
 fn a_page_of_twenty_thousand_vessels_is_below_four_megabytes() {

@@ -32,7 +32,9 @@ fn pages_work_in_chromium() {
     let small = "graph500/edges.csv";
     run(here.path(), &["phantom", "tree", "--break", "--seed", "3", "-o", "tree.swc", "-q"]);
     let scan = data("scan.nii.gz");
-    let runs: [(&str, &[&str]); 10] = [
+    run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "one.swc", "-q"]);
+    run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
+    let runs: [(&str, &[&str]); 13] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
@@ -41,6 +43,9 @@ fn pages_work_in_chromium() {
         ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
         ("contacts", &["infer", &scan, "-n", "64"]),
         ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
+        ("circle", &["infer", "one.swc", "--landmarks", "one.landmarks.csv", "-n", "64"]),
+        ("classified", &["classify", "circle"]),
+        ("cohort", &["infer", "one.swc", "two.swc", "--landmarks", "{}.landmarks.csv", "-n", "64"]),
         ("simulate", &["simulate", small, "--occlude", "</script>"]),
         ("modulate", &["modulate", &data("circle-of-willis/complete.graphml"), "-n", "64"]),
     ];
@@ -49,6 +54,7 @@ fn pages_work_in_chromium() {
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/report/drive.py");
     let mut driver = Command::new(python);
+    driver.env("WILLIS_BINARY", env!("CARGO_BIN_EXE_willis"));
     let output = driver.arg(script).arg(chromium).args(runs.map(|(out, _)| out)).current_dir(here.path()).output().expect("runs");
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     assert!(output.status.success(), "{}{}", said(&output.stdout), said(&output.stderr));

@@ -1,6 +1,7 @@
 //! Tables of text: centerline points, graphs, boundary conditions, manifests, priors.
 
 pub mod conditions;
+pub(crate) mod decisions;
 pub(crate) mod graph;
 pub(crate) mod lists;
 pub(crate) mod manifest;

@@ -13,6 +13,7 @@ mod font;
 pub(crate) mod heat_map;
 pub(crate) mod hypertension;
 pub(crate) mod modulation;
+pub(crate) mod summary;
 pub(crate) mod supply_bars;
 mod svg;
 

@@ -1,12 +1,13 @@
 //! cohort.html: the subjects of a cohort in a table, the most uncertain first, and the distribution of any column.
 
 use std::io::{self, Write};
+use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Table, Template, encode};
 use crate::io::Column;
-use crate::output::names::{PAGE, PHENOTYPE};
+use crate::output::names::{PAGE, SUMMARY_PICTURE};
 use crate::report::cohort::{About, Row, WALL_TIME};
 
 const COHORT: Template = Template {
@@ -28,7 +29,13 @@ const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 /// # Errors
 ///
 /// An error of the writer.
-pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column>, about: &About<'_>) -> io::Result<()> {
+pub fn write_cohort_page(
+    out: &mut impl Write,
+    rows: &[Row],
+    columns: Vec<Column>,
+    about: &About<'_>,
+    folder: &Path,
+) -> io::Result<()> {
     let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
     let table = Table { title: "Subjects".to_owned(), columns, exact: &[], of_vessels: false };
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
@@ -37,11 +44,19 @@ pub fn write_cohort_page(out: &mut impl Write, rows: &[Row], columns: Vec<Column
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
-        "opens": if about.command == "infer" { PAGE } else { PHENOTYPE },
+        "opens": PAGE,
         "table": encode::table(&table)?,
     });
     if rows.iter().any(|row| row.page.is_some()) {
         data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();
     }
+    data["pictures"] = rows.iter().map(|row| picture(row, folder)).collect();
     COHORT.fill(out, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
+}
+
+/// The picture of a subject, seen from the folder of the cohort; null where there is none.
+fn picture(row: &Row, folder: &Path) -> Value {
+    let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
+    let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
+    if row.figures.is_ok() && folder.join(&beside).is_file() { json!(beside) } else { Value::Null }
 }

@@ -11,7 +11,7 @@ use super::scene::Scene;
 use super::{Page, Table};
 use crate::io::{Column, Values};
 use crate::masks::strips::{ACROSS, ALONG};
-use crate::report::figures::colour::colour;
+use crate::report::figures::colour::{Rgb, colour};
 
 /// Steps of the colour map; the page interpolates between them.
 const COLOURS: u32 = 32;
@@ -21,16 +21,23 @@ pub fn page(page: &Page) -> io::Result<Value> {
     Ok(json!({
         "title": page.title,
         "record": page.record,
+        "warnings": page.warnings,
         "facts": page.facts,
         "scene": page.scene.as_ref().map_or(Value::Null, scene),
         "no_scene": page.scene.as_ref().err(),
-        "colours": (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect::<Vec<_>>(),
+        "colours": colours(),
+        "phenotype": page.phenotype,
         "colourings": page.colourings,
         "threshold": page.threshold,
         "image_cuts": { "along": ALONG, "across": ACROSS, "of": page.image_cuts },
         "figures": page.figures,
         "tables": page.tables.iter().map(table).collect::<io::Result<Vec<_>>>()?,
     }))
+}
+
+/// The colour map in equal steps, from low to high.
+pub fn colours() -> Vec<Rgb> {
+    (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect()
 }
 
 /// The points as four u16 each (x, y, z, radius), with the corner and the two step sizes that convert them to mm.

@@ -1,5 +1,9 @@
 //! The page of an inference: vessels by likelihood, and a threshold that the reader can move.
 
+use std::collections::HashSet;
+
+use serde_json::Value;
+
 use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
@@ -14,11 +18,22 @@ const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"]
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
     let mut record = record(summary);
+    let warnings = super::warnings(&record);
+    let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
     // The page draws the positions.
     let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
-    columns.push(Column::whole(UNCERTAIN, outcome.result.uncertain.iter().map(|u| usize::from(*u))));
+    // What a person decided is certain to the run, and can be taken back on the page.
+    let by_person: HashSet<usize> = record["parameters"]["decisions"]["made"]
+        .as_array()
+        .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
+    let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
+    columns.push(Column::whole(UNCERTAIN, open));
+    if has_evidence(outcome.network) {
+        let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |e| e.attached[end]));
+        columns.extend(["attached_a", "attached_b"].into_iter().zip([0, 1]).map(|(name, end)| Column::real(name, attached(end))));
+    }
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit_of(outcome.weight);
     let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
@@ -58,8 +73,10 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
     Page {
         title: title("infer", &record),
+        warnings,
         facts: facts(&record, &names),
         record,
+        phenotype,
         scene,
         colourings: colourings(unit, evidence),
         image_cuts: outcome.image_cuts.to_vec(),
@@ -83,11 +100,11 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     };
     let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
-        colouring("frequency in the forest", "", Scale::Linear, true, "frequency"),
+        colouring("frequency in the forest", "", Scale::Share, true, "frequency"),
         colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
     ];
     if evidence {
-        all.insert(0, colouring("probability P", "", Scale::Linear, true, "probability"));
+        all.insert(0, colouring("probability P", "", Scale::Share, true, "probability"));
     }
     all
 }

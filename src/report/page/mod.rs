@@ -4,11 +4,13 @@ pub(crate) mod cohort;
 mod encode;
 mod inference;
 mod modulation;
-mod scene;
+pub(crate) mod phenotype;
+pub(crate) mod scene;
 mod simulation;
 
 pub use inference::page as infer_page;
 pub use modulation::{Tables as ModulationTables, page as modulation_page};
+pub use scene::scene;
 pub use simulation::page as simulation_page;
 
 use std::io::{self, Write};
@@ -21,6 +23,7 @@ use serde_json::{Value, json};
 use super::figures::colour::Rgb;
 use super::figures::{DEFAULT_DPI, Figure};
 use super::inference::ImageCut;
+use crate::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::error::Result;
 use crate::io::{Column, Values, escape};
 use scene::Scene;
@@ -32,8 +35,12 @@ pub struct Page {
     pub title: String,
     /// The record of the run, as in run.json: command, seed, parameters, notes.
     pub record: Value,
+    /// What a reader should know before anything else.
+    pub warnings: Vec<String>,
     /// The figures at the top of the page.
     pub facts: Vec<Fact>,
+    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
+    pub phenotype: Option<Value>,
     /// The vessels in space, or the reason why they cannot be shown.
     pub scene: std::result::Result<Scene, String>,
     /// The figures that can colour the vessels of the scene; the page starts with the first.
@@ -61,6 +68,41 @@ fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Vec<Fa
     names.iter().copied().chain(frame).map(|(name, pointer, unit)| (name, value(pointer), unit)).collect()
 }
 
+/// The most warnings on a page.
+const MOST_WARNINGS: usize = 6;
+
+/// What a reader of a run should know before anything else: inlets that nobody stated, parts without flow, doubtful units.
+fn warnings(record: &Value) -> Vec<String> {
+    let mut all = Vec::new();
+    let conditions = record["boundary_conditions"].as_array().map_or(&[][..], Vec::as_slice);
+    let of = |role: &str| conditions.iter().filter(|c| c["role"] == role).count();
+    let found = |role: &str| conditions.iter().filter(|c| c["role"] == role && c["found"] == true).count();
+    let inlets = found("inlet");
+    match inlets {
+        0 => {}
+        1 => all.push(
+            "Nobody stated where blood enters: the widest free end is assumed to be the inlet. --inlet states it.".to_owned(),
+        ),
+        n => all.push(format!("Nobody stated where blood enters: {n} free ends are assumed to be inlets. --inlet states them.")),
+    }
+    if !conditions.is_empty() && of("outlet") == 0 {
+        all.push("There is no outlet, so that no blood flows.".to_owned());
+    }
+    match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
+        None | Some(0) => {}
+        Some(1) => all.push("One part of the vessels carries no flow: it lacks an inlet or an outlet.".to_owned()),
+        Some(n) => all.push(format!("{n} parts of the vessels carry no flow: they lack an inlet or an outlet.")),
+    }
+    let notes = record["notes"].as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(Value::as_str);
+    let plain = |note: &&str| note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING);
+    all.extend(notes.filter(|note| !plain(note)).map(|note| {
+        let mut letters = note.chars();
+        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    }));
+    all.truncate(MOST_WARNINGS);
+    all
+}
+
 /// A table of the page.
 #[derive(Debug, Clone)]
 pub struct Table {
@@ -82,6 +124,8 @@ pub enum Scale {
     Log,
     /// By its value.
     Linear,
+    /// By its value, which lies between 0 and 1; the ends of the scale stay there.
+    Share,
     /// By its value, with one colour for each side of zero.
     Diverging,
     /// It is a colour itself, red · 2¹⁶ + green · 2⁸ + blue.
@@ -142,6 +186,8 @@ pub struct Threshold {
 
 /// The frame around the content of every page.
 const FRAME: &str = include_str!("assets/frame.html");
+/// The section of a Circle of Willis, which several pages have.
+const CIRCLE: &str = include_str!("assets/circle.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// The page of a run. Its script is made of these files in order; each has one purpose and uses those before it.
 const RUN: Template = Template {
@@ -155,12 +201,18 @@ const RUN: Template = Template {
         include_str!("assets/shaders.js"),
         include_str!("assets/webgl.js"),
         include_str!("assets/canvas.js"),
+        include_str!("assets/shape.js"),
+        include_str!("assets/overlay.js"),
         include_str!("assets/scene.js"),
         include_str!("assets/gestures.js"),
         include_str!("assets/threshold.js"),
+        include_str!("assets/decisions.js"),
+        include_str!("assets/review.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),
         include_str!("assets/image.js"),
+        include_str!("assets/record.js"),
+        include_str!("assets/circle.js"),
         include_str!("assets/page.js"),
     ],
 };
@@ -193,7 +245,7 @@ impl Template {
                 "title" => out.write_all(escape(title).as_bytes())?,
                 "style" => out.write_all(STYLE.as_bytes())?,
                 "goal" => out.write_all(self.goal.as_bytes())?,
-                "main" => out.write_all(self.main.as_bytes())?,
+                "main" => out.write_all(self.main.replace("{{circle}}", CIRCLE).as_bytes())?,
                 "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
                 _ => self.scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
             }

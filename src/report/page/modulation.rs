@@ -32,6 +32,7 @@ const VARIATION: [&str; 4] =
 /// The page of a modulation.
 pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Picture>) -> Page {
     let mut record = record(of_run);
+    let warnings = super::warnings(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let facts = facts(
         &record,
@@ -64,7 +65,9 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
     Page {
         title: title("modulate", &record),
         record,
+        warnings,
         facts,
+        phenotype: None,
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(&classes),
         image_cuts: Vec::new(),

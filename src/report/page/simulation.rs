@@ -27,6 +27,7 @@ pub fn page(
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
     let mut record = record(flow_record);
+    let warnings = super::warnings(&record);
     let mut facts = facts(&record, &FACTS);
     facts.extend(super::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
     let mut part = |name| take(&mut record, name);
@@ -48,7 +49,9 @@ pub fn page(
     Page {
         title: title("simulate", &record),
         record,
+        warnings,
         facts,
+        phenotype: None,
         scene: scene(simulated.network, simulated.boundary),
         colourings,
         image_cuts: Vec::new(),

@@ -21,12 +21,13 @@ class Camera {
     this.depth = Math.hypot(...extent.filter(Number.isFinite)) || 1;
     this.size = [300, 150];
     this.home = extent[2] < 0.35 * Math.max(extent[0], extent[1]) ? "z" : "y";
+    this.along = along;
     this.look(this.home);
   }
 
   // Looks along an axis and fits all.
   look(axis) {
-    this.turn = along[axis].map(row => [...row]);
+    this.turn = this.along[axis].map(row => [...row]);
     this.fit();
   }
 
@@ -44,6 +45,36 @@ class Camera {
     this.centre = this.middle.map((m, axis) => m + right[axis] * (west + east) / 2 + up[axis] * (south + north) / 2);
     this.mm = 1.08 * Math.max((east - west) / this.size[0], (north - south) / this.size[1], 1e-9);
     this.fitted = this.mm;
+  }
+
+  // The view that shows a sphere around a place (mm), turned so that a direction lies across the reader's sight.
+  around(at, reach, direction) {
+    let [right, up, back] = this.turn;
+    const length = direction ? Math.hypot(...direction) : 0;
+    const d = length > 0 ? direction.map(x => x / length) : null, seen = d ? dot(d, back) : 0;
+    if (d && Math.abs(seen) > 0.45) {
+      back = unit(back.map((x, i) => x - seen * d[i]));
+      if (!back.every(Number.isFinite)) back = unit(cross(d, right));
+      const across = cross(up, back);
+      [right, up, back] = orthonormal(across, up.map((x, i) => x - dot(up, back) * back[i]));
+    }
+    const mm = Math.max(2 * reach / Math.min(...this.size), this.fitted / 2000);
+    return { turn: [right, up, back], centre: [...at], mm };
+  }
+
+  // The view that fits some points, given as [x, y, z].
+  fitting(points) {
+    const low = [0, 1, 2].map(axis => Math.min(...points.map(p => p[axis]))), high = [0, 1, 2].map(axis => Math.max(...points.map(p => p[axis])));
+    const middle = low.map((l, axis) => (l + high[axis]) / 2);
+    return this.around(middle, 1.15 * Math.max(...points.map(p => Math.hypot(...p.map((x, axis) => x - middle[axis])))) + 3, null);
+  }
+
+  // Part of the way (from 0 to 1) from one view to another.
+  between(a, b, share) {
+    const mix = (p, q) => p.map((x, i) => x + share * (q[i] - x));
+    this.turn = orthonormal(mix(a.turn[0], b.turn[0]), mix(a.turn[1], b.turn[1]));
+    this.centre = mix(a.centre, b.centre);
+    this.mm = Math.exp(Math.log(a.mm) + share * (Math.log(b.mm) - Math.log(a.mm)));
   }
 
   // A view of another size, in pixels, keeps what it showed.

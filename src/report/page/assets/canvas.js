@@ -4,6 +4,7 @@ class LinePainter {
     this.canvas = canvas;
     this.ink = canvas.getContext("2d");
     this.geometry = geometry;
+    this.paper = [1, 1, 1];
   }
 
   dress(looks) {
@@ -31,7 +32,7 @@ class LinePainter {
   paint(camera) {
     const { ink, canvas, looks } = this, ratio = canvas.width / camera.size[0];
     ink.setTransform(1, 0, 0, 1, 0, 0);
-    ink.fillStyle = "#fff";
+    ink.fillStyle = `rgb(${this.paper.map(x => Math.round(255 * x))})`;
     ink.fillRect(0, 0, canvas.width, canvas.height);
     ink.setTransform(ratio, 0, 0, ratio, canvas.width / 2, canvas.height / 2);
     for (const { item, state, from, to, radius, far } of this.pieces(camera)) {
@@ -47,9 +48,10 @@ class LinePainter {
         ink.lineTo(to[0] + 1e-3, to[1]);
         ink.stroke();
       };
-      const colour = state & LOOK.picked ? "#ffd91a" : `rgb(${looks[4 * item]},${looks[4 * item + 1]},${looks[4 * item + 2]})`;
+      const faint = state & LOOK.faint, mix = (c, i) => faint ? Math.round(0.18 * c + 0.82 * 255 * this.paper[i]) : c;
+      const colour = `rgb(${[0, 1, 2].map(i => mix(looks[4 * item + i], i))})`;
       const dashed = state & LOOK.pruned && !(state & LOOK.picked);
-      if (!dashed) stroke("#1a1a1a", width + (state & LOOK.picked ? 6 : 1), [], "round");
+      if (!dashed && !faint) stroke("#1a1a1a", width + (state & LOOK.picked ? 6 : 1), [], "round");
       stroke(colour, width, dashed ? [5, 4] : [], dashed ? "butt" : "round");
       if (state & LOOK.undecided) stroke("#1a1a1a", width, [3, 9], "butt");
     }

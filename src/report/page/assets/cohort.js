@@ -5,24 +5,67 @@ const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row =
 const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
 names.address = row => bad(row) ? null : page(row).split("/").map(encodeURIComponent).join("/");
+// The variant leads to the drawing of the circle.
+const variants = subjects.find("variant");
+if (variants) variants.address = row => bad(row) || variants.at(row) === "" ? null : `${names.address(row)}#circle`;
 subjects.mark = row => bad(row) ? "failed" : null;
 // Columns of long texts come last.
 const late = ["input", "error"];
 subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
 
+const value = (name, row) => { const column = subjects.find(name); return column ? column.at(row) : NaN; };
+
+// Why a subject needs a person; empty where it does not.
+function reasons(row) {
+  if (bad(row)) return [`failed: ${subjects.find("error").at(row)}`];
+  const words = [], p = value("p_variant", row), undecided = value("undecided", row), wrong = value("expected_wrong", row), missed = value("expected_missed", row);
+  if (p < 0.8) words.push(`variant uncertain, P = ${shown(p, 2)}`);
+  if (undecided > 0) words.push(`${grouped(undecided)} undecided`);
+  if (wrong + missed >= 1) words.push(`about ${shown(wrong, 2)} wrong and ${shown(missed, 2)} missed expected`);
+  return words;
+}
+
 function showSummary() {
+  const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
+  const open = good.filter(row => reasons(row).length > 0).length, words = [make("b", { text: `${count(good.length, "subject")} of ${grouped(subjects.rows)} done` })];
+  if (data.failed > 0) words.push(", ", make("b", { text: `${grouped(data.failed)} failed` }));
+  words.push("; ", make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` }), ".");
   const mean = name => {
-    const column = subjects.find(name);
-    const values = column ? good.map(row => column.at(row)).filter(Number.isFinite) : [];
+    const column = subjects.find(name), values = column ? good.map(row => column.at(row)).filter(Number.isFinite) : [];
     return values.length ? values.reduce((a, b) => a + b) / values.length : NaN;
   };
-  const facts = [["subjects", subjects.rows], ["done", good.length], ["failed", data.failed], ["candidates, mean", mean("candidates")],
-    ["kept, mean", mean("kept")], ["undecided, mean", mean("undecided")], ["expected wrong connections, mean", mean("expected_wrong")],
-    ["expected missed connections, mean", mean("expected_missed")]];
-  byId("facts").append(...facts.filter(([, value]) => !Number.isNaN(value)).map(([name, value]) =>
-    make("div", { class: name === "failed" && value > 0 ? "failed" : null }, make("dt", { text: name }), make("dd", { text: shown(value, 3) }))));
+  const means = [["connections kept of", mean("kept")], ["candidates", mean("candidates")]];
+  if (means.every(([, x]) => Number.isFinite(x))) words.push(` On average ${shown(means[0][1], 3)} of ${shown(means[1][1], 3)} possible connections are kept`, Number.isFinite(mean("expected_wrong")) ? `, ${shown(mean("expected_wrong"), 2)} of them expected to be wrong.` : ".");
+  byId("answer-words").append(...words);
   byId("origin").textContent = `Made by willis ${data.willis}.`;
+}
+
+// A card a subject: its picture, its name, and why it needs a person.
+const CARDS = 24;
+function showPersons() {
+  const all = Array.from({ length: subjects.rows }, (_, row) => row), open = all.filter(row => reasons(row).length > 0);
+  const order = [...open, ...all.filter(row => reasons(row).length === 0)];
+  byId("persons").hidden = subjects.rows === 0;
+  byId("persons-heading").textContent = open.length ? "Subjects that need a person" : "Subjects";
+  byId("persons-note").textContent = open.length === 0 ? "No subject needs a person." : `${grouped(open.length)} of ${grouped(subjects.rows)}, the most uncertain first, then the others. A picture opens the page of its subject.`;
+  const card = row => {
+    const address = names.address(row), picture = data.pictures?.[row], why = reasons(row), variant = variants?.at(row);
+    const name = address ? make("a", { href: address, text: names.at(row) }) : make("span", { text: names.at(row) });
+    const image = picture && address ? make("a", { href: address, tabindex: "-1", "aria-hidden": "true" }, make("img", { src: picture.split("/").map(encodeURIComponent).join("/"), alt: "", loading: "lazy", width: 640, height: 390 })) : null;
+    return make("article", { class: `card${bad(row) ? " failed" : why.length ? " open" : ""}` }, ...[image, make("h3", {}, name),
+      variant ? make("p", {}, make("a", { href: `${address}#circle`, text: variant })) : null,
+      why.length ? make("ul", {}, ...why.map(text => make("li", { text }))) : make("p", { class: "quiet", text: "nothing to check" })].filter(Boolean));
+  };
+  let at = 0;
+  const more = () => {
+    byId("cards").append(...order.slice(at, at + CARDS).map(card));
+    at += CARDS;
+    byId("more-cards").hidden = at >= order.length;
+    byId("more-cards").textContent = `Show more (${grouped(order.length - at)})`;
+  };
+  byId("more-cards").addEventListener("click", more);
+  more();
 }
 
 function showFailures() {
@@ -34,6 +77,23 @@ function showFailures() {
 
 const sheet = new Sheet(subjects, [], () => {});
 
+// The table holds the subjects of the chosen bar and of the chosen variant.
+let ofBar = null;
+function filterRows() {
+  const variant = byId("variant").value;
+  const all = Array.from({ length: subjects.rows }, (_, row) => row);
+  sheet.only(!ofBar && variant === "" ? null : new Set(all.filter(row => (!ofBar || ofBar.has(row)) && (variant === "" || variants.at(row) === variant))));
+}
+
+function showVariants() {
+  const counts = new Map();
+  for (const row of variants ? good : []) if (variants.at(row) !== "") counts.set(variants.at(row), (counts.get(variants.at(row)) || 0) + 1);
+  byId("by-variant").hidden = counts.size === 0;
+  const sorted = [...counts].sort((a, b) => b[1] - a[1] || (a[0] < b[0] ? -1 : 1));
+  byId("variant").append(make("option", { value: "", text: "all" }), ...sorted.map(([text, count]) => make("option", { value: text, text: `${text} (${grouped(count)})` })));
+  byId("variant").addEventListener("change", filterRows);
+}
+
 function showDistribution() {
   const choice = byId("column"), skip = ["subject", "input", "status", "error"];
   const columns = subjects.columns.filter(c => !skip.includes(c.name));
@@ -42,8 +102,9 @@ function showDistribution() {
   const show = () => {
     const column = columns[choice.value];
     if (!column) return;
-    sheet.only(null);
-    const counted = showBars(byId("bars"), column, good, bar => sheet.only(bar && new Set(bar.rows)));
+    ofBar = null;
+    filterRows();
+    const counted = showBars(byId("bars"), column, good, bar => { ofBar = bar && new Set(bar.rows); filterRows(); });
     const without = good.length - counted;
     byId("distribution-note").textContent = `${grouped(counted)} subjects` + (without ? `, ${grouped(without)} without this figure` : "") + ". Choose a bar to filter the table.";
   };
@@ -60,4 +121,4 @@ function showRun() {
     [make("dt", { text: name.replaceAll("_", " ") }), make("dd", { text: Array.isArray(value) ? value.join(", ") : shown(value, 7) })])));
 }
 
-showAll(showSummary, showFailures, () => byId("sheet").append(sheet.element), showDistribution, showRun);
+showAll(showSummary, showPersons, showFailures, showVariants, () => byId("sheet").append(sheet.element), showDistribution, showRun);

@@ -17,8 +17,10 @@ const DECADES = 12;
 function scaleOf(kind, values, legend) {
   if (kind === "mixed") {
     const colour = x => [x >> 16 & 255, x >> 8 & 255, x & 255];
-    return { colour, legend, ticks: legend.map(([name], i) => [(i + 0.5) / legend.length, name]), clipped: false };
+    return { colour, legend, bar: t => legend[Math.min(Math.floor(t * legend.length), legend.length - 1)][1], ticks: legend.map(([name], i) => [(i + 0.5) / legend.length, name]), clipped: false };
   }
+  const bar = t => blend(data.colours, t);
+  if (kind === "share") return { colour: bar, bar, ticks: [0, 0.25, 0.5, 0.75, 1].map(t => [t, shown(t)]), clipped: false };
   let low = Infinity, high = -Infinity, most = 0, least = Infinity;
   for (const v of values) {
     const size = Math.abs(v);
@@ -31,7 +33,7 @@ function scaleOf(kind, values, legend) {
   if (kind === "diverging") {
     const share = x => 0.5 + 0.5 * x / (most || 1);
     const tick = x => [share(x), x > 0 ? "+" + shown(x, 3) : shown(x, 3)];
-    return { share, colour: x => blend(SIDES, share(x)), ticks: most > 0 ? [tick(-most), tick(0), tick(most)] : [tick(0)], clipped: false };
+    return { colour: x => blend(SIDES, share(x)), bar: t => blend(SIDES, t), ticks: most > 0 ? [tick(-most), tick(0), tick(most)] : [tick(0)], clipped: false };
   }
   if (kind === "log" && most > 0) {
     let [from, to] = [Math.log10(least), Math.log10(most)];
@@ -43,20 +45,19 @@ function scaleOf(kind, values, legend) {
     const ticks = [];
     for (let e = Math.ceil(from); e <= to; e += step) ticks.push([(e - from) / (to - from), power(e)]);
     const at = t => shown(10 ** (from + t * (to - from)), 3);
-    return { share, colour: x => blend(data.colours, share(x)), ticks: ticks.length > 2 ? ticks : [0, 0.5, 1].map(t => [t, at(t)]), clipped };
+    return { colour: x => bar(share(x)), bar, ticks: ticks.length > 2 ? ticks : [0, 0.5, 1].map(t => [t, at(t)]), clipped };
   }
   if (!(low <= high)) [low, high] = [0, 1];
   const range = high - low || 1;
   const share = x => (Math.abs(x) - low) / range;
-  return { share, colour: x => blend(data.colours, share(x)), ticks: [0, 0.5, 1].map(t => [t, shown(low + t * range, 3)]), clipped: false };
+  return { colour: x => bar(share(x)), bar, ticks: [0, 0.5, 1].map(t => [t, shown(low + t * range, 3)]), clipped: false };
 }
 
 // The colour bar with its ticks.
-function showScale(canvas, ticks, scale, kind) {
+function showScale(canvas, ticks, scale) {
   const ink = canvas.getContext("2d");
   for (let x = 0; x < canvas.width; x++) {
-    const of = scale.legend?.[Math.floor(x / canvas.width * scale.legend.length)];
-    ink.fillStyle = of ? `rgb(${of[1]})` : `rgb(${blend(kind === "diverging" ? SIDES : data.colours, x / (canvas.width - 1))})`;
+    ink.fillStyle = `rgb(${scale.bar(x / (canvas.width - 1))})`;
     ink.fillRect(x, 0, 1, canvas.height);
   }
   ticks.replaceChildren(...scale.ticks.map(([share, text]) => {

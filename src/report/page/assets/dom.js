@@ -18,7 +18,7 @@ function shown(x, digits = 5) {
   if (typeof x !== "number") return x === null || x === undefined ? "" : String(x);
   if (Number.isNaN(x)) return "";
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
-  if (Number.isInteger(x) && Math.abs(x) < 1e9) return (x < 0 ? "−" : "") + grouped(Math.abs(x));
+  if (Number.isInteger(x) && Math.abs(x) < 1e15) return (x < 0 ? "−" : "") + grouped(Math.abs(x));
   const size = Math.abs(x);
   const text = size >= 1e6 || size < 1e-3 ? x.toExponential(digits - 2) : String(Number(x.toPrecision(digits)));
   return text.replace("e+", "e").replaceAll("-", "−");

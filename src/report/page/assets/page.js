@@ -4,67 +4,98 @@ const vessels = tables[0];
 const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels) : null;
 const histogram = threshold && new Histogram(threshold);
 const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
-let scene = null, sheet = null, picked = -1;
-
-function pairs(entries) {
-  return make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]));
-}
+const frame = data.record.input?.frame;
+let scene = null, sheet = null, picked = -1, decisions = null, review = null;
 
 // Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
 function pick(row, turn = true) {
   picked = row;
-  if (scene) scene.pick(row);
+  if (scene) {
+    if (row < 0) scene.showAll();
+    scene.pick(row);
+    if (row >= 0 && turn) scene.reveal(row);
+  }
   sheet.pick(row, turn);
-  const place = byId("picked");
+  showPicked();
+}
+
+function showPicked() {
+  const place = byId("picked"), row = picked;
+  review?.select(row);
   if (row < 0) {
     place.replaceChildren(make("p", { class: "quiet", text: "No vessel is selected." }));
     return;
   }
   const of = sheet.table.ofVessels ? sheet.table : vessels;
   const label = of.find("label")?.at(row);
-  const rest = [...of.columns.filter(c => c.name !== "label" && c.name !== "uncertain"), ...live];
+  const rest = [...of.columns.filter(c => c.name !== "label" && !UNSHOWN.has(c.name)), ...live];
   const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
   const image = of === vessels ? imageOf(row) : null;
-  place.replaceChildren(make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), ...(image ? [image] : []), pairs(entries));
+  const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
+  const figures = pairs(entries);
+  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), image, beside,
+    beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
+}
+
+// Flies to an uncertain connection and shows its alternatives; to any other vessel as a selection does.
+function goTo(row) {
+  pick(row, false);
+  if (!scene || !threshold?.uncertain[row]) { scene?.reveal(row); return; }
+  const rivals = threshold.rivals(row);
+  scene.overlay.chances = [row, ...rivals]
+    .filter((one, at) => at === 0 || !(threshold.chance(one) < 0.02)).slice(0, 12).map(one => ({ at: scene.shape.middle(one), text: review.figure(one), strong: one === row }));
+  // Alternatives that are hardly probable do not widen the view.
+  const likely = rivals.filter(one => threshold.probability === null || !(threshold.chance(one) < 0.03));
+  scene.goTo(row, rivals, likely);
+  scene.dress();
+  if (byId("view").getBoundingClientRect().top < 0) byId("view").scrollIntoView({ block: "start" });
+}
+
+// One sentence that says what was found.
+function showAnswer() {
+  const words = [], figure = (text, strong = true) => make(strong ? "b" : "span", { text });
+  const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
+  if (threshold) {
+    const origins = vessels.find("origin"), uncertain = threshold.known.length ? [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]) : [];
+    const candidates = uncertain.filter(row => origins?.at(row) !== "contact" && origins?.at(row) !== "observed"), contacts = uncertain.filter(row => origins?.at(row) === "contact");
+    const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
+    const kept = candidates.filter(row => threshold.kept[row]).length;
+    words.push(figure(`${grouped(kept)} of ${count(candidates.length, "possible connection")} kept`));
+    if (contacts.length) words.push(", ", figure(`${count(contacts.filter(row => !threshold.kept[row]).length, "observed contact")} cut`));
+    if (observed) words.push(", ", figure(`${count(uncertain.filter(row => origins?.at(row) === "observed" && !threshold.kept[row]).length, "observed vessel")} pruned`));
+    words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
+    const about = x => x < 0.05 ? "none" : `about ${shown(x, x < 1 ? 1 : 2)}`;
+    if (expected) words.push("; ", figure(`${about(expected.wrong)} expected to be wrong, ${about(expected.missed)} missed`, false));
+    words.push(". ", figure(`The vessels form ${count(counts.components, "part")}${counts.cycles ? ` with ${count(counts.cycles, "loop")}` : ""}.`, false));
+    if (threshold.decided.size) words.push(" ", figure(`${grouped(threshold.decided.size)} decided by a person.`, false));
+    else if (!threshold.asRun && threshold.now !== threshold.cut) words.push(" ", figure("At another threshold than that of the run.", false));
+  }
+  if (!threshold) {
+    // What a simulation leads with: the inflow and what became of it.
+    const of = name => data.facts.find(([fact]) => fact === name), inflow = of("inflow"), after = of("inflow perturbed"), reversed = of("reversed flows");
+    if (inflow) words.push(figure(after ? `Inflow ${shown(inflow[1], 3)} → ${shown(after[1], 3)} ${inflow[2]}` : `Inflow ${shown(inflow[1], 3)} ${inflow[2]}`));
+    if (reversed) words.push("; ", figure(reversed[1] === 0 ? "no flow is reversed" : `${count(reversed[1], "flow is", "flows are")} reversed`));
+    if (inflow) words.push(".");
+  }
+  const phenotype = data.phenotype;
+  if (phenotype) {
+    const known = phenotype.probabilities;
+    words.push(" ", make("a", { href: "#circle", text: `Circle of Willis: ${phenotype.words}${known ? ` (P = ${chance(known.variant)})` : ""}.` }));
+  }
+  byId("answer-words").hidden = words.length === 0;
+  byId("answer-words").replaceChildren(...words);
 }
 
 function showFacts() {
-  byId("facts").append(...data.facts.filter(([, value]) => value !== null).map(([name, value, unit]) =>
-    make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit })))));
+  const [warnings, facts] = [data.warnings || [], data.facts.filter(([, value]) => value !== null)];
+  byId("warnings").hidden = warnings.length === 0;
+  byId("warnings").append(...warnings.map(text => make("li", { text })));
+  byId("facts").hidden = Boolean(threshold);
+  const tiles = facts.map(([name, value, unit]) => make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit }))));
+  (threshold ? make("dl", { class: "facts" }, ...tiles) : byId("facts")).append(...tiles);
+  if (threshold) byId("settings").prepend(byId("settings").firstElementChild, make("dl", { class: "facts" }, ...tiles));
   const { input, willis } = data.record;
   byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
-}
-
-// A section of the record, with nested objects as one list.
-function recordPart(title, part) {
-  const flat = (prefix, object) => Object.entries(object).flatMap(([key, value]) => {
-    const name = prefix ? `${prefix}: ${key}` : key;
-    if (value === null) return [];
-    if (Array.isArray(value)) return [[name, value.length > 40 ? `${value.length} entries` : value.map(v => typeof v === "object" ? JSON.stringify(v) : shown(v, 7)).join(", ")]];
-    return typeof value === "object" ? flat(name, value) : [[name, shown(value, 7)]];
-  });
-  return make("section", {}, make("h3", { text: title }), pairs(flat("", part)));
-}
-
-function showRun() {
-  const { record } = data, box = byId("command");
-  box.value = record.command;
-  byId("copy").addEventListener("click", async () => {
-    box.select();
-    let done = false;
-    try {
-      await navigator.clipboard.writeText(box.value);
-      done = true;
-    } catch {
-      done = document.execCommand("copy");
-    }
-    byId("copied").textContent = done ? "Copied." : "Selected: press Ctrl-C or Cmd-C to copy.";
-  });
-  byId("notes").append(...(record.notes || []).map(text => make("li", { text })));
-  const parts = Object.entries(record).filter(([, part]) => part && typeof part === "object" && !Array.isArray(part));
-  const loose = Object.entries(record).filter(([name, part]) => !["command"].includes(name) && (typeof part !== "object" || part === null));
-  byId("record").append(recordPart("run", Object.fromEntries(loose)), ...parts.map(([name, part]) => recordPart(name.replaceAll("_", " "), part)));
-  (record.classes || []).forEach(part => byId("record").append(recordPart(`class ${part.class}`, part)));
 }
 
 function showFigures() {
@@ -78,9 +109,9 @@ function showTables() {
   const choose = at => {
     [...tabs.children].forEach((tab, i) => { tab.setAttribute("aria-selected", i === at); tab.tabIndex = i === at ? 0 : -1; });
     place.setAttribute("aria-labelledby", `tab-${at}`);
-    sheet = new Sheet(tables[at], tables[at].ofVessels ? live : [], pick);
+    sheet = new Sheet(tables[at], tables[at].ofVessels ? live : [], row => pick(row));
     place.replaceChildren(sheet.element);
-    if (picked >= 0) pick(picked);
+    if (picked >= 0) pick(picked, false);
   };
   tabs.append(...tables.map((t, at) => {
     const tab = make("button", { type: "button", role: "tab", id: `tab-${at}`, "aria-controls": "sheet", text: `${t.title} (${grouped(t.rows)})` });
@@ -100,7 +131,7 @@ function showTables() {
 
 // The colours of the vessels: the chosen figure, on one scale for all its variants.
 function colouring() {
-  const by = byId("colour-by"), variant = byId("variant");
+  const by = byId("colour-by"), variant = byId("colour-variant");
   const options = (select, names) => select.replaceChildren(...names.map((text, i) => make("option", { value: i, text })));
   const usable = data.colourings.map(c => ({ ...c, variants: c.variants.filter(([, at, name]) => tables[at].find(name)) })).filter(c => c.variants.length);
   options(by, usable.map(c => c.name));
@@ -111,16 +142,21 @@ function colouring() {
     const grey = row => chosen.uncertain_only && threshold && !threshold.uncertain[row];
     const each = chosen.variants.map(([, at, name]) => tables[at].find(name).values);
     const scale = scaleOf(chosen.scale, each.flatMap(values => Array.from(values).filter((_, row) => !grey(row))), chosen.legend);
-    showScale(byId("colour-bar"), byId("colour-ticks"), scale, chosen.scale);
-    const parts = [withUnit(chosen.name, chosen.unit && `(${chosen.unit})`)];
+    showScale(byId("colour-bar"), byId("colour-ticks"), scale);
+    const parts = [];
     if (chosen.scale === "log") parts.push(chosen.uncertain_only ? "logarithmic; zero takes the lightest colour" : "magnitude, logarithmic; zero is grey");
     if (chosen.scale === "mixed") parts.push("colours of the inlets mixed by their shares");
     if (scale.clipped) parts.push(`values more than ${DECADES} decades below the largest take the lightest colour`);
     if (chosen.uncertain_only) parts.push("certain vessels are grey");
-    byId("colour-note").textContent = parts.join("; ") + ".";
-    const values = each[variant.value || 0];
+    const name = withUnit(chosen.name, chosen.unit && `(${chosen.unit})`);
+    byId("colour-note").textContent = [name, ...parts].join("; ") + ".";
+    const values = each[variant.value || 0], decidedColour = chosen.variants[0][2] === "probability" && threshold;
     const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.uncertain_only;
-    colour = row => grey(row) || none(values[row]) ? GREY : scale.colour(values[row]);
+    colour = row => {
+      const x = decidedColour && threshold.decided.size ? threshold.chance(row) : values[row];
+      return grey(row) || none(x) ? GREY : scale.colour(x);
+    };
+    if (scene) scene.overlay.legend = { name, ticks: scale.ticks, colours: scale.bar };
     dress();
   };
   by.addEventListener("change", () => {
@@ -148,42 +184,79 @@ function look(row) {
 
 let colourOf = () => GREY;
 function dress() {
-  if (scene) scene.dress(row => colourOf(row), look);
+  if (!scene) return;
+  scene.certainShown = shownState.observed.checked;
+  scene.dress(row => colourOf(row), look);
 }
 
 function showThreshold() {
-  byId("threshold").hidden = !threshold;
-  if (!threshold) return;
+  byId("threshold").hidden = byId("states").hidden = byId("fit-doubt").hidden = !threshold;
+  if (!threshold) return () => {};
   const slider = byId("slider"), number = byId("number");
   byId("rule").textContent = `${threshold.name} ${threshold.at_least ? "≥" : ">"} threshold`;
   byId("unit").textContent = threshold.unit;
   slider.max = Math.max(threshold.stops.length - 1, 0);
   slider.disabled = threshold.stops.length < 2;
+  number.placeholder = "as the run decided";
   let waiting = 0;
   const show = () => {
     const { counts } = threshold, value = threshold.asRun ? "as the run decided" : threshold.now === null ? "none" : withUnit(shown(threshold.now), threshold.unit);
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = threshold.now ?? "";
+    number.value = threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
     histogram.show(byId("histogram"));
+    showAnswer();
     dress();
     // Announced, and updated in the table, when the slider rests.
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;
       sheet?.refresh();
-      if (picked >= 0) pick(picked, false);
+      if (picked >= 0) showPicked();
     }, 250);
   };
   const set = cut => { threshold.set(cut); show(); };
-  slider.addEventListener("input", () => set(threshold.stops[slider.value]));
+  slider.addEventListener("input", () => set(threshold.round(Number(slider.value))));
   number.addEventListener("change", () => { if (number.value !== "" && Number.isFinite(Number(number.value))) set(Number(number.value)); else show(); });
   byId("to-run").addEventListener("click", () => { threshold.toRun(); show(); });
   byId("to-median").hidden = threshold.median === null;
   byId("to-median").addEventListener("click", () => set(threshold.median));
   for (const box of Object.values(shownState)) box.addEventListener("change", dress);
   show();
+  return show;
+}
+
+function showReview() {
+  if (!threshold) return;
+  const show = () => { review.show(); showThreshold.again(); if (picked >= 0) showPicked(); };
+  decisions = new Decisions(threshold, vessels, tables.find(t => t.title === "Nodes"), show);
+  review = new Review(threshold, decisions, vessels, goTo);
+  byId("review").hidden = false;
+  byId("review-more").addEventListener("click", () => { review.shown += A_PAGE; review.show(); });
+  byId("undo").addEventListener("click", () => { const row = decisions.undo(); if (row >= 0) goTo(row); });
+  byId("download").addEventListener("click", () => decisions.download());
+  byId("fit-doubt").addEventListener("click", () => {
+    const rows = review.items.length ? review.items.map(item => item.row) : [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]);
+    scene.showAll();
+    dress();
+    if (rows.length) scene.fly(scene.camera.fitting(rows.map(row => scene.shape.middle(row))));
+  });
+  review.show();
+}
+
+function showTooltip(row, x, y) {
+  const tip = byId("tooltip");
+  tip.hidden = !(row >= 0);
+  if (tip.hidden) return;
+  const label = vessels.find("label")?.at(row), radius = vessels.find("radius_mm")?.at(row);
+  const lines = [label ? `${label} (vessel ${row})` : `Vessel ${row}`];
+  if (threshold?.uncertain[row]) lines.push(`${review.figure(row)}, ${threshold.state(row)}`);
+  if (radius !== undefined) lines.push(`radius ${shown(radius, 2)} mm, length ${shown(vessels.find("length_mm").at(row), 3)} mm`);
+  tip.replaceChildren(...lines.map(text => make("div", { text })));
+  const [w, h] = scene.camera.size;
+  tip.style.left = `${Math.min(x + w / 2 + 14, w - 190)}px`;
+  tip.style.top = `${Math.min(y + h / 2 + 12, h - 70)}px`;
 }
 
 function showScene() {
@@ -191,24 +264,46 @@ function showScene() {
     const why = byId("no-scene");
     why.textContent = data.no_scene || "There is no vessel to draw.";
     why.hidden = false;
-    byId("stage").hidden = byId("colouring").hidden = true;
-    document.querySelector(".toggles").hidden = true;
+    byId("stage").hidden = true;
     return;
   }
-  scene = new SceneView(data.scene);
-  listen(scene, row => pick(row), by => pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows));
+  scene = new SceneView(data.scene, vessels, frame);
+  const names = { y: "y", x: "x", z: "z" };
+  if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
+  listen(scene, {
+    pick: row => threshold?.uncertain[row] && row >= 0 ? goTo(row) : pick(row),
+    hover: showTooltip,
+    whole: () => { scene.showAll(); dress(); },
+    step: by => {
+      if (review?.items.length) review.step(by);
+      else pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows);
+    },
+    key: name => {
+      if (name === "u" && decisions) { const row = decisions.undo(); if (row >= 0) goTo(row); return true; }
+      if ((name !== "a" && name !== "r") || !decisions || !threshold.uncertain[picked]) return false;
+      decisions.decide(picked, name === "a");
+      return true;
+    },
+  });
   colourOf = colouring();
-  const toggle = (id, shown, isOne) => {
+  const toggle = (id, isOne, change) => {
     const box = byId(id);
-    byId(`${id}-label`).hidden = !data.scene.markers.some(([kind]) => isOne(kind));
-    box.checked = scene[shown];
-    box.addEventListener("change", () => { scene[shown] = box.checked; dress(); });
+    byId(`${id}-label`).hidden = !isOne;
+    box.addEventListener("change", () => { change(box.checked); dress(); });
   };
-  toggle("markers", "markersShown", kind => !CUTS.has(kind));
-  toggle("cuts", "cutsShown", kind => kind === "cut");
-  toggle("suggested", "cutsShown", kind => kind === "suggested");
-  byId("picture").addEventListener("click", () => make("a", { href: scene.canvas.toDataURL(), download: "vessels.png" }).click());
+  const has = isOne => data.scene.markers.some(([kind]) => isOne(kind));
+  toggle("markers", has(kind => !CUTS.has(kind)), on => { scene.markersShown = on; });
+  toggle("cuts", has(kind => kind === "cut"), on => { scene.cutsShown = on; });
+  toggle("suggested", has(kind => kind === "suggested"), on => { scene.cutsShown = on; });
+  toggle("names", scene.overlay.names.length > 0, on => { scene.overlay.namesShown = on; });
+  byId("markers").checked = scene.markersShown;
+  byId("picture").addEventListener("click", () => make("a", { href: scene.picture().toDataURL(), download: "vessels.png" }).click());
   dress();
 }
 
-showAll(showFacts, showTables, showScene, showThreshold, showFigures, showRun);
+function showPhenotype() {
+  byId("circle").hidden = !data.phenotype;
+  if (data.phenotype) showCircle(data.phenotype, data.colours, scene && goTo);
+}
+
+showAll(showFacts, showTables, showScene, showReview, () => { showThreshold.again = showThreshold(); }, showAnswer, showPhenotype, showFigures, showRun);

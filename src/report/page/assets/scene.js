@@ -1,30 +1,71 @@
-// The view of the vessels: it paints after changes, and finds the vessel at a place.
+// The view of the vessels: it paints after changes, flies to places, and finds the vessel at a place.
 // More markers than this would hide the vessels, so they are off at first.
 const MANY = 200;
 const MARKERS = { inlet: [20, 20, 20], outlet: [90, 90, 90], cut: [205, 30, 40], suggested: [235, 130, 0] };
 const CUTS = new Set(["cut", "suggested"]);
+// The views along the axes of a known frame: from the front, from the left, from below, as radiologists see them.
+const ANATOMICAL = {
+  RAS: { y: [[-1, 0, 0], [0, 0, 1], [0, 1, 0]], x: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]], z: [[-1, 0, 0], [0, 1, 0], [0, 0, -1]] },
+  LPS: { y: [[1, 0, 0], [0, 0, 1], [0, -1, 0]], x: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], z: [[1, 0, 0], [0, -1, 0], [0, 0, -1]] },
+};
+const FLIGHT = 450;
 
 class SceneView {
-  constructor(source) {
-    this.geometry = geometry(source);
+  constructor(source, vessels, frame) {
+    this.shape = new Shape(source, vessels);
+    this.geometry = this.shape.raw;
     this.canvas = byId("canvas");
+    this.over = byId("overlay");
     this.camera = new Camera(this.geometry.points);
+    if (ANATOMICAL[frame]) {
+      this.camera.along = ANATOMICAL[frame];
+      this.camera.look(this.camera.home);
+    }
+    this.overlay = new Overlay(this, frame);
+    this.overlay.names = namesOf(this.shape, vessels);
     this.looks = new Uint8Array(4 * (this.geometry.starts.length - 1));
     this.markersShown = this.geometry.markers.filter(([kind]) => !CUTS.has(kind)).length <= MANY;
     this.cutsShown = true;
+    this.certainShown = true;
     this.picked = -1;
+    // The rows that stay when the neighbourhood of a vessel is isolated; the others become faint.
+    this.near = null;
     this.begin();
     this.geometry.markers.forEach(([kind], i) => this.looks.set(MARKERS[kind], 4 * (this.geometry.vessels + i)));
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    dark.addEventListener("change", () => this.tone(dark.matches));
+    // The printed page holds a picture, which needs no painting after the page has got another size.
+    window.addEventListener("beforeprint", () => {
+      this.tone(false, true);
+      this.printed = this.picture();
+      this.printed.className = "printed";
+      byId("view").after(this.printed);
+    });
+    window.addEventListener("afterprint", () => {
+      this.printed?.remove();
+      this.tone(dark.matches);
+    });
+    this.tone(dark.matches);
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     // A lost graphics context is restored automatically, but empty.
     this.canvas.addEventListener("webglcontextlost", event => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => { this.begin(); this.dress(); });
+    this.canvas.addEventListener("webglcontextrestored", () => { this.begin(); this.tone(dark.matches); this.dress(); });
     this.resize();
+  }
+
+  // The vessels stand on white, or in dark mode on a softer grey, so that a colour means the same in both.
+  tone(isDark, now) {
+    const grey = isDark ? 216 : 255;
+    this.paper = `rgb(${grey},${grey},${grey})`;
+    this.painter.paper = [grey / 255, grey / 255, grey / 255];
+    byId("view").style.background = this.paper;
+    if (now) this.frame();
+    else this.paint();
   }
 
   begin() {
     try {
-      this.painter = new GlPainter(this.canvas, this.geometry);
+      this.painter = new GlPainter(this.canvas, this.shape.drawn);
     } catch (reason) {
       if (this.canvas.getContext("2d") === null) {
         // The canvas is bound to the failed context, so a new one replaces it.
@@ -42,9 +83,11 @@ class SceneView {
   resize() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h) return;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
-    this.canvas.width = Math.round(w * ratio);
-    this.canvas.height = Math.round(h * ratio);
+    this.ratio = Math.min(window.devicePixelRatio || 1, 2);
+    for (const canvas of [this.canvas, this.over]) {
+      canvas.width = Math.round(w * this.ratio);
+      canvas.height = Math.round(h * this.ratio);
+    }
     this.camera.resize([w, h]);
     this.paint();
   }
@@ -54,26 +97,87 @@ class SceneView {
     if (colour) [this.colour, this.state] = [colour, state];
     for (let row = 0; row < this.geometry.vessels; row++) {
       this.looks.set(this.colour(row), 4 * row);
-      this.looks[4 * row + 3] = this.state(row) | (row === this.picked ? LOOK.picked : 0);
+      this.looks[4 * row + 3] = this.state(row) | (row === this.picked ? LOOK.picked : 0) | (this.near && !this.near.has(row) ? (this.state(row) & LOOK.pruned ? LOOK.hidden : LOOK.faint) : 0);
     }
     for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) {
       const kind = this.geometry.markers[i - this.geometry.vessels][0];
-      const shown = CUTS.has(kind) ? this.cutsShown : this.markersShown;
-      this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (shown ? 0 : LOOK.hidden);
+      const shown = CUTS.has(kind) ? this.cutsShown : this.markersShown && this.certainShown;
+      this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (shown && !this.near ? 0 : LOOK.hidden);
     }
     this.painter.dress(this.looks);
     this.paint();
   }
 
-  // Marks a vessel, and moves the view to it when it is outside.
+  // Marks a vessel with a ring; -1 for none.
   pick(row) {
     this.picked = row;
+    this.overlay.picked = null;
     if (row >= 0) {
-      const { points, starts } = this.geometry, at = 4 * Math.floor((starts[row] + starts[row + 1]) / 2);
-      const [x, y] = this.camera.project(points, at), [w, h] = this.camera.size;
-      if (Math.abs(x) > 0.48 * w || Math.abs(y) > 0.48 * h) this.camera.pan(-x, -y);
+      const at = this.shape.middle(row), { points, starts } = this.geometry;
+      let reach = 1.5;
+      for (let i = starts[row]; i < starts[row + 1]; i++) reach = Math.max(reach, Math.hypot(...[0, 1, 2].map(axis => points[4 * i + axis] - at[axis])) + 2 * points[4 * i + 3]);
+      this.overlay.picked = { at, reach: Math.min(reach, 14) };
     }
     this.dress();
+  }
+
+  // Moves the view to a vessel that is outside of it.
+  reveal(row) {
+    const at = this.shape.middle(row), [x, y] = this.camera.project(at, 0), [w, h] = this.camera.size;
+    if (Math.abs(x) > 0.45 * w || Math.abs(y) > 0.45 * h) this.fly({ turn: this.camera.turn, centre: at, mm: this.camera.mm });
+  }
+
+  // Flies to a vessel and isolates what is near it; `others` are rows that also stay, `likely` those that the view has to hold.
+  goTo(row, others, likely) {
+    const at = this.shape.middle(row), { points, starts } = this.geometry;
+    let reach = 0;
+    for (const one of [row, ...likely]) for (let i = starts[one]; i < starts[one + 1]; i++) reach = Math.max(reach, Math.hypot(...[0, 1, 2].map(axis => points[4 * i + axis] - at[axis])) + 3 * points[4 * i + 3]);
+    reach = Math.min(Math.max(1.6 * reach, 9), 40);
+    this.near = new Set([row, ...others]);
+    for (let one = 0; one < this.geometry.vessels; one++) {
+      if (this.state(one) & (LOOK.pruned | LOOK.undecided)) continue;
+      for (let i = starts[one]; i < starts[one + 1] && !this.near.has(one); i++) {
+        // A vessel of two far points may pass by between them.
+        const a = 4 * i, b = i + 1 < starts[one + 1] ? a + 4 : a;
+        const d = [0, 1, 2].map(axis => points[b + axis] - points[a + axis]), p = at.map((x, axis) => x - points[a + axis]), whole = dot(d, d);
+        const t = whole > 0 ? Math.min(Math.max(dot(d, p) / whole, 0), 1) : 0;
+        if (Math.hypot(...p.map((x, axis) => x - t * d[axis])) < reach) this.near.add(one);
+      }
+    }
+    const [a, b] = [4 * starts[row], 4 * (starts[row + 1] - 1)];
+    this.fly(this.camera.around(at, reach, [0, 1, 2].map(axis => points[b + axis] - points[a + axis])));
+  }
+
+  // Ends the isolation of a neighbourhood.
+  showAll() {
+    this.near = null;
+    this.overlay.chances = [];
+  }
+
+  fly(goal) {
+    const { camera } = this, start = { turn: camera.turn, centre: camera.centre, mm: camera.mm }, from = performance.now();
+    this.flight = goal;
+    const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const step = now => {
+      if (this.flight !== goal) return;
+      const t = still ? 1 : Math.min(Math.max((now - from) / FLIGHT, 0), 1);
+      camera.between(start, goal, t * t * (3 - 2 * t));
+      this.paint();
+      if (t < 1) requestAnimationFrame(step);
+      else this.flight = null;
+    };
+    step(from);
+  }
+
+  // The reader takes the view in hand.
+  halt() {
+    this.flight = null;
+  }
+
+  frame() {
+    if (!this.colour) return;
+    this.painter.paint(this.camera);
+    this.overlay.draw(this.over.getContext("2d"), this.camera.size, this.ratio, false);
   }
 
   // Paints once before the next frame of the browser.
@@ -82,18 +186,23 @@ class SceneView {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      if (!this.colour) return;
-      this.painter.paint(this.camera);
-      this.showScaleBar();
+      this.frame();
     });
   }
 
-  showScaleBar() {
-    const bar = byId("scale-bar"), widest = Math.min(120, this.camera.size[0] / 3) * this.camera.mm;
-    const ten = 10 ** Math.floor(Math.log10(widest));
-    const length = [5, 2, 1].map(m => m * ten).find(l => l <= widest) || ten;
-    bar.style.width = `${length / this.camera.mm}px`;
-    bar.firstElementChild.textContent = `${shown(length, 3)} mm`;
+  // The view as a picture, twice as fine, with scale bar and legend; a canvas.
+  picture() {
+    const [w, h] = this.camera.size, was = this.ratio, sum = make("canvas", { width: 2 * w, height: 2 * h });
+    [this.canvas.width, this.canvas.height] = [2 * w, 2 * h];
+    const over = make("canvas", { width: 2 * w, height: 2 * h });
+    this.painter.paint(this.camera);
+    this.overlay.draw(over.getContext("2d"), [w, h], 2, true);
+    const ink = sum.getContext("2d");
+    ink.drawImage(this.canvas, 0, 0);
+    ink.drawImage(over, 0, 0);
+    [this.canvas.width, this.canvas.height] = [Math.round(w * was), Math.round(h * was)];
+    this.frame();
+    return sum;
   }
 
   // The frontmost vessel at a place of the view, in pixels from its middle; -1 without one.
@@ -101,7 +210,7 @@ class SceneView {
     const { points, starts, vessels } = this.geometry;
     let found = -1, best = [Infinity, -Infinity];
     for (let row = 0; row < vessels; row++) {
-      if (this.looks[4 * row + 3] & LOOK.hidden) continue;
+      if (this.looks[4 * row + 3] & (LOOK.hidden | LOOK.faint)) continue;
       let a = this.camera.project(points, 4 * starts[row]);
       for (let i = starts[row] + 1; i < starts[row + 1]; i++) {
         const b = this.camera.project(points, 4 * i), radius = points[4 * i + 3] / this.camera.mm;

@@ -1,11 +1,13 @@
 // A table that sorts by any column, filters by text, and shows a page of its rows at a time.
 const ROWS_A_PAGE = 100;
+// Columns that the page computes with and that the tables leave out.
+const UNSHOWN = new Set(["uncertain", "attached_a", "attached_b"]);
 
 class Sheet {
   // `live` are columns that change while the page is open; `picks(row)` is called with the vessel whose row was chosen.
   constructor(table, live, picks) {
     this.table = table;
-    this.columns = [...table.columns.filter(c => c.name !== "uncertain"), ...live];
+    this.columns = [...table.columns.filter(c => !UNSHOWN.has(c.name)), ...live];
     this.live = live;
     this.picks = picks;
     this.order = Uint32Array.from({ length: table.rows }, (_, row) => row);

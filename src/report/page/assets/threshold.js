@@ -1,4 +1,4 @@
-// The threshold: the kept vessels, the undecided ones, and the components and cycles of the kept graph.
+// The threshold and the decisions of a person: the kept vessels, the undecided ones, and the components and cycles of the kept graph.
 class Threshold {
   constructor(source, vessels) {
     Object.assign(this, source);
@@ -7,8 +7,13 @@ class Threshold {
     this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
     this.ends = [values("node_a"), values("node_b")];
+    this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
+    this.probability = vessels.find("probability")?.values ?? null;
+    const origin = vessels.find("origin");
+    this.isObserved = origin ? row => origin.at(row) === "observed" : row => !this.uncertain[row];
+    this.attached = [vessels.find("attached_a")?.values, vessels.find("attached_b")?.values];
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
@@ -21,12 +26,20 @@ class Threshold {
     else if (this.stops[0] > 0) this.stops.unshift(0);
     this.kept = new Uint8Array(this.rows);
     this.open = new Uint8Array(this.rows);
+    // What a person decided, by row: true where the connection was accepted.
+    this.decided = new Map();
+    this.fragments = parts(this.nodes, this.rows, this.ends, row => !this.uncertain[row]);
     this.toRun();
   }
 
   // The decisions of the run: by its threshold, or vessel by vessel where its rule has none.
   toRun() {
     this.set(this.cut, this.asKept !== null);
+  }
+
+  // The decisions of a person changed.
+  again() {
+    this.set(this.now, this.asRun);
   }
 
   // The stop that keeps the same vessels as the threshold.
@@ -38,9 +51,24 @@ class Threshold {
     return this.at_least ? (after < 0 ? last : after) : Math.max((after < 0 ? last + 1 : after) - 1, 0);
   }
 
-  // Where a decision would change: at the threshold, or midway between the two positive figures next to it.
+  // A threshold with few digits that keeps the same vessels as a stop.
+  round(stop) {
+    const at = this.stops[stop];
+    const [low, high] = this.at_least ? [this.stops[stop - 1] ?? 0, at] : [at, this.stops[stop + 1] ?? 2 * at];
+    const fits = x => this.at_least ? x > low && x <= high : x >= low && x < high;
+    for (let digits = 1; digits < 17; digits++) {
+      for (const from of [0.5 * (low + high), at]) {
+        const x = Number(from.toPrecision(digits));
+        if (fits(x)) return x;
+      }
+    }
+    return at;
+  }
+
+  // Where a decision would change: at the threshold, or midway between the two positive figures next to it. Where the rule of the run
+  // has no threshold it stays where the rule turns.
   flip() {
-    if (this.asRun) return this.middle;
+    if (this.asKept) return this.middle;
     if (!this.midway || this.now === null) return this.now;
     const above = this.positive.findIndex(x => x > this.now);
     return above <= 0 ? null : 0.5 * (this.positive[above - 1] + this.positive[above]);
@@ -53,36 +81,164 @@ class Threshold {
     const flip = this.flip();
     this.counts = { kept: 0, pruned: 0, undecided: 0, vessels: 0 };
     for (let row = 0; row < this.rows; row++) {
-      const x = this.values[row];
-      const passes = asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut);
+      const x = this.values[row], said = this.decided.get(row);
+      const passes = said ?? (asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut));
       this.kept[row] = !this.uncertain[row] || passes ? 1 : 0;
-      this.open[row] = this.uncertain[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
+      this.open[row] = said === undefined && this.uncertain[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
       this.counts.vessels += this.kept[row];
       if (this.uncertain[row]) this.counts[passes ? "kept" : "pruned"] += 1;
       this.counts.undecided += this.open[row];
     }
-    this.counts.components = this.components();
-    this.counts.cycles = this.counts.vessels + this.counts.components - this.nodes;
+    const { count, of } = parts(this.nodes, this.rows, this.ends, row => this.kept[row]);
+    this.componentOf = of;
+    this.counts.components = count;
+    this.counts.cycles = this.counts.vessels + count - this.nodes;
+    this.expected = this.expectedErrors();
   }
 
-  // Connected components of the kept vessels; a node without a vessel is a component.
-  components() {
-    const parent = Uint32Array.from({ length: this.nodes }, (_, node) => node);
-    const root = node => {
-      while (parent[node] !== node) node = parent[node] = parent[parent[node]];
-      return node;
-    };
-    let count = this.nodes;
-    for (let row = 0; row < this.rows; row++) {
-      if (!this.kept[row]) continue;
-      const [a, b] = [root(this.ends[0][row]), root(this.ends[1][row])];
-      if (a !== b) { parent[a] = b; count -= 1; }
+  // The probability of a vessel given what a person decided: of candidates at one free end at most one is true, so those beside an
+  // accepted one are not, and those beside a rejected one share its part.
+  chance(row) {
+    const said = this.decided.get(row);
+    if (said !== undefined) return said ? 1 : 0;
+    const p = this.probability ? this.probability[row] : NaN;
+    if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(p)) return p;
+    let factor = 1;
+    for (const end of this.freeEnds(row)) {
+      let gone = 0;
+      for (const other of end) {
+        const accepted = this.decided.get(other);
+        if (accepted) return 0;
+        if (accepted === false) gone += this.probability[other] || 0;
+      }
+      factor /= Math.max(1 - gone, 2 ** -52);
     }
-    return count;
+    return Math.min(p * factor, 1);
+  }
+
+  // Uncertain vessels that leave a free end which this one leaves too.
+  rivals(row) {
+    return [...new Set(this.freeEnds(row).flat())].filter(other => other !== row);
+  }
+
+  // The uncertain vessels at each free end of one.
+  freeEnds(row) {
+    if (!this.atFreeEnd) {
+      const degree = new Uint32Array(this.nodes);
+      for (let r = 0; r < this.rows; r++) if (this.isObserved(r)) for (const of of this.ends) degree[of[r]] += 1;
+      this.atFreeEnd = new Map();
+      for (let r = 0; r < this.rows; r++) {
+        if (!this.uncertain[r] || this.isObserved(r)) continue;
+        for (const of of this.ends) {
+          if (degree[of[r]] > 1) continue;
+          const list = this.atFreeEnd.get(of[r]);
+          if (list) list.push(r); else this.atFreeEnd.set(of[r], [r]);
+        }
+      }
+    }
+    return this.ends.map(of => this.atFreeEnd.get(of[row])).filter(Boolean);
+  }
+
+  // Wrong and missed connections that the probabilities expect; null without probabilities. A pair of fragments counts once.
+  expectedErrors() {
+    if (!this.probability || !this.attached[0]) return null;
+    let wrong = 0, missed = 0;
+    const pairs = new Map(), fragment = this.fragments.of;
+    for (let row = 0; row < this.rows; row++) {
+      const stated = this.probability[row];
+      if (Number.isNaN(stated)) continue;
+      const p = this.decided.size ? this.chance(row) : stated, kept = this.kept[row];
+      if (kept) wrong += 1 - p;
+      const [a, b] = this.ends.map(of => fragment[of[row]]);
+      if (a === b) { missed += kept ? 0 : p; continue; }
+      const scale = stated > 0 ? p / stated : 0, [x, y] = this.attached.map(of => scale * of[row]);
+      const key = a < b ? `${a},${b}` : `${b},${a}`, pair = pairs.get(key) || [0, 0, false];
+      pairs.set(key, [Math.max(pair[0], a < b ? x : y), Math.max(pair[1], a < b ? y : x), pair[2] || Boolean(kept)]);
+    }
+    for (const [x, y, joined] of pairs.values()) if (!joined) missed += Math.min(x + y, 1);
+    return { wrong, missed };
+  }
+
+  // How doubtful a decision is, from 0 (certain) to 1: by the probability, or by how near the figure is to where the decision flips.
+  doubt(row) {
+    if (this.decided.has(row) || !this.uncertain[row]) return 0;
+    if (this.probability && !Number.isNaN(this.probability[row])) { const p = this.chance(row); return 4 * p * (1 - p); }
+    const flip = this.flip(), error = this.errorOf(row);
+    if (flip === null || !(error > 0)) return this.open[row] ? 1 : 0;
+    return Math.exp(-0.5 * ((this.values[row] - flip) / error) ** 2);
+  }
+
+  // The vessels that hang on a connection, mm: the shorter of what it joins, or would join.
+  hangs() {
+    const side = sides(this.nodes, this.rows, this.ends, row => this.kept[row], this.lengths);
+    const whole = new Float64Array(this.nodes);
+    for (let row = 0; row < this.rows; row++) if (this.kept[row]) whole[this.componentOf[this.ends[0][row]]] += this.lengths[row];
+    return row => {
+      const [a, b] = this.ends.map(of => this.componentOf[of[row]]);
+      return this.kept[row] ? side[row] : a === b ? 0 : Math.min(whole[a], whole[b]);
+    };
   }
 
   state(row) {
     if (!this.uncertain[row]) return "certain";
+    if (this.decided.has(row)) return this.decided.get(row) ? "accepted" : "rejected";
     return (this.kept[row] ? "kept" : "pruned") + (this.open[row] ? ", undecided" : "");
   }
+}
+
+// The connected parts of the vessels for which `has` holds; a node without a vessel is a part.
+function parts(nodes, rows, ends, has) {
+  const parent = Uint32Array.from({ length: nodes }, (_, node) => node);
+  const root = node => {
+    while (parent[node] !== node) node = parent[node] = parent[parent[node]];
+    return node;
+  };
+  let count = nodes;
+  for (let row = 0; row < rows; row++) {
+    if (!has(row)) continue;
+    const [a, b] = [root(ends[0][row]), root(ends[1][row])];
+    if (a !== b) { parent[a] = b; count -= 1; }
+  }
+  return { count, of: parent.map((_, node) => root(node)) };
+}
+
+// For each vessel of a graph the length of the shorter side if it were cut, mm; 0 where that cuts nothing off (Tarjan 1974, bridges).
+function sides(nodes, rows, ends, has, lengths) {
+  const first = new Int32Array(nodes + 1), side = new Float64Array(rows);
+  for (let row = 0; row < rows; row++) if (has(row)) for (const of of ends) first[of[row] + 1] += 1;
+  for (let node = 0; node < nodes; node++) first[node + 1] += first[node];
+  const next = first.slice(0, nodes), list = new Int32Array(first[nodes]);
+  for (let row = 0; row < rows; row++) if (has(row)) for (const of of ends) list[next[of[row]]++] = row;
+  const seen = new Int32Array(nodes).fill(-1), low = new Int32Array(nodes), below = new Float64Array(nodes), by = new Int32Array(nodes).fill(-1);
+  next.set(first.subarray(0, nodes));
+  for (let start = 0, time = 0; start < nodes; start++) {
+    if (seen[start] >= 0) continue;
+    const path = [start], bridges = [];
+    seen[start] = low[start] = time++;
+    while (path.length) {
+      const node = path.at(-1);
+      if (next[node] < first[node + 1]) {
+        const row = list[next[node]++], other = ends[0][row] === node ? ends[1][row] : ends[0][row];
+        if (row === by[node]) continue;
+        if (seen[other] < 0) {
+          seen[other] = low[other] = time++;
+          by[other] = row;
+          path.push(other);
+        } else {
+          low[node] = Math.min(low[node], seen[other]);
+          // Each other vessel counts once, from its later end.
+          if (seen[other] < seen[node] || other === node) below[node] += other === node ? lengths[row] / 2 : lengths[row];
+        }
+        continue;
+      }
+      path.pop();
+      const up = path.at(-1);
+      if (up === undefined) break;
+      low[up] = Math.min(low[up], low[node]);
+      if (low[node] > seen[up]) bridges.push([by[node], below[node]]);
+      below[up] += below[node] + lengths[by[node]];
+    }
+    for (const [row, under] of bridges) side[row] = Math.min(under, below[start] - under - lengths[row]);
+  }
+  return side;
 }

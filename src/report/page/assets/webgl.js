@@ -8,8 +8,9 @@ class GlPainter {
     this.canvas = canvas;
     this.geometry = geometry;
     this.textures = [];
+    this.paper = [1, 1, 1];
     this.program = this.link();
-    this.places = Object.fromEntries(["turn", "centre", "extent", "pixel", "depth", "shift", "segments", "looks"].map(n => [n, this.gl.getUniformLocation(this.program, n)]));
+    this.places = Object.fromEntries(["turn", "centre", "extent", "pixel", "depth", "shift", "paper", "segments", "looks"].map(n => [n, this.gl.getUniformLocation(this.program, n)]));
     this.fill();
   }
 
@@ -68,7 +69,7 @@ class GlPainter {
   paint(camera) {
     const gl = this.gl, { width, height } = this.canvas, [w, h] = camera.size;
     gl.viewport(0, 0, width, height);
-    gl.clearColor(1, 1, 1, 1);
+    gl.clearColor(...this.paper, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
@@ -80,6 +81,7 @@ class GlPainter {
     gl.uniform1f(this.places.pixel, camera.mm * w / width);
     gl.uniform1f(this.places.depth, camera.depth * 1.1);
     gl.uniform1f(this.places.shift, dot(camera.turn[2], camera.middle.map((m, axis) => m - camera.centre[axis])));
+    gl.uniform3fv(this.places.paper, this.paper);
     gl.uniform1i(this.places.segments, 0);
     gl.uniform1i(this.places.looks, 1);
     gl.drawArrays(gl.TRIANGLES, 0, 6 * this.count);

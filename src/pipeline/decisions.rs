@@ -1,0 +1,189 @@
+//! Decisions of a person on connections: accepted ones are certain, rejected ones are gone, and those beside them follow.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::error::{Error, Fault, Result};
+use crate::io::{ListedDecision, bytes_of, checksum, read_decisions};
+use crate::network::{Evidence, Network, Origin};
+
+/// A decision on one connection.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ConnectionDecision {
+    /// The row of the vessel in edges.csv.
+    pub edge: usize,
+    /// Whether the connection is there.
+    pub accepted: bool,
+    /// Who decided; may be empty.
+    #[serde(default)]
+    pub who: String,
+    /// When; may be empty.
+    #[serde(default)]
+    pub when: String,
+}
+
+/// The decisions of a file for a graph that was built of the input with this SHA-256, and the record of them.
+///
+/// # Errors
+///
+/// A file that cannot be read, or that was made for another input or another graph.
+pub(super) fn load(path: &Path, graph: &Network, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Value)> {
+    let bytes = bytes_of(path)?;
+    let listed = read_decisions(&bytes).map_err(|fault| fault.in_file(path))?;
+    for decision in &listed {
+        check(decision, graph, input_sha256).map_err(|fault| fault.in_file(path))?;
+    }
+    let made: Vec<ConnectionDecision> =
+        listed.into_iter().map(|d| ConnectionDecision { edge: d.edge, accepted: d.accepted, who: d.who, when: d.when }).collect();
+    let record = json!({ "path": path, "sha256": checksum(&bytes), "made": made });
+    Ok((made, record))
+}
+
+/// Refuses a decision on another graph than this.
+fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Result<(), Fault> {
+    let ListedDecision { line, edge, ids: [a, b], input, .. } = decision;
+    if !input.is_empty() && input != input_sha256 {
+        let found = format!("edge {edge} was decided on for an input with SHA-256 {input}; this one has {input_sha256}");
+        return Err(Fault::line(*line, found, "expected the input of the run that was looked at, unedited"));
+    }
+    let same = "expected the options of the run that was looked at, by which its candidates were built";
+    if *edge >= graph.vessel_count() {
+        let found = format!("edge {edge} ({a} to {b}) is none of the {} vessels", graph.vessel_count());
+        return Err(Fault::line(*line, found, same));
+    }
+    let [here_a, here_b] = graph.ends(*edge).map(|node| graph.node(node).id.clone());
+    if [&here_a, &here_b] != [a, b] {
+        let found = format!("edge {edge} joins {a} to {b} in the list, and {here_a} to {here_b} here");
+        return Err(Fault::line(*line, found, same));
+    }
+    if graph.vessel(*edge).origin == Origin::Observed {
+        let found = format!("edge {edge} ({a} to {b}) is an observed vessel");
+        return Err(Fault::line(*line, found, "expected a candidate or a contact"));
+    }
+    Ok(())
+}
+
+/// Applies decisions to a graph. An accepted connection is certain, with P = 1. A rejected one has A = 0 and P = 0, so that no sample and
+/// no rule has it; its row stays, so that every other row does.
+///
+/// Of the candidates that leave one free end at most one is true. So those beside an accepted one have P = 0, and those beside rejected
+/// ones P / (1 - Σ P of the rejected), at most 1.
+///
+/// # Errors
+///
+/// A row that is no candidate and no contact.
+pub(super) fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()> {
+    let decided: BTreeMap<usize, bool> = decisions.iter().map(|d| (d.edge, d.accepted)).collect();
+    for &edge in decided.keys() {
+        if edge >= graph.vessel_count() || graph.vessel(edge).origin == Origin::Observed {
+            return Err(Error::parameter("decisions", edge, "expected the row of a candidate or of a contact"));
+        }
+    }
+    let mut degree = vec![0_usize; graph.node_count()];
+    for (ends, _) in graph.vessels().filter(|(_, v)| v.origin == Origin::Observed) {
+        ends.into_iter().for_each(|node| degree[node] += 1);
+    }
+    // Per free end whether a connection was accepted there, and the sum of P of the rejected.
+    let mut at: BTreeMap<usize, (bool, f64)> = BTreeMap::new();
+    for (&edge, &accepted) in &decided {
+        let probability = graph.vessel(edge).evidence.map_or(0.0, |e| e.probability);
+        for node in graph.ends(edge).into_iter().filter(|node| degree[*node] <= 1) {
+            let (taken, gone) = at.entry(node).or_default();
+            *taken |= accepted;
+            *gone += if accepted { 0.0 } else { probability };
+        }
+    }
+    for row in 0..graph.vessel_count() {
+        let ends = graph.ends(row);
+        let vessel = graph.vessel_mut(row);
+        match decided.get(&row) {
+            Some(true) => {
+                vessel.certain = true;
+                vessel.prior = 1.0;
+                vessel.evidence = vessel.evidence.map(|e| scaled(e, 1.0 / e.probability.max(f64::MIN_POSITIVE)));
+            }
+            Some(false) => {
+                vessel.certain = false;
+                vessel.prior = 0.0;
+                vessel.evidence = vessel.evidence.map(|e| scaled(e, 0.0));
+            }
+            None if vessel.origin != Origin::Observed && !vessel.certain => {
+                let Some(evidence) = vessel.evidence else { continue };
+                let factor = |node: &usize| match at.get(node) {
+                    Some((true, _)) => 0.0,
+                    Some((false, gone)) => 1.0 / (1.0 - gone).max(f64::EPSILON),
+                    None => 1.0,
+                };
+                let by: f64 = ends.iter().map(factor).product();
+                if by.to_bits() != 1.0_f64.to_bits() {
+                    let follows = scaled(evidence, by);
+                    vessel.prior = follows.probability;
+                    vessel.evidence = Some(follows);
+                }
+            }
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+/// The evidence with its probability times a factor, at most 1.
+fn scaled(evidence: Evidence, by: f64) -> Evidence {
+    let probability = (by * evidence.probability).min(1.0);
+    let ratio = if evidence.probability > 0.0 { probability / evidence.probability } else { 0.0 };
+    let odds = Evidence::odds(probability);
+    Evidence {
+        probability,
+        attached: evidence.attached.map(|p| (ratio * p).min(1.0)),
+        continuation_odds: evidence.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{Node, Vessel};
+
+    /// By hand: an end with candidates of P = 0.5, 0.3 and 0.1, and another candidate elsewhere with P = 0.4.
+    fn graph() -> Network {
+        let mut graph = Network::new();
+        let nodes: Vec<usize> = (0..7).map(|id| graph.add_node(Node { id: format!("n{id}"), ..Node::default() })).collect();
+        for [a, b] in [[0, 1], [2, 3], [3, 4], [5, 6]] {
+            graph.add_vessel([nodes[a], nodes[b]], Vessel::new(0.01, 0.001, Origin::Observed));
+        }
+        for (a, b, p) in [(1, 3, 0.5), (1, 2, 0.3), (1, 4, 0.1), (5, 3, 0.4)] {
+            let candidate =
+                Vessel { prior: p, evidence: Some(Evidence::undirected(p)), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
+            graph.add_vessel([nodes[a], nodes[b]], candidate);
+        }
+        graph
+    }
+
+    fn probabilities(graph: &Network) -> Vec<f64> {
+        (4..8).map(|row| graph.vessel(row).evidence.expect("evidence").probability).collect()
+    }
+
+    fn of(edge: usize, accepted: bool) -> ConnectionDecision {
+        ConnectionDecision { edge, accepted, who: String::new(), when: String::new() }
+    }
+
+    #[test]
+    fn an_accepted_connection_is_certain_and_its_rivals_are_not_there() {
+        let mut graph = graph();
+        apply(&mut graph, &[of(4, true)]).expect("applied");
+        assert_eq!(probabilities(&graph), [1.0, 0.0, 0.0, 0.4]);
+        assert!(graph.vessel(4).certain && graph.vessel(4).prior == 1.0 && graph.vessel(5).prior == 0.0);
+    }
+
+    #[test]
+    fn rivals_share_what_a_rejected_connection_had() {
+        let mut graph = graph();
+        apply(&mut graph, &[of(4, false)]).expect("applied");
+        assert_eq!(probabilities(&graph), [0.0, 0.6, 0.2, 0.4]);
+        assert_eq!(graph.vessel(4).prior, 0.0);
+        apply(&mut graph, &[of(0, true)]).expect_err("an observed vessel");
+    }
+}

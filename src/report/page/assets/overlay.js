@@ -1,0 +1,154 @@
+// What stands over the vessels: scale bar, orientation, names, chances, the ring around what is selected; and the legend of a picture.
+const DIRECTIONS = { RAS: [["R", "L"], ["A", "P"], ["S", "I"]], LPS: [["L", "R"], ["P", "A"], ["S", "I"]] };
+const MOST_NAMES = 60;
+
+class Overlay {
+  constructor(scene, frame) {
+    this.scene = scene;
+    this.letters = DIRECTIONS[frame] || [["x", ""], ["y", ""], ["z", ""]];
+    this.known = frame in DIRECTIONS;
+    // `{at: [x, y, z], text, strong}` in mm.
+    this.names = [];
+    this.chances = [];
+    this.namesShown = true;
+    // `{at, row}` of what is selected.
+    this.picked = null;
+    this.legend = null;
+  }
+
+  // Draws over a picture of the scene; `size` in pixels of the page, `scale` pixels of the canvas in each.
+  draw(ink, size, scale, withLegend) {
+    const [w, h] = size;
+    ink.setTransform(scale, 0, 0, scale, 0, 0);
+    ink.clearRect(0, 0, w, h);
+    this.paintOver(ink, w, h, withLegend);
+  }
+
+  paintOver(ink, w, h, withLegend) {
+    ink.font = "13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
+    ink.textBaseline = "middle";
+    this.ring(ink, w, h);
+    const taken = [];
+    for (const label of this.chances) this.label(ink, w, h, label, taken);
+    if (this.namesShown) for (const label of this.names) this.label(ink, w, h, label, taken);
+    this.edges(ink, w, h);
+    this.cross(ink, w, h);
+    this.scaleBar(ink, h);
+    if (withLegend) this.key(ink, w);
+  }
+
+  on(w, h, at) {
+    const [x, y, z] = this.scene.camera.project(at, 0);
+    return [w / 2 + x, h / 2 + y, z];
+  }
+
+  text(ink, text, x, y, { align = "center", colour = "#1a1a1a", weight = "" } = {}) {
+    ink.font = ink.font.replace(/^(bold )?/, weight ? "bold " : "");
+    ink.textAlign = align;
+    ink.lineWidth = 3.5;
+    ink.lineJoin = "round";
+    ink.strokeStyle = this.scene.paper;
+    ink.strokeText(text, x, y);
+    ink.fillStyle = colour;
+    ink.fillText(text, x, y);
+  }
+
+  // A name beside its vessel, unless another stands there already.
+  label(ink, w, h, { at, text, strong }, taken) {
+    const [x, y] = this.on(w, h, at), wide = ink.measureText(text).width / 2 + 3;
+    const box = [x + 10, x + 10 + 2 * wide, y - 17, y - 1];
+    if (box[1] < 0 || box[0] > w || box[3] < 0 || box[2] > h) return;
+    if (taken.some(b => b[0] < box[1] && box[0] < b[1] && b[2] < box[3] && box[2] < b[3])) return;
+    taken.push(box);
+    ink.strokeStyle = "#777";
+    ink.lineWidth = 1;
+    ink.beginPath();
+    ink.moveTo(x, y);
+    ink.lineTo(x + 9, y - 8);
+    ink.stroke();
+    this.text(ink, text, x + 11, y - 9, { align: "left", weight: strong ? "bold" : "" });
+  }
+
+  ring(ink, w, h) {
+    if (!this.picked) return;
+    const [x, y] = this.on(w, h, this.picked.at), r = Math.max(this.picked.reach / this.scene.camera.mm, 14);
+    for (const [colour, wide] of [[this.scene.paper, 6], ["#c8102e", 2.5]]) {
+      ink.strokeStyle = colour;
+      ink.lineWidth = wide;
+      ink.beginPath();
+      ink.arc(x, y, r, 0, 2 * Math.PI);
+      ink.stroke();
+    }
+  }
+
+  // The letter of a direction of the view: the axis that points there most.
+  towards(direction) {
+    let best = 0;
+    for (let axis = 1; axis < 3; axis++) if (Math.abs(direction[axis]) > Math.abs(direction[best]) + 1e-9) best = axis;
+    return this.letters[best][direction[best] > 0 ? 0 : 1];
+  }
+
+  edges(ink, w, h) {
+    if (!this.known) return;
+    const [right, up] = this.scene.camera.turn, minus = v => v.map(x => -x);
+    const style = { colour: "#444", weight: "bold" };
+    this.text(ink, this.towards(minus(right)), 14, h / 2, style);
+    this.text(ink, this.towards(right), w - 14, h / 2, style);
+    this.text(ink, this.towards(up), w / 2, 14, style);
+    this.text(ink, this.towards(minus(up)), w / 2, h - 14, style);
+  }
+
+  // Three short axes in the lower right corner.
+  cross(ink, w, h) {
+    const { turn } = this.scene.camera, [x, y] = [w - 44, h - 44];
+    const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.letters[axis][0] }));
+    for (const arm of arms.sort((a, b) => a.z - b.z)) {
+      ink.strokeStyle = arm.z < -0.05 ? "#999" : "#333";
+      ink.lineWidth = 2;
+      ink.beginPath();
+      ink.moveTo(x, y);
+      ink.lineTo(x + 22 * arm.x, y + 22 * arm.y);
+      ink.stroke();
+      if (Math.hypot(arm.x, arm.y) > 0.25) this.text(ink, arm.name, x + 31 * arm.x, y + 31 * arm.y, { colour: "#333" });
+    }
+  }
+
+  scaleBar(ink, h) {
+    const { camera } = this.scene, widest = Math.min(120, camera.size[0] / 3) * camera.mm;
+    const ten = 10 ** Math.floor(Math.log10(widest));
+    const length = [5, 2, 1].map(m => m * ten).find(l => l <= widest) || ten, wide = length / camera.mm;
+    ink.strokeStyle = "#1a1a1a";
+    ink.lineWidth = 2;
+    ink.beginPath();
+    ink.moveTo(12, h - 18);
+    ink.lineTo(12, h - 11);
+    ink.lineTo(12 + wide, h - 11);
+    ink.lineTo(12 + wide, h - 18);
+    ink.stroke();
+    this.text(ink, `${shown(length, 3)} mm`, 12 + wide / 2, h - 24);
+  }
+
+  // The colour scale, for a picture that stands alone.
+  key(ink, w) {
+    if (!this.legend) return;
+    const { name, ticks, colours } = this.legend, [x, y, wide] = [w - 196, 34, 180];
+    ink.fillStyle = "rgba(255,255,255,0.85)";
+    ink.fillRect(x - 10, y - 26, wide + 20, 60);
+    for (let i = 0; i < wide; i++) { ink.fillStyle = `rgb(${colours(i / (wide - 1))})`; ink.fillRect(x + i, y, 1.5, 11); }
+    this.text(ink, name, x, y - 13, { align: "left", weight: "bold" });
+    for (const [share, text] of ticks) this.text(ink, text, x + share * wide, y + 21, { align: share < 0.06 ? "left" : share > 0.94 ? "right" : "center" });
+  }
+}
+
+// One name for each label, at the middle of its longest vessel.
+function namesOf(shape, vessels) {
+  const labels = vessels.find("label");
+  if (!labels?.text) return [];
+  const longest = new Map(), lengths = vessels.find("length_mm");
+  for (let row = 0; row < vessels.rows; row++) {
+    const text = labels.at(row), length = lengths ? lengths.at(row) : 0;
+    if (text && !(longest.get(text)?.length >= length)) longest.set(text, { row, length });
+  }
+  if (longest.size > MOST_NAMES) return [];
+  return [...longest].map(([text, { row }]) => ({ at: shape.middle(row), text: text.length > 24 ? `${text.slice(0, 23)}…` : text }));
+}

@@ -1,0 +1,81 @@
+//! `infer --decisions`: what a person accepted is in every answer, what was rejected in none, and a list for another graph is refused.
+
+use std::fs;
+use std::path::Path;
+
+use crate::command::{data, folder, stderr, willis};
+
+type Row = std::collections::HashMap<String, String>;
+
+fn table(path: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    reader.deserialize().map(|row| row.expect("a row")).collect()
+}
+
+fn infer(here: &Path, out: &str, more: &[&str]) {
+    let input = data("broken-circle-of-willis.swc");
+    let output = willis(here, &[&["infer", &input, "-o", out, "-n", "128", "-q"], more].concat());
+    assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+}
+
+/// A list that accepts the least and rejects the most likely candidate of a run, with its rows.
+fn list(here: &Path, run: &str, input: &str) -> [usize; 2] {
+    let (edges, nodes) = (table(&here.join(run).join("edges.csv")), table(&here.join(run).join("nodes.csv")));
+    let figure = |row: &usize| {
+        let of = |name: &str| edges[*row][name].parse::<f64>();
+        of("probability").or_else(|_| of("likelihood")).expect("a figure")
+    };
+    let mut candidates: Vec<usize> = (0..edges.len()).filter(|row| edges[*row]["origin"] == "candidate").collect();
+    candidates.sort_by(|a, b| figure(a).total_cmp(&figure(b)));
+    let rows = [candidates[0], candidates[candidates.len() - 1]];
+    let id = |row: usize, end: &str| &nodes[edges[row][end].parse::<usize>().expect("a row")]["id"];
+    let line = |row: usize, word: &str| {
+        format!("{row},{},{},{word},,A. Reader,2026-01-02T03:04:05Z,{input}\n", id(row, "node_a"), id(row, "node_b"))
+    };
+    let head = "edge,id_a,id_b,decision,probability,who,when,input_sha256\n";
+    let text = format!("{head}{}{}", line(rows[0], "accept"), line(rows[1], "reject"));
+    fs::write(here.join("decisions.csv"), text).expect("written");
+    rows
+}
+
+#[test]
+fn accepted_connections_are_in_every_answer_and_rejected_ones_in_none() {
+    let here = folder();
+    let here = here.path();
+    for (at, more) in [&[][..], &["--keep", "median"], &["--preset", "paper"], &["--uncertain", "all"]].into_iter().enumerate() {
+        let [plain, out] = ["plain", "decided"].map(|name| format!("{name}{at}"));
+        infer(here, &plain, more);
+        let [accepted, rejected] = list(here, &plain, "");
+        infer(here, &out, &[more, &["--decisions", "decisions.csv"]].concat());
+        let edges = table(&here.join(&out).join("edges.csv"));
+        assert_eq!(edges.len(), table(&here.join(&plain).join("edges.csv")).len(), "every row stays");
+        let of = |row: usize| ["kept", "above_median"].map(|name| edges[row][name].as_str());
+        assert_eq!((of(accepted), of(rejected)), (["1", "1"], ["0", "0"]), "{more:?}");
+        assert_eq!((&*edges[rejected]["likelihood"], &*edges[accepted]["prior"]), ("0", "1"), "{more:?}");
+        let bytes = fs::read(here.join(&out).join("run.json")).expect("a record");
+        let record: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+        let made = record["parameters"]["decisions"]["made"].as_array().expect("a list");
+        assert!(made.iter().any(|d| d["edge"] == accepted && d["accepted"] == true && d["who"] == "A. Reader"));
+        assert!(record["command"].as_str().is_some_and(|line| line.contains("--decisions decisions.csv")));
+    }
+}
+
+#[test]
+fn a_list_for_another_input_or_graph_is_refused_by_line_and_edge() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "plain", &[]);
+    let input = data("broken-circle-of-willis.swc");
+    let refused = |more: &[&str], word: &str| {
+        let output = willis(here, &[&["infer", &input, "-o", "refused", "-q", "--decisions", "decisions.csv"], more].concat());
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        let said = stderr(&output);
+        assert!(said.contains("decisions.csv:") && said.contains(word) && !here.join("refused").exists(), "{said}");
+    };
+    list(here, "plain", "");
+    refused(&["-k", "1"], "edge");
+    let [accepted, _] = list(here, "plain", &"0".repeat(64));
+    refused(&[], &format!("edge {accepted} was decided on for an input"));
+    fs::write(here.join("decisions.csv"), "edge,id_a,id_b,decision\n0,1,2,accept\n").expect("written");
+    refused(&[], "edge 0");
+}
