@@ -84,7 +84,9 @@ pub(super) fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Re
     }
     let mut degree = vec![0_usize; graph.node_count()];
     for (ends, _) in graph.vessels().filter(|(_, v)| v.origin == Origin::Observed) {
-        ends.into_iter().for_each(|node| degree[node] += 1);
+        for node in ends {
+            degree[node] += 1;
+        }
     }
     // Per free end whether a connection was accepted there, and the sum of P of the rejected.
     let mut at: BTreeMap<usize, (bool, f64)> = BTreeMap::new();

@@ -190,11 +190,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let (graph, looked) = prior.graph(network, is_fragments, &boundary, &building, view)?;
     let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
-    let mut said: Vec<String> = Vec::new();
-    if let Some((image, why)) = image.as_ref().zip(unseen) {
-        said.push(format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display()));
-    }
-    said.extend(image.as_ref().zip(scene).and_then(|(image, scene)| image.unusual(scene, &prior)));
+    let said = image.as_ref().map(|image| image.remarks(unseen, scene, &prior)).unwrap_or_default();
     if is_fragments {
         progress.step(Step::Built { graph: &graph, options: &building, by_evidence: prior.is_evidence() });
         provenance.notes.extend(nothing_built(&graph, &building).map(str::to_owned));
@@ -205,13 +201,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }
     let (mut graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
     let boundary = boundary.extended_to(graph.node_count());
-    let mut uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
-    let mut decided = Value::Null;
-    if let Some(path) = &options.decisions {
-        let (made, record) = decisions::load(path, &graph, &provenance.sha256)?;
-        uniform_prior = decide_on(&mut graph, &made, uniform_prior)?;
-        decided = record;
-    }
+    let uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
+    let (uniform_prior, decided) = decided(&mut graph, options.decisions.as_deref(), &provenance.sha256, uniform_prior)?;
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
@@ -289,6 +280,13 @@ fn named(
         }
         Err(why) => Err(why),
     }
+}
+
+/// Applies the decisions of a file to a graph: whether A = 1 still stands for the priors of all vessels, and the record of the decisions.
+fn decided(graph: &mut Network, file: Option<&Path>, sha256: &str, uniform_prior: bool) -> Result<(bool, Value)> {
+    let Some(file) = file else { return Ok((uniform_prior, Value::Null)) };
+    let (made, record) = decisions::load(file, graph, sha256)?;
+    Ok((decide_on(graph, &made, uniform_prior)?, record))
 }
 
 /// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,

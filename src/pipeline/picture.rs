@@ -88,9 +88,16 @@ impl Picture {
         Ok(Some((Self { source, appearance, is_probability }, View { image, appearance })))
     }
 
+    /// What a person should know of the image: that it does not show the vessels, or is noisier than the model knows.
+    pub(crate) fn remarks(&self, unseen: Option<Unseen>, scene: Option<&Scene>, prior: &LoadedPrior) -> Vec<String> {
+        let path = self.path().display();
+        let why = unseen.map(|why| format!("{path} does not show the vessels: {why}; candidates are judged without it"));
+        why.into_iter().chain(scene.and_then(|scene| self.unusual(scene, prior))).collect()
+    }
+
     /// That the image is noisier than those that the model was fitted to, which makes its probabilities less sure. One with less noise is only
     /// clearer.
-    pub(crate) fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
+    fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
         let noise = scene.noise_share;
         let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
         let path = self.path().display();

@@ -1,5 +1,6 @@
 //! How far runs with different occlusion probabilities agree.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use base64::Engine;
@@ -275,11 +276,11 @@ fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
     let kept = of(Origin::Candidate).filter(|(_, kept)| **kept).count();
     let mut words = format!("{kept} of {} possible connections kept", of(Origin::Candidate).count());
     if outcome.contacts() > 0 {
-        words += &format!(", {} of {} contacts cut", outcome.cuts().count(), outcome.contacts());
+        let _ = write!(words, ", {} of {} contacts cut", outcome.cuts().count(), outcome.contacts());
     }
-    words += &format!("; {} undecided", answer.undecided.len());
+    let _ = write!(words, "; {} undecided", answer.undecided.len());
     if let Some(expected) = outcome.expected {
-        words += &format!("; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
+        let _ = write!(words, "; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
     }
     Some(summary_picture(summary.name().to_owned(), words, drawn.collect(), views(network.frame)))
 }

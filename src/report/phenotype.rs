@@ -6,7 +6,9 @@ use serde_json::{Value, json};
 
 use super::page::phenotype::write_phenotype_page;
 use super::run_record::Provenance;
-use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
+use crate::circle_of_willis::{
+    Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, SegmentState, Side, TERRITORIES, Variant,
+};
 use crate::error::Result;
 use crate::io::{Column, write_csv};
 use crate::network::Network;
@@ -59,7 +61,12 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     };
     let segments: serde_json::Map<String, Value> =
         RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
+    let names = |is: fn(&SegmentState) -> bool| -> Vec<String> {
+        RING.iter().zip(&posterior.states).filter(|(_, state)| is(state)).map(|(artery, _)| artery.to_string()).collect()
+    };
     json!({
+        "not_seen": names(|state| state.not_seen),
+        "hypoplastic": names(|state| state.hypoplastic),
         "variant": posterior.probability(),
         "margin": posterior.margin(),
         "segments": segments,
@@ -121,6 +128,12 @@ fn phenotype_columns(subject: &str, variant: &Variant, posterior: Option<&Poster
     if let Some(posterior) = posterior {
         columns.push(share("p_variant".to_owned(), posterior.probability()));
         columns.extend(RING.iter().zip(posterior.segments).map(|(artery, p)| share(format!("p_{artery}"), p)));
+        let names = |is: fn(&SegmentState) -> bool| {
+            let own = RING.iter().zip(&posterior.states).filter(|(_, state)| is(state));
+            own.map(|(artery, _)| artery.to_string()).collect::<Vec<_>>().join(" ")
+        };
+        columns.push(text("not_seen", &names(|state| state.not_seen)));
+        columns.push(text("hypoplastic", &names(|state| state.hypoplastic)));
     }
     columns
 }

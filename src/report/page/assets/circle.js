@@ -24,7 +24,7 @@ function segmentState(phenotype, name) {
   const said = phenotype.segments?.[name], of = phenotype.probabilities?.segments?.[name];
   const more = [said, of, phenotype.states?.[name]].filter(part => part !== null && typeof part === "object");
   const own = field => more.map(part => part[field]).find(value => value !== undefined);
-  const listed = field => Array.isArray(phenotype[field]) ? phenotype[field].includes(name) : Boolean(phenotype[field]?.[name]);
+  const listed = field => (phenotype.probabilities?.[field] ?? phenotype[field] ?? []).includes?.(name) ?? false;
   const probability = own("probability") ?? (typeof of === "number" ? of : null);
   return {
     name, probability,
