@@ -53,8 +53,9 @@ impl ArterySource {
             return self.clone();
         }
         let labels = || network.vessels().map(|(_, vessel)| vessel.label.as_str());
-        let named = LabelScheme::of(labels()).is_ok_and(|scheme| labels().any(|label| artery_of_label(label, scheme).is_some()));
-        if named { Self::AnyLabels } else { Self::Geometry }
+        // Labels that two lists have are for a person to say.
+        let named = LabelScheme::of(labels()).map(|scheme| labels().any(|label| artery_of_label(label, scheme).is_some()));
+        if named.unwrap_or(true) { Self::AnyLabels } else { Self::Geometry }
     }
 
     /// Finds the arteries in the network of an input.

@@ -223,7 +223,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         graph,
         boundary,
         provenance,
-        options: RunOptions { read: input.options, infer: options.clone() },
+        options: RunOptions { read: input.options, infer: InferOptions { arteries: source, ..options.clone() } },
         outlets,
         prior: prior.record(),
         cuts: cuts.as_ref().map_or(Value::Null, Cuts::record),

@@ -3,12 +3,14 @@
 /// The names from the nearest to the furthest, each once.
 ///
 /// Near is by edit distance (insertions, deletions, substitutions and swaps of neighbours), without regard to case, with or without
-/// what separates words, whichever is nearer; equally near names are in alphabetical order.
+/// what separates words, whichever is nearer; of equally near names those come first that are nearer with it, then in alphabetical order.
 pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let mut names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
     names.sort_unstable();
     names.dedup();
-    names.sort_by_cached_key(|name| distance(wanted, name).0);
+    names.sort_by_cached_key(|name| {
+        (distance(wanted, name).0, strsim::osa_distance(&wanted.to_lowercase(), &name.to_lowercase()))
+    });
     names
 }
 

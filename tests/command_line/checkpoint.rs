@@ -331,5 +331,5 @@ fn a_cohort_goes_on_within_a_subject() {
     let output = willis(here.path(), &[&arguments[..], &["-v"]].concat());
     assert!(output.status.success() && resumed(&output), "{}", stderr(&output));
     assert!(hidden(here.path()).is_empty() && hidden(&here.path().join("out")).is_empty());
-    assert_eq!(contents(&here.path().join("out/a")), truth(&[]));
+    assert_eq!(contents(&here.path().join("out/a")), truth(&["--landmarks", "auto"]));
 }

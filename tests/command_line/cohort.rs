@@ -63,7 +63,10 @@ fn a_subject_is_its_single_run() {
     scans(here.path(), &[1, 2]);
     done(&cohort(here.path(), &["scan1.swc", "scan2.swc"], &["-q", "--seed", "5"]));
     for name in ["scan1", "scan2"] {
-        done(&willis(here.path(), &["infer", &format!("{name}.swc"), "-o", name, "-n", "64", "-q", "--seed", "5"]));
+        done(&willis(
+            here.path(),
+            &["infer", &format!("{name}.swc"), "-o", name, "-n", "64", "-q", "--seed", "5", "--landmarks", "auto"],
+        ));
         assert_eq!(contents(&here.path().join("out").join(name)), contents(&here.path().join(name)), "{name}");
     }
     let single = record(&here.path().join("scan2"));
@@ -262,7 +265,7 @@ fn a_pattern_is_expanded_and_names_are_unique() {
     }
     done(&cohort(here.path(), &["p?/t.swc"], &["-q"]));
     assert_eq!(column(here.path(), "subject"), ["p1", "p2"]);
-    assert_eq!(record(&here.path().join("out/p2"))["command"], "willis infer p2/t.swc -n 64 -o again");
+    assert_eq!(record(&here.path().join("out/p2"))["command"], "willis infer p2/t.swc -n 64 -o again --landmarks auto");
     done(&cohort(here.path(), &["p[12]/*.swc"], &["-q", "--force"]));
     assert_eq!(column(here.path(), "subject"), ["p1-t", "u", "p2-t"]);
     assert_eq!(column(here.path(), "input"), ["p1/t.swc", "p1/u.swc", "p2/t.swc"]);
