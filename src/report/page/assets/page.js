@@ -204,7 +204,7 @@ function showThreshold() {
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
+    number.value = threshold.asRun || threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
     histogram.show(byId("histogram"));
     showAnswer();
     dress();

@@ -33,7 +33,7 @@ void main() {
   before = whose.y;
   bool pruned = (state & 2) != 0;
   radii = max(vec2(first.w, second.w) * (pruned ? 0.55 : 1.0), (pruned ? 0.7 : 1.0) * pixel);
-  if ((state & 16) != 0) radii = (state & 32) != 0 ? max(1.35 * radii, 4.0 * pixel) : max(1.12 * radii, 2.2 * pixel);
+  if ((state & 16) != 0) radii = (state & 32) != 0 ? max(1.5 * radii, 4.0 * pixel) : max(1.35 * radii, 2.4 * pixel);
   if ((state & 8) != 0) radii += 2.5 * pixel;
   float flat_length = length(axis.xy);
   vec2 forth = flat_length > 1e-6 * pixel ? axis.xy / flat_length : vec2(1.0, 0.0);
