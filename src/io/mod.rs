@@ -13,6 +13,7 @@ mod landmarks;
 mod numpy;
 mod polylines;
 pub(crate) mod read;
+mod solvers;
 mod swc;
 pub mod tables;
 mod unit_check;
@@ -30,18 +31,22 @@ pub use input::{Checksummed, byte_count, checksum, checksum_of, checksum_of_file
 pub use itk::tubes::{read_tre, write_tre};
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, read_landmarks, write_landmarks};
 pub use numpy::array::read_arrays;
-pub use numpy::matrix::{NamedArray, write_arrays, write_npy, write_npz};
+pub use numpy::matrix::{NamedArray, NamedComplexArray, write_arrays, write_complex_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 pub use read::{BuiltNetwork, Content, Document, ReadOptions, bytes_of, read, read_bytes};
+pub use solvers::{write_openbf, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, read_decisions};
-pub use tables::graph::{END_POSITION_COLUMNS, axis, condition_columns, graph_columns, node_columns, vessel_columns};
+pub use tables::graph::{
+    END_POSITION_COLUMNS, axis, condition_columns, graph_columns, node_columns, vessel_columns, wall_columns, windkessel_columns,
+};
 pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};
 pub use tables::manifest::{Manifest, ManifestRow, read_manifest};
 pub use tables::points::{read_points, write_points};
 pub use tables::prior::{read_prior_csv, read_prior_npy};
 pub use tables::unread::unread_columns;
+pub use tables::waveform::read_waveform;
 pub(crate) use tables::write::escape_formula;
 pub use tables::write::{Column, Values, write_csv};
 pub use vendors::icafe::{TracedVessel, name_stretches, read_traced_vessels};

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::circle_of_willis::{Circle, Collateral, LabelScheme, Posterior, collaterals, identify_landmarks, in_axes_of};
+use crate::circle_of_willis::{
+    Circle, Collateral, LabelScheme, Posterior, Supply, collaterals, identify_landmarks, in_axes_of, supplies,
+};
 use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
@@ -108,6 +110,19 @@ impl FoundArteries {
         given: &[usize],
         above_median: Option<&[bool]>,
     ) -> Result<(Posterior, String)> {
+        let (topologies, how) = self.topologies(network, boundary, options, given, above_median)?;
+        Ok((Posterior::of(&self.circle, network, &topologies), how))
+    }
+
+    /// The plausible topologies, and how they were drawn; as [`Self::posterior`].
+    pub(crate) fn topologies(
+        &self,
+        network: &Network,
+        boundary: &Boundary,
+        options: &SamplingOptions,
+        given: &[usize],
+        above_median: Option<&[bool]>,
+    ) -> Result<(Topologies, String)> {
         let mut known = vec![false; network.node_count()];
         let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
         for node in rows.filter(|node| *node < network.node_count()) {
@@ -126,7 +141,22 @@ impl FoundArteries {
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;
         let how = format!("{} plausible topologies, {how}", topologies.samples);
-        Ok((Posterior::of(&self.circle, network, &topologies), how))
+        Ok((topologies, how))
+    }
+
+    /// Who feeds what, and how late, over topologies given as the vessels that they keep with their weights; otherwise as
+    /// [`Self::collaterals`].
+    pub(crate) fn supplies(
+        &self,
+        network: &Network,
+        topologies: &[(Vec<bool>, f64)],
+        outlets: FoundOutlets,
+        viscosity: f64,
+    ) -> Result<Vec<Supply>> {
+        let mut network = network.clone();
+        self.state_inlets(&mut network);
+        let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
+        Ok(supplies(&self.circle, &network, topologies, &boundary, viscosity))
     }
 
     /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in

@@ -6,14 +6,18 @@ use serde_json::Value;
 
 use super::arteries::FoundArteries;
 use super::{ArterySource, Input};
-use crate::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
+use crate::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{Column, write_csv};
+use crate::output::atomic::write_file;
+use crate::output::names::SUPPLY;
 use crate::report::{
-    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
+    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
+    write_classified, write_phenotype,
 };
 use crate::sampling::{SamplingOptions, infer};
 
@@ -26,6 +30,8 @@ pub struct Phenotype {
     pub posterior: Option<Posterior>,
     /// What becomes of the flow without each feeder.
     pub collaterals: Vec<Collateral>,
+    /// Who feeds each territory and outlet, and how late.
+    pub supplies: Vec<Supply>,
     /// How many vessels counted.
     pub counted: usize,
     /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
@@ -34,6 +40,8 @@ pub struct Phenotype {
     pub notes: Vec<String>,
     /// What phenotype.json holds.
     pub json: Value,
+    /// supply.csv.
+    supply_table: Vec<Column>,
     record: Value,
 }
 
@@ -59,7 +67,7 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         check_landmarks(input, &found)?;
     }
     let mut notes = found.notes.clone();
-    let (kept, variant, posterior) = if let Some(run) = &input.run {
+    let (topologies, variant, posterior) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = if has_evidence(network) {
@@ -68,14 +76,19 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
             let (likelihood, _) = infer(network, &boundary, &options, &mut |done, total| progress.report(done, total))?;
             Some(decide(Keep::Median, network, &likelihood)?.above_median)
         };
-        let (posterior, how) = found.posterior(network, &boundary, &options, &run.given, above.as_deref())?;
+        let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref())?;
+        let posterior = Posterior::of(&found.circle, network, &topologies);
         notes.push(how);
-        (posterior.topology.clone(), posterior.best(), Some(posterior))
+        (topologies.weighted, posterior.best(), Some(posterior))
     } else {
         let (kept, note) = present_vessels(network);
         notes.extend(note.map(str::to_owned));
         let variant = found.circle.variant(network, |row| kept[row]);
-        (kept, variant, None)
+        (vec![(kept, 1.0)], variant, None)
+    };
+    let kept = match &posterior {
+        Some(posterior) => posterior.topology.clone(),
+        None => topologies.first().map_or_else(Vec::new, |(kept, _)| kept.clone()),
     };
     let (outlets, viscosity) = match &input.run {
         Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
@@ -86,6 +99,7 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()
     });
+    let supplies = found.supplies(network, &topologies, outlets, viscosity).unwrap_or_default();
     let counted = kept.iter().filter(|kept| **kept).count();
     let json = phenotype_json(network, &variant, posterior.as_ref());
     let classified = Classified {
@@ -95,10 +109,13 @@ pub fn classify(input: &Input, source: Option<&ArterySource>, progress: &mut dyn
         known_by: &found.known_by,
         landmarks: found.record(),
         collateral: collateral_json(&collaterals),
+        supply: supply_json(network, &supplies),
         notes: &notes,
     };
     let record = classification_record(&classified, &input.provenance);
-    Ok(Phenotype { variant, posterior, collaterals, counted, known_by: found.known_by, notes, json, record })
+    let supply_table = supply_columns(network, &supplies);
+    let known_by = found.known_by;
+    Ok(Phenotype { variant, posterior, collaterals, supplies, counted, known_by, notes, json, supply_table, record })
 }
 
 /// Refuses landmarks of the run that have changed since.
@@ -120,6 +137,7 @@ impl Phenotype {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
         write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.json)?;
+        write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
         write_classified(folder, &self.record, collateral_columns(&self.collaterals))
     }
 }
