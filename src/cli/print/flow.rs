@@ -120,7 +120,7 @@ fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: Option<&Pulse
     let defined = found.iter().filter(|(_, of)| of.pulsatility.is_finite());
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
-    let period = brief(pulse.period);
+    let period = (1e3 * pulse.period).round() / 1e3;
     terminal.say("pulse", format!("period {period} s, {} harmonics; pulsatility{when} {}", pulse.harmonics, first.join(", ")));
     let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
     back.sort_by(|a, b| (b.1.reversed_share as f32).total_cmp(&(a.1.reversed_share as f32)));
