@@ -82,12 +82,13 @@ pub use masks::{Appearance, RadiusFrom};
 pub use modulation::ModulationOptions;
 pub use network::units::{LengthUnit, Scale};
 pub use network::{Network, RadiusRule};
-pub use perturbation::stenosis::Stenosis;
+pub use perturbation::stenosis::{Stenosis, StretchPlace};
 pub use pipeline::{
     ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions,
-    Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, SaveOptions, Shard, Silent,
-    SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge, modulate, modulate_with, prepare,
-    read, read_bytes, simulate, simulate_with, write,
+    Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, PulseMean, PulseOptions,
+    SaveOptions, Shard, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge,
+    modulate, modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;
+pub use simulation::pulse::{Friction, Thickness, WallLaw};

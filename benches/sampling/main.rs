@@ -4,6 +4,7 @@ mod case;
 mod clock;
 mod forests;
 mod large;
+mod pulse;
 mod stages;
 
 use std::error::Error;
@@ -22,7 +23,8 @@ const USAGE: &str = "usage: sampling COMMAND
   forests GRAPH                        microseconds a sample of the forest alone, by three algorithms
   count GRAPH SAMPLES                  that many samples in one thread, for an instruction counter
   large GRAPH SOLVER SECONDS           vessels, uncertain, solver, forest, s to compile, ms a sample, bytes a vessel of a worker and
-                                       of what workers share, residual, peak MB; one thread";
+                                       of what workers share, residual, peak MB; one thread
+  pulse GRAPH HARMONICS                vessels, harmonics, milliseconds a cycle on one thread and on all";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -34,6 +36,7 @@ fn main() -> Result<()> {
         ["stages", graph] => stages::print(&Case::read(graph)?),
         ["forests", graph] => forests::print(&Case::read(graph)?),
         ["count", graph, samples] => count(&Case::read(graph)?, samples.parse()?),
+        ["pulse", graph, harmonics] => pulse::print(&Case::read(graph)?, harmonics.parse()?),
         ["large", graph, solver, seconds] => large::print(&Case::read(graph)?, solver_named(solver)?, seconds.parse()?),
         _ => {
             println!("{USAGE}");

@@ -344,6 +344,12 @@ impl Simulation {
         Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
     }
 
+    /// The arrays of waveforms.npz, if the flow pulsates.
+    fn waveforms<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let found = py.detach(|| self.solve().map(|run| run.waveforms())).map_err(|e| raised(py, &e))?;
+        found.map(|arrays| tables::arrays(py, arrays)).transpose()
+    }
+
     /// What the command says of it: facts under headings.
     fn said(&self, py: Python<'_>) -> PyResult<Said> {
         py.detach(|| self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))

@@ -4,7 +4,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use willis::Network;
-use willis::internals::io::{Column, Values, graph_columns};
+use willis::internals::io::{Column, NamedArray, Values, graph_columns};
 use willis::internals::network::units::millimetres;
 
 /// Arrays by name, in the order of the columns; numbers are handed over, not copied.
@@ -22,6 +22,15 @@ pub fn dict(py: Python<'_>, columns: Vec<Column>) -> PyResult<Bound<'_, PyDict>>
                 out.set_item(name.as_ref(), text.call((list,), Some(&dtype))?)?;
             }
         }
+    }
+    Ok(out)
+}
+
+/// Arrays of any shape by name.
+pub fn arrays(py: Python<'_>, arrays: Vec<NamedArray>) -> PyResult<Bound<'_, PyDict>> {
+    let out = PyDict::new(py);
+    for NamedArray { name, shape, values } in arrays {
+        out.set_item(name, values.into_pyarray(py).call_method1("reshape", (shape,))?)?;
     }
     Ok(out)
 }

@@ -297,6 +297,7 @@ def test_transport_is_that_of_the_command(tmp_path):
     assert willis.simulate(circle).territories is None
 
 
+<<<<<<< HEAD
 def test_spacing_and_manifests_are_those_of_the_command(tmp_path):
     (tmp_path / "a.swc").write_text("1 0 0 0 0 2 -1\n2 0 0 0 40 2 1\n")
     (tmp_path / "Image_info.txt").write_text("Voxel spacing: 0.5 0.5 0.3\n")
@@ -307,3 +308,21 @@ def test_spacing_and_manifests_are_those_of_the_command(tmp_path):
     assert len(study) == 1 and (tmp_path / "out" / "one" / "run.json").exists()
     with pytest.raises(willis.WillisError, match="stands for an input"):
         willis.cohort(f"{tmp_path}/*.swc", str(tmp_path / "{}.landmarks.csv"))
+=======
+def test_pulse_is_that_of_the_command(tmp_path):
+    circle = "data/circle-of-willis/complete.graphml"
+    wave = tmp_path / "wave.csv"
+    wave.write_text("time_s,pressure_mmHg\n0,80\n0.2,125\n0.45,100\n0.9,80\n")
+    found = willis.simulate(circle, pulse=wave, harmonics=12, wall="pwv=9m/s", times=50)
+    words = ["--pulse", str(wave), "--harmonics", "12", "--wall", "pwv=9m/s", "--times", "50", "--quiet"]
+    command("simulate", circle, "-o", str(tmp_path / "out"), *words)
+    theirs = np.load(tmp_path / "out" / "waveforms.npz")
+    assert set(theirs) == set(found.waveforms)
+    for name, values in found.waveforms.items():
+        assert np.array_equal(values, theirs[name]), name
+    flow = found.waveforms["flow_mL_per_min"]
+    assert flow.shape == (len(found.edges["edge"]), 50)
+    assert np.allclose(flow.mean(axis=1), found.edges["flow_mean_mL_per_min"])
+    assert willis.simulate(circle).waveforms is None
+    assert "pulsatility_index" in willis.simulate(circle, pulse=True).edges
+>>>>>>> b2d8532 (simulate --pulse: waveforms in elastic tubes, harmonic by harmonic; classify: who feeds what over plausible topologies; models for svZeroDSolver and openBF)

@@ -12,7 +12,7 @@ from . import _willis
 from ._errors import Note
 from ._following import PathLike, Progress, followed, say
 from ._network import Source, Table, defaults_of, network_of
-from ._words import Repeated, words
+from ._words import Repeated, text, words
 
 
 class Simulation:
@@ -28,6 +28,9 @@ class Simulation:
         self.territories: Table | None = None if transport is None else Table(transport[0])
         #: When blood arrives, with the columns of transit.csv; None without ``transport``.
         self.transit: Table | None = None if transport is None else Table(transport[1])
+        waveforms = simulation.waveforms()
+        #: Pressures and flows over a cycle, the arrays of waveforms.npz (vessels, times) and ``time_s``; None without ``pulse``.
+        self.waveforms: Table | None = None if waveforms is None else Table(waveforms)
 
     def save(self, folder: PathLike, *, force: bool = False, dpi: int = 150) -> None:
         """Writes the folder that ``willis simulate`` writes."""
@@ -50,15 +53,33 @@ def simulate(
     flows: Sequence[str] | None = None,
     bc: PathLike | None = None,
     transport: bool = False,
+    pulse: bool | PathLike | Mapping[str, PathLike] | None = None,
+    period: str | None = None,
+    pulse_mean: str | None = None,
+    harmonics: int = 40,
+    wall: str | None = None,
+    wall_viscosity: str | None = None,
+    windkessel: str = "rc=0.69s",
+    friction: Literal["womersley", "parabolic"] = "womersley",
+    density: str | None = None,
+    times: int = 100,
 ) -> Simulation:
     """Solves the flow in a network, and beside it with all changes at once: what ``willis simulate`` does.
 
     ``stenosis`` is the share of the diameter by which vessels, by label or ``edge:ROW``, are narrowed (0.7), or a text of the command
     (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened. With ``transport``, the result has
     ``territories`` and ``transit``: who feeds what, and when blood arrives.
+
+    With ``pulse`` the flow pulsates, and the result has ``waveforms``: True for a typical shape at every inlet, the path of a table of
+    one period (``time_s``, and ``pressure_mmHg`` or ``flow_mL_per_min``), or a path for each of several inlets by name. The options
+    after it go with it, as texts of the command (``wall="pwv=8m/s"``).
     """
     rule = outlets if isinstance(outlets, str) else None
     narrowed = {name: by if isinstance(by, str) else f"{100 * by:.15g}%" for name, by in (stenosis or {}).items()}
+    if isinstance(pulse, Mapping):
+        waves = [f"{node}={text(file)}" for node, file in pulse.items()]
+    else:
+        waves = ["typical"] if pulse is True else [] if pulse in (None, False) else [text(pulse)]
     given = {
         "stenosis": Repeated([f"{name}={by}" for name, by in narrowed.items()]),
         "occlude": Repeated(occlude),
@@ -70,6 +91,16 @@ def simulate(
         "bc": bc,
         "outlets": rule,
         "transport": transport,
+        "pulse": Repeated(waves),
+        "period": period,
+        "pulse_mean": pulse_mean,
+        "harmonics": harmonics,
+        "wall": wall,
+        "wall_viscosity": wall_viscosity,
+        "windkessel": windkessel,
+        "friction": friction,
+        "density": density,
+        "times": times,
     }
     network = network_of(source)
     made = words(given, defaults_of(simulate))

@@ -2,7 +2,7 @@
 
 use super::resample::Resampled;
 use super::search::point_index::PointIndex;
-use crate::network::{Network, Origin, cycles, fragments};
+use crate::network::{Network, Origin, Vessel, cycles, fragments};
 
 /// Arteries have no more independent loops than this, those of the circle and some to spare.
 const MOST_LOOPS: usize = 4;
@@ -46,7 +46,9 @@ fn begin_in_lumens(network: &Network) -> bool {
     let resampled = Resampled::new(network, Kind::Tubes).network;
     let degree = resampled.degrees(|vessel| vessel.origin == Origin::Observed);
     let (mut points, mut piece, mut radius, mut free) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for (ends, vessel) in resampled.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
+    // A vessel of a ready graph may have no course.
+    let traced = |vessel: &Vessel| vessel.origin == Origin::Observed && !vessel.path.is_empty();
+    for (ends, vessel) in resampled.vessels().filter(|(_, vessel)| traced(vessel)) {
         let first = points.len();
         points.extend(vessel.path.iter().map(|at| at.position));
         piece.resize(points.len(), observed.of_node[ends[0]]);

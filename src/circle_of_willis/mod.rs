@@ -12,6 +12,7 @@ mod segments_by_labels;
 mod segments_by_landmarks;
 mod shortest_path;
 mod sides;
+mod supply;
 mod variant;
 
 pub use arteries::{Artery, FENESTRATED, RING, Side};
@@ -22,4 +23,5 @@ pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
 pub(crate) use landmarks::in_axes_of;
 pub use landmarks::{Landmark, identify_landmarks};
 pub use posterior::{DecidingCandidate, Informant, Posterior, SegmentState};
+pub use supply::{Destination, Spread, Supply, supplies};
 pub use variant::{Completeness, Variant, present_vessels};

@@ -7,11 +7,12 @@ use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{Change, FlowOptions, SaveOptions, Stenosis, read, simulate_with};
+use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, read, simulate_with};
 use clap::Args;
 
 use super::args::boundary::{BoundaryArgs, for_input};
 use super::args::figures::{viscosity, whole};
+use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
@@ -47,6 +48,8 @@ pub struct SimulateArgs {
     #[arg(long)]
     transport: bool,
     #[command(flatten)]
+    pulse: PulseArgs,
+    #[command(flatten)]
     changes: ChangeArgs,
     #[command(flatten)]
     boundary: BoundaryArgs,
@@ -71,7 +74,7 @@ impl SimulateArgs {
         let start = Instant::now();
         let path = &self.input.input;
         let boundary = for_input(&self.boundary.options()?, path);
-        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)?, transport: self.transport };
+        let options = self.flow_options(boundary)?;
         let changes = self.changes.parse()?;
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
@@ -96,10 +99,16 @@ impl SimulateArgs {
 impl SimulateArgs {
     /// The options of the library for an input.
     pub(super) fn meaning(&self, input: &Path) -> Result<(FlowOptions, Vec<(String, Change)>)> {
-        let boundary = for_input(&self.boundary.options()?, input);
-        let options = FlowOptions { boundary, viscosity: viscosity(&self.viscosity)?, transport: self.transport };
+        let options = self.flow_options(for_input(&self.boundary.options()?, input))?;
         let changes = self.changes.parse()?.into_iter().map(|(name, change)| (name.to_owned(), change)).collect();
         Ok((options, changes))
+    }
+}
+
+impl SimulateArgs {
+    fn flow_options(&self, boundary: BoundaryOptions) -> Result<FlowOptions> {
+        let viscosity = viscosity(&self.viscosity)?;
+        Ok(FlowOptions { boundary, viscosity, transport: self.transport, pulse: self.pulse.options()? })
     }
 }
 
@@ -139,14 +148,20 @@ fn stenosis(text: &str) -> Result<(&str, Change), String> {
     }
     let reduction = percent / 100.0;
     let narrowed = if of_area { Stenosis::of_area(reduction) } else { Stenosis::of_diameter(reduction) };
-    Ok((name, Change::Stenosis(stretch.map_or(narrowed, |length| narrowed.over(length)))))
+    Ok((name, Change::Stenosis(stretch.map_or(narrowed, |(place, length)| narrowed.over(length).at(place)))))
 }
 
-/// The length (m) in `mid:10mm`, `start:10mm` or `end:10mm`: where the stretch lies makes no difference to a steady flow.
-fn stretch(place: &str) -> Result<f64, String> {
-    let length = ["mid:", "start:", "end:"].iter().find_map(|word| place.trim().strip_prefix(word)).ok_or(SEVERITY)?;
+/// The place and the length (m) in `mid:10mm`, `start:10mm` or `end:10mm`: only a pulse notices where the stretch lies.
+fn stretch(place: &str) -> Result<(StretchPlace, f64), String> {
+    let words = [("mid:", StretchPlace::Middle), ("start:", StretchPlace::Start), ("end:", StretchPlace::End)];
+    let found = words.iter().find_map(|(word, at)| Some((*at, place.trim().strip_prefix(word)?)));
+    let (at, length) = found.ok_or(SEVERITY)?;
     let length = Dimension::Length.parse(length)?;
-    if length > 0.0 { Ok(length) } else { Err("expected a positive length of the narrowed stretch, such as @mid:10mm".into()) }
+    if length > 0.0 {
+        Ok((at, length))
+    } else {
+        Err("expected a positive length of the narrowed stretch, such as @mid:10mm".into())
+    }
 }
 
 /// `VESSEL=FACTOR`.

@@ -13,7 +13,7 @@ use crate::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::{distance, lerp};
 
 /// The endings that mean a format.
-pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre or .npz";
+pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .npz or .yaml";
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -111,7 +111,7 @@ pub fn write_into(
 /// Whether a format stores vessels as lines of points, so that a vessel without points needs some.
 fn consists_of_lines(format: Format, network: &Network) -> bool {
     match format {
-        Format::GraphMl | Format::Csv | Format::Voreen => false,
+        Format::GraphMl | Format::Csv | Format::Voreen | Format::SvZeroD | Format::OpenBf => false,
         Format::Npz | Format::VesselVio => !is_straight(network),
         _ => true,
     }
@@ -196,6 +196,7 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
         Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
         Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
         Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
+        Format::SvZeroD | Format::OpenBf => vec![Paths, Ids, LoneNodes, Radii],
         Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Npy => Vec::new(),
     }
 }

@@ -13,6 +13,7 @@ use super::input::{bytes_within, checksum};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, Document, ReadOptions};
+use super::solvers::{write_openbf, write_svzerod};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
@@ -69,10 +70,14 @@ pub enum Format {
     MetaImage,
     /// A mask as a NumPy array.
     Npy,
+    /// A model of the solver svZeroDSolver, only written.
+    SvZeroD,
+    /// A model of the solver openBF, only written.
+    OpenBf,
 }
 
 /// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 16] = [
+const NAMES: [(Format, &str, &str, &str); 18] = [
     (Format::Swc, "SWC", "swc", "swc"),
     (Format::Vtp, "VTP", "vtp", "vtp"),
     (Format::Vtk, "VTK legacy", "vtk", "vtk"),
@@ -89,6 +94,8 @@ const NAMES: [(Format, &str, &str, &str); 16] = [
     (Format::Nifti, "NIfTI mask", "", ""),
     (Format::MetaImage, "MetaImage mask", "", ""),
     (Format::Npy, "NumPy mask", "", ""),
+    (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
+    (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
 ];
 
 impl Format {
@@ -150,6 +157,9 @@ impl Format {
                 lumen = Some(voxels);
                 lines((traced, notes))
             }
+            Self::SvZeroD | Self::OpenBf => {
+                return Err(here(Fault::file(format!("{}, which is only written", self.name()), ACCEPTED)));
+            }
         };
         Ok(Document { format, content, notes, sha256, lumen })
     }
@@ -190,6 +200,8 @@ impl Format {
             Self::Markups => write_markups(out, network)?,
             Self::Tre => write_tre(out, network)?,
             Self::Npz => write_skeleton_npz(out, network)?,
+            Self::SvZeroD => write_svzerod(out, network)?,
+            Self::OpenBf => write_openbf(out, network)?,
             Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Npy => {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
             }

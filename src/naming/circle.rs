@@ -6,9 +6,7 @@ use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
 use super::states::{BA, LABELS, Label, OTHER, Sided};
 use super::{Names, landmarks::NamedPlace};
-use crate::circle_of_willis::{
-    Artery, Circle, Informant, Posterior, RING, SegmentState, Side, VariantFrequencies, identify_landmarks,
-};
+use crate::circle_of_willis::{Artery, Circle, Posterior, RING, SegmentState, Side, VariantFrequencies, identify_landmarks};
 use crate::decision::{KnownEnds, Topologies};
 use crate::error::{Fault, Place};
 use crate::io::{ListedLandmark, SURE};
@@ -95,25 +93,17 @@ impl NamedCircle {
     }
 }
 
-/// What the plausible topologies of a named network say: topologies whose candidates have the odds that names leave them, and which end
-/// where arteries are known to. `given` are more nodes with a known condition, of which `inlets` feed.
-pub fn posterior_of(
-    circle: &Circle,
-    named: &NamedCircle,
-    network: &Network,
-    options: &SamplingOptions,
-    [given, inlets]: [&[usize]; 2],
-    informant: Option<&Informant>,
-) -> Posterior {
+/// The share of the plausible topologies of a named network with each segment: its candidates have the odds that names leave them, and
+/// vessels end where arteries are known to.
+#[cfg(feature = "training")]
+pub(crate) fn topologies_say(circle: &Circle, named: &NamedCircle, network: &Network, options: &SamplingOptions) -> [f64; 7] {
     let network = named.weighed(network);
     let mut known = vec![false; network.node_count()];
-    for node in circle.ends(&network).into_iter().chain(given.iter().copied()).filter(|node| *node < network.node_count()) {
+    for node in circle.ends(&network) {
         known[node] = true;
     }
-    let mut feeders = circle.inlets();
-    feeders.extend(inlets);
-    let ends = KnownEnds { ends: &known, inlets: &feeders };
-    Posterior::informed(circle, &network, &Topologies::of_free_ends(&network, ends, options), informant)
+    let ends = KnownEnds { ends: &known, inlets: &circle.inlets() };
+    Posterior::of(circle, &network, &Topologies::of_free_ends(&network, ends, options)).segments
 }
 
 /// ln p/(1 - p), of a probability that is sure of nothing.

@@ -23,7 +23,9 @@ pub(crate) mod states;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
 pub(crate) use circle::log_odds;
-pub use circle::{NamedCircle, Prior, posterior_of};
+#[cfg(feature = "training")]
+pub(crate) use circle::topologies_say;
+pub use circle::{NamedCircle, Prior};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};

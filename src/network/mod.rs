@@ -11,13 +11,14 @@ pub mod quantity;
 pub mod units;
 mod vessel;
 mod vessels_from_centerlines;
+pub mod waveform;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use find_by_name::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;
-pub use node::{Condition, INLET_PRESSURE, Node, Role};
-pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel};
+pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
+pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
 
 use std::borrow::Cow;

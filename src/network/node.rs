@@ -53,6 +53,22 @@ impl Condition {
     }
 }
 
+/// How a terminal resistance R takes a pulse: R1 in series with R2 = R - R1 beside a compliance C (a Windkessel of three elements).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Windkessel {
+    /// R1, Pa s/m³, from 0 to R; where it is not stated, the wave impedance of the vessels there.
+    pub proximal: Option<f64>,
+    /// C, m³/Pa, positive; where it is not stated, a time constant over R.
+    pub compliance: Option<f64>,
+}
+
+impl Windkessel {
+    /// Whether nothing is stated.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A junction, a free end or a landmark.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Node {
@@ -71,6 +87,9 @@ pub struct Node {
     pub role: Option<Role>,
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
+    /// The parts of a Windkessel that the input states beside a terminal resistance.
+    #[serde(default, skip_serializing_if = "Windkessel::is_empty")]
+    pub windkessel: Windkessel,
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,

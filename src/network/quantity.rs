@@ -1,6 +1,9 @@
 //! Reads quantities with a unit, such as `12mm`, `100 mmHg` or `3.5cP`; a bare number has the customary unit.
 
-use super::units::{cubic_metres_per_second, metres, pascal_seconds, pascal_seconds_per_cubic_metre, pascals};
+use super::units::{
+    cubic_metres_per_pascal, cubic_metres_per_second, megapascals, metres, pascal_seconds, pascal_seconds_per_cubic_metre,
+    pascals,
+};
 use crate::support::suggestions::did_you_mean;
 
 type Unit = (&'static str, fn(f64) -> f64);
@@ -17,6 +20,12 @@ const RESISTANCES: &[Unit] = &[
     ("Pa·s/m3", |x| x),
 ];
 const VISCOSITIES: &[Unit] = &[("cP", pascal_seconds), ("mPa.s", pascal_seconds), ("Pa.s", |x| x)];
+const TIMES: &[Unit] = &[("s", |x| x), ("ms", |x| x / 1e3)];
+const SPEEDS: &[Unit] = &[("m/s", |x| x), ("cm/s", |x| x / 1e2)];
+const DENSITIES: &[Unit] = &[("kg/m3", |x| x), ("g/cm3", |x| x * 1e3), ("g/mL", |x| x * 1e3)];
+const COMPLIANCES: &[Unit] = &[("mL/mmHg", cubic_metres_per_pascal), ("m3/Pa", |x| x)];
+const STIFFNESSES: &[Unit] = &[("N/m", |x| x), ("Pa.m", |x| x), ("dyn/cm", |x| x / 1e3)];
+const MODULI: &[Unit] = &[("MPa", megapascals), ("kPa", |x| x * 1e3), ("Pa", |x| x), ("dyn/cm2", |x| x / 10.0)];
 
 /// What a quantity measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,6 +40,18 @@ pub enum Dimension {
     Resistance,
     /// Pa s; bare numbers are cP.
     Viscosity,
+    /// s.
+    Time,
+    /// m/s.
+    Speed,
+    /// kg/m³.
+    Density,
+    /// m³/Pa; bare numbers are mL/mmHg.
+    Compliance,
+    /// Of a wall, modulus times thickness: Pa m.
+    Stiffness,
+    /// Pa; bare numbers are MPa.
+    Modulus,
 }
 
 impl Dimension {
@@ -41,6 +62,12 @@ impl Dimension {
             Self::Flow => FLOWS,
             Self::Resistance => RESISTANCES,
             Self::Viscosity => VISCOSITIES,
+            Self::Time => TIMES,
+            Self::Speed => SPEEDS,
+            Self::Density => DENSITIES,
+            Self::Compliance => COMPLIANCES,
+            Self::Stiffness => STIFFNESSES,
+            Self::Modulus => MODULI,
         }
     }
 

@@ -58,6 +58,26 @@ pub fn mmhg_s_per_ml(pascal_seconds_per_cubic_metre: f64) -> f64 {
     pascal_seconds_per_cubic_metre / SI_PER_MMHG_S_PER_ML
 }
 
+/// m³/Pa from mL/mmHg.
+pub fn cubic_metres_per_pascal(ml_per_mmhg: f64) -> f64 {
+    ml_per_mmhg / SI_PER_MMHG_S_PER_ML
+}
+
+/// mL/mmHg from m³/Pa.
+pub fn ml_per_mmhg(cubic_metres_per_pascal: f64) -> f64 {
+    cubic_metres_per_pascal * SI_PER_MMHG_S_PER_ML
+}
+
+/// Pa from MPa.
+pub fn megapascals(mpa: f64) -> f64 {
+    mpa * 1e6
+}
+
+/// MPa from Pa.
+pub fn in_megapascals(pascals: f64) -> f64 {
+    pascals / 1e6
+}
+
 /// Pa/m² from mmHg/mm².
 pub fn pascals_per_square_metre(mmhg_per_mm2: f64) -> f64 {
     mmhg_per_mm2 * (PASCAL_PER_MMHG * 1e6)

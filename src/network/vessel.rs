@@ -68,6 +68,20 @@ impl Origin {
     }
 }
 
+/// The wall of a vessel, as an input states it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Wall {
+    /// The speed of a pulse wave without viscosity, m/s, positive.
+    Speed(f64),
+    /// Young's modulus E (Pa) and thickness h (m), both positive.
+    Elastic {
+        /// E, Pa.
+        young: f64,
+        /// h, m.
+        thickness: f64,
+    },
+}
+
 /// A point on a vessel's centerline.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PathPoint {
@@ -100,6 +114,9 @@ pub struct Vessel {
     pub evidence: Option<Evidence>,
     /// Whether an earlier run kept the vessel, if the input states it.
     pub kept: Option<bool>,
+    /// The wall, where the input states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wall: Option<Wall>,
     /// The centerline from the first node to the second; empty when only the nodes are known.
     pub path: Vec<PathPoint>,
 }
@@ -120,6 +137,7 @@ impl Vessel {
             certain: false,
             evidence: None,
             kept: None,
+            wall: None,
             path: Vec::new(),
         }
     }

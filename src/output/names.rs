@@ -22,6 +22,14 @@ pub const LIKELIHOOD: &str = "likelihood.npz";
 pub const TERRITORIES: &str = "territories.csv";
 /// When blood arrives.
 pub const TRANSIT: &str = "transit.csv";
+/// Pressures and flows over a cycle, by time.
+pub const WAVEFORMS: &str = "waveforms.npz";
+/// The same in the middle of every vessel as a table.
+pub const WAVEFORM_TABLE: &str = "waveforms.csv";
+/// Pressures and flows over a cycle, by harmonic.
+pub const HARMONICS: &str = "harmonics.npz";
+/// The waveforms of arteries as a picture.
+pub const WAVEFORM_PICTURE: &str = "waveforms";
 /// The over-connected graph that was sampled.
 pub const GRAPH: &str = "candidates.graphml";
 /// What was kept, with an ending for each format.
@@ -62,6 +70,8 @@ pub const SHARD: &str = "shard.json";
 pub const SHARD_SUMS: &str = "shard.npz";
 /// The record by which the folder of an input that gave no run is known.
 pub const FAILURE: &str = "failed.json";
+/// Who feeds each territory and outlet of a circle, and how late.
+pub const SUPPLY: &str = "supply.csv";
 /// With what a run of a dataset was made, so that the same command can resume it.
 pub const LEDGER: &str = "ledger.json";
 /// The record by which the folder of a cohort is known.

@@ -6,4 +6,4 @@ pub mod stenosis;
 
 pub use enumeration::Enumeration;
 pub use occlusion::Occlusion;
-pub use stenosis::Stenosis;
+pub use stenosis::{Stenosis, StretchPlace};

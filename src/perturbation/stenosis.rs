@@ -14,23 +14,43 @@ pub struct Stenosis {
     pub open_diameter: f64,
     /// Length of the narrowed stretch, m; the whole vessel where there is none.
     pub stretch: Option<f64>,
+    /// Where the stretch lies, which only a pulse notices.
+    pub place: StretchPlace,
+}
+
+/// Where a narrowed stretch lies in a vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StretchPlace {
+    /// At the first node.
+    Start,
+    /// In the middle.
+    #[default]
+    Middle,
+    /// At the second node.
+    End,
 }
 
 impl Stenosis {
     /// A reduction of the diameter by the share `reduction` in [0, 1), over the whole vessel.
     pub fn of_diameter(reduction: f64) -> Self {
-        Self { open_diameter: 1.0 - reduction, stretch: None }
+        Self { open_diameter: 1.0 - reduction, stretch: None, place: StretchPlace::Middle }
     }
 
     /// A reduction of the cross-section area by the share `reduction` in [0, 1): o = sqrt(1 - reduction).
     pub fn of_area(reduction: f64) -> Self {
-        Self { open_diameter: (1.0 - reduction).sqrt(), stretch: None }
+        Self { open_diameter: (1.0 - reduction).sqrt(), stretch: None, place: StretchPlace::Middle }
     }
 
     /// The same narrowing over a stretch of a length in m.
     #[must_use]
     pub fn over(self, stretch: f64) -> Self {
         Self { stretch: Some(stretch), ..self }
+    }
+
+    /// The same narrowing with its stretch at a place.
+    #[must_use]
+    pub fn at(self, place: StretchPlace) -> Self {
+        Self { place, ..self }
     }
 
     /// The factors for a vessel of a length in m, at least the stretch.

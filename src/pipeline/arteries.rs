@@ -8,14 +8,15 @@ use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
 use crate::circle_of_willis::{
-    Circle, Collateral, Informant, LabelScheme, Posterior, artery_of_label, collaterals, identify_landmarks, in_axes_of,
+    Circle, Collateral, Informant, LabelScheme, Posterior, Supply, artery_of_label, collaterals, identify_landmarks, in_axes_of,
+    supplies,
 };
 use crate::decision::{KnownEnds, Topologies, TopologySource};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{LandmarkFormat, bytes_of, checksum, read_landmarks};
-use crate::naming::{NamedCircle, Names, NamingModel, name_again, name_arteries, posterior_of};
+use crate::naming::{NamedCircle, Names, NamingModel, name_again, name_arteries};
 use crate::network::units::Scale;
 use crate::network::{Condition, Network, Role};
 use crate::output::atomic::write_file;
@@ -148,16 +149,35 @@ impl FoundArteries {
         above_median: Option<&[bool]>,
         phenotypes: &PhenotypeOptions,
     ) -> Result<(Posterior, String)> {
-        if let Some(named) = &self.named {
-            let prior = phenotypes.prior()?;
-            let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
-            let informant = Informant { presence: &presence, states: named.states() };
-            let is_inlet = |node: &&usize| boundary.roles.get(**node) == Some(&Role::Inlet);
-            let inlets: Vec<usize> = given.iter().filter(is_inlet).copied().collect();
-            let posterior = posterior_of(&self.circle, named, network, options, [given, &inlets], Some(&informant));
-            let how = format!("names of the arteries and {} plausible topologies", posterior.samples);
-            return Ok((posterior, how));
-        }
+        let (topologies, how) = self.topologies(network, boundary, options, given, above_median)?;
+        Ok((self.posterior_from(network, &topologies, phenotypes)?, how))
+    }
+
+    /// What topologies say of the circle, with what names say where the arteries were named.
+    pub(crate) fn posterior_from(
+        &self,
+        network: &Network,
+        topologies: &Topologies,
+        phenotypes: &PhenotypeOptions,
+    ) -> Result<Posterior> {
+        let Some(named) = &self.named else { return Ok(Posterior::of(&self.circle, network, topologies)) };
+        let prior = phenotypes.prior()?;
+        let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
+        let informant = Informant { presence: &presence, states: named.states() };
+        Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
+    }
+
+    /// The plausible topologies, and how they were drawn; as [`Self::posterior`]. Names weigh the odds of candidates.
+    pub(crate) fn topologies(
+        &self,
+        network: &Network,
+        boundary: &Boundary,
+        options: &SamplingOptions,
+        given: &[usize],
+        above_median: Option<&[bool]>,
+    ) -> Result<(Topologies, String)> {
+        let weighed = self.named.as_ref().map(|named| named.weighed(network));
+        let network = weighed.as_ref().unwrap_or(network);
         let mut known = vec![false; network.node_count()];
         let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
         for node in rows.filter(|node| *node < network.node_count()) {
@@ -176,7 +196,22 @@ impl FoundArteries {
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;
         let how = format!("{} plausible topologies, {how}", topologies.samples);
-        Ok((Posterior::of(&self.circle, network, &topologies), how))
+        Ok((topologies, how))
+    }
+
+    /// Who feeds what, and how late, over topologies given as the vessels that they keep with their weights; otherwise as
+    /// [`Self::collaterals`].
+    pub(crate) fn supplies(
+        &self,
+        network: &Network,
+        topologies: &[(Vec<bool>, f64)],
+        outlets: FoundOutlets,
+        viscosity: f64,
+    ) -> Result<Vec<Supply>> {
+        let mut network = network.clone();
+        self.state_inlets(&mut network);
+        let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
+        Ok(supplies(&self.circle, &network, topologies, &boundary, viscosity))
     }
 
     /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in

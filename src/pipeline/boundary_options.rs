@@ -12,7 +12,7 @@ use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::bytes_of;
 use crate::io::tables::conditions::{read_csv, read_toml};
 use crate::network::quantity::Dimension;
-use crate::network::{Condition, FoundBy, Network, Role, locate};
+use crate::network::{Condition, FoundBy, Network, Role, Windkessel, locate};
 use crate::support::suggestions::did_you_mean;
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
@@ -24,7 +24,8 @@ const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL
 pub struct BoundaryOptions {
     /// Inlets, `NODE` (at 100 mmHg) or `NODE=PRESSURE`; found at the widest free ends when none is given anywhere.
     pub inlet: Vec<String>,
-    /// Outlets, `NODE` (to ground), `NODE=PRESSURE`, `NODE=RESISTANCE` or `NODE=RESISTANCE@PRESSURE`; found at the other free ends.
+    /// Outlets, `NODE` (to ground), `NODE=PRESSURE`, `NODE=RESISTANCE[@PRESSURE]` or
+    /// `NODE=rcr:R1,C,R2[@PRESSURE]`; found at the other free ends.
     pub outlet: Vec<String>,
     /// Fixed flows into the network, `NODE=FLOW` (negative: out of it).
     pub flow: Vec<String>,
@@ -90,6 +91,43 @@ impl BoundaryOptions {
     }
 }
 
+impl BoundaryOptions {
+    /// By node the parts of a Windkessel: those of the options (`NODE=rcr:R1,C,R2`), else those that the nodes state.
+    pub(crate) fn windkessels(&self, network: &Network) -> Result<Vec<Windkessel>> {
+        let mut all: Vec<Windkessel> = network.nodes().map(|node| node.windkessel).collect();
+        for text in &self.outlet {
+            let refused = |why: String| Error::parameter("outlet", format!("\"{text}\""), why);
+            let Some((name, value)) = text.rsplit_once('=') else { continue };
+            let Some(parts) = value.strip_prefix(RCR) else { continue };
+            let (windkessel, _, _) = rcr(parts).map_err(refused)?;
+            all[locate(network, name).map_err(refused)?.node] = windkessel;
+        }
+        Ok(all)
+    }
+}
+
+/// What an outlet with a Windkessel of three elements begins with.
+const RCR: &str = "rcr:";
+
+/// `R1,C,R2[@PRESSURE]`: the Windkessel, R1 + R2 and the venous pressure.
+fn rcr(text: &str) -> Result<(Windkessel, f64, f64), String> {
+    const ACCEPTED: &str = "expected rcr:R1,C,R2[@PRESSURE], such as rcr:1.9mmHg.s/mL,0.023mL/mmHg,14mmHg.s/mL";
+    let (parts, venous) = text.split_once('@').map_or((text, None), |(parts, p)| (parts, Some(p)));
+    let venous = venous.map_or(Ok(0.0), |p| Dimension::Pressure.parse(p))?;
+    let parts: Vec<&str> = parts.split(',').collect();
+    let [proximal, compliance, distal] = parts[..] else { return Err(ACCEPTED.into()) };
+    let (proximal, distal) = (Dimension::Resistance.parse(proximal)?, Dimension::Resistance.parse(distal)?);
+    let compliance = Dimension::Compliance.parse(compliance)?;
+    if proximal < 0.0 || distal < 0.0 || proximal + distal <= 0.0 {
+        return Err("expected resistances that are not negative, and positive together".into());
+    }
+    if compliance <= 0.0 {
+        return Err("expected a positive compliance; an outlet without one is a resistance, NODE=RESISTANCE".into());
+    }
+    let windkessel = Windkessel { proximal: Some(proximal), compliance: Some(compliance) };
+    Ok((windkessel, proximal + distal, venous))
+}
+
 /// The outlets that a text means: `ground`, `murray`, `murray=FLOW` or `murray=RESISTANCE`.
 ///
 /// # Errors
@@ -145,8 +183,12 @@ fn parse<'a>(option: &str, text: &'a str, is_name: bool) -> Result<(&'a str, Rol
     }
 }
 
-/// `ground`, `PRESSURE` or `RESISTANCE[@PRESSURE]`.
+/// `ground`, `PRESSURE`, `RESISTANCE[@PRESSURE]` or `rcr:R1,C,R2[@PRESSURE]`.
 fn outlet(value: &str) -> Result<Condition, String> {
+    if let Some(parts) = value.strip_prefix(RCR) {
+        let (_, resistance, venous) = rcr(parts)?;
+        return Ok(Condition::Resistance { resistance, venous });
+    }
     if value == "ground" {
         return Ok(Condition::GROUND);
     }

@@ -7,15 +7,19 @@ use serde_json::Value;
 use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
 use super::{ArterySource, InferOptions, Input, Silent, prepare};
-use crate::circle_of_willis::{Collateral, Posterior, Variant, present_vessels};
+use crate::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::poiseuille::BLOOD_VISCOSITY;
 use crate::flow::{Boundary, FoundOutlets};
+use crate::io::{Column, write_csv};
 use crate::network::Network;
+use crate::output::atomic::write_file;
+use crate::output::names::SUPPLY;
 use crate::report::{
-    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
+    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
+    write_classified, write_phenotype,
 };
 use crate::sampling::{SamplingOptions, infer};
 
@@ -28,6 +32,8 @@ pub struct Phenotype {
     pub posterior: Option<Posterior>,
     /// What becomes of the flow without each feeder.
     pub collaterals: Vec<Collateral>,
+    /// Who feeds each territory and outlet, and how late.
+    pub supplies: Vec<Supply>,
     /// How many vessels counted.
     pub counted: usize,
     /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
@@ -36,6 +42,8 @@ pub struct Phenotype {
     pub notes: Vec<String>,
     /// What phenotype.json holds.
     pub json: Value,
+    /// supply.csv.
+    supply_table: Vec<Column>,
     record: Value,
 }
 
@@ -70,7 +78,7 @@ pub fn classify(
         check_landmarks(input, &found)?;
     }
     let mut notes = found.notes.clone();
-    let (kept, variant, posterior) = if let Some(run) = &input.run {
+    let (topologies, variant, posterior) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = if has_evidence(network) {
@@ -79,21 +87,22 @@ pub fn classify(
             let (likelihood, _) = infer(network, &boundary, &options, &mut |done, total| progress.report(done, total))?;
             Some(decide(Keep::Median, network, &likelihood)?.above_median)
         };
-        let (posterior, how) = found.posterior(network, &boundary, &options, &run.given, above.as_deref(), phenotypes)?;
+        let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref())?;
+        let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
-        (posterior.topology.clone(), posterior.best(), Some(posterior))
+        (topologies.weighted, posterior.best(), Some(posterior))
     } else {
         let (kept, note) = present_vessels(network);
         notes.extend(note.map(str::to_owned));
         let variant = found.circle.variant(network, |row| kept[row]);
-        (kept, variant, None)
+        (vec![(kept, 1.0)], variant, None)
     };
     let (outlets, viscosity) = match &input.run {
         Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
         None if input.is_fragments => (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY),
         None => (FoundOutlets::Ground, BLOOD_VISCOSITY),
     };
-    Ok(phenotype(input, network, Answer { found, kept, variant, posterior, notes }, outlets, viscosity))
+    Ok(phenotype(input, network, Answer { found, topologies, variant, posterior, notes }, outlets, viscosity))
 }
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
@@ -109,18 +118,20 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     };
     let given: Vec<usize> =
         prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();
-    let (posterior, how) = found.posterior(network, &prepared.boundary, &options.sampling, &given, None, phenotypes)?;
+    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &given, None)?;
+    let posterior = found.posterior_from(network, &topologies, phenotypes)?;
     let mut notes = found.notes.clone();
     notes.push(how);
-    let (kept, variant) = (posterior.topology.clone(), posterior.best());
-    let answer = Answer { found, kept, variant, posterior: Some(posterior), notes };
+    let (topologies, variant) = (topologies.weighted, posterior.best());
+    let answer = Answer { found, topologies, variant, posterior: Some(posterior), notes };
     Ok(phenotype(input, network, answer, FoundOutlets::CEREBRAL, BLOOD_VISCOSITY))
 }
 
 /// What was found of a circle.
 struct Answer {
     found: FoundArteries,
-    kept: Vec<bool>,
+    /// The vessels of each plausible topology, and its weight.
+    topologies: Vec<(Vec<bool>, f64)>,
     variant: Variant,
     posterior: Option<Posterior>,
     notes: Vec<String>,
@@ -128,11 +139,16 @@ struct Answer {
 
 /// The phenotype of an answer, with what the loss of each feeder means.
 fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOutlets, viscosity: f64) -> Phenotype {
-    let Answer { found, kept, variant, posterior, mut notes } = answer;
+    let Answer { found, topologies, variant, posterior, mut notes } = answer;
+    let kept = match &posterior {
+        Some(posterior) => posterior.topology.clone(),
+        None => topologies.first().map_or_else(Vec::new, |(kept, _)| kept.clone()),
+    };
     let collaterals = found.collaterals(network, &kept, outlets, viscosity).unwrap_or_else(|why| {
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()
     });
+    let supplies = found.supplies(network, &topologies, outlets, viscosity).unwrap_or_default();
     let counted = kept.iter().filter(|kept| **kept).count();
     let json = phenotype_json(network, &variant, posterior.as_ref());
     let classified = Classified {
@@ -142,10 +158,13 @@ fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOut
         known_by: &found.known_by,
         landmarks: found.record(),
         collateral: collateral_json(&collaterals),
+        supply: supply_json(network, &supplies),
         notes: &notes,
     };
     let record = classification_record(&classified, &input.provenance);
-    Phenotype { variant, posterior, collaterals, counted, known_by: found.known_by, notes, json, record }
+    let supply_table = supply_columns(network, &supplies);
+    let known_by = found.known_by;
+    Phenotype { variant, posterior, collaterals, supplies, counted, known_by, notes, json, supply_table, record }
 }
 
 /// Refuses landmarks of the run that have changed since.
@@ -167,6 +186,7 @@ impl Phenotype {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
         write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.json)?;
+        write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
         write_classified(folder, &self.record, collateral_columns(&self.collaterals))
     }
 }

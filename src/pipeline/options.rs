@@ -9,6 +9,7 @@ use super::arteries::ArterySource;
 use super::boundary_options::BoundaryOptions;
 use super::cuts::Cut;
 use super::prior::Prior;
+use super::pulse::PulseOptions;
 use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
 use crate::circle_of_willis::VariantFrequencies;
 use crate::decision::Keep;
@@ -141,11 +142,13 @@ pub struct FlowOptions {
     pub viscosity: f64,
     /// Whether to follow the blood: who feeds what, and when it arrives.
     pub transport: bool,
+    /// How the flow pulsates; `None` leaves it steady.
+    pub pulse: Option<PulseOptions>,
 }
 
 impl Default for FlowOptions {
     fn default() -> Self {
-        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false }
+        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false, pulse: None }
     }
 }
 
@@ -156,7 +159,8 @@ impl FlowOptions {
     ///
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        check_viscosity(self.viscosity)
+        check_viscosity(self.viscosity)?;
+        self.pulse.as_ref().map_or(Ok(()), PulseOptions::validate)
     }
 }
 

@@ -5,18 +5,20 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::pulse::Waves;
 use super::{BoundaryOptions, FlowOptions, Input, Progress, SaveOptions, Silent, Step};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::Column;
+use crate::io::{Column, NamedArray};
 use crate::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use crate::network::vessels_called;
 use crate::output::atomic::StagedFolder;
 use crate::report::{
     FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
-    write_modulation, write_simulated,
+    waveform_arrays, write_modulation, write_simulated,
 };
 use crate::sampling;
+use crate::simulation::pulse::Pulses;
 use crate::simulation::transport::Transports;
 use crate::simulation::{Change, Perturbation, Simulation};
 
@@ -30,6 +32,7 @@ pub struct SimulationRun<'a> {
     simulation: Simulation,
     viscosity: f64,
     transports: Option<Transports>,
+    pulses: Option<(Pulses, Value)>,
 }
 
 /// Solves the flow of an input as it is, and beside it with all `changes` at once; each names its vessels, by label or `edge:ROW`.
@@ -61,11 +64,17 @@ pub fn simulate_with<'a>(
         perturbations.extend(vessels.into_iter().map(|vessel| Perturbation { vessel, change: *change }));
     }
     let (boundary, outlets) = conditions(input, &options.boundary, progress)?;
+    let waves = options.pulse.as_ref().map(|pulse| Waves::load(network, &boundary, pulse, progress)).transpose()?;
+    let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
     let simulation = crate::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
     let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
     let transports = options.transport.then(follow).transpose()?;
-    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity, transports })
+    let driven = waves.as_ref().zip(options.pulse.as_ref());
+    let pulses = driven
+        .map(|(waves, pulse)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation))
+        .transpose()?;
+    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity, transports, pulses })
 }
 
 /// The boundary conditions of a network whose vessels are taken as they are; outlets that are found are ground, unless said otherwise.
@@ -87,9 +96,9 @@ impl SimulationRun<'_> {
 
     /// Everything that the files of the run are made of.
     pub fn simulated(&self) -> Simulated<'_> {
-        let Self { input, boundary, perturbations, simulation, viscosity, transports, .. } = self;
-        let (viscosity, transports) = (*viscosity, transports.as_ref());
-        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity, transports }
+        let Self { input, boundary, perturbations, simulation, viscosity, transports, pulses, .. } = self;
+        let (viscosity, transports, pulses) = (*viscosity, transports.as_ref(), pulses.as_ref());
+        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity, transports, pulses }
     }
 
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
@@ -102,6 +111,12 @@ impl SimulationRun<'_> {
     pub fn transport_tables(&self) -> Option<[Vec<Column>; 2]> {
         let (simulated, transports) = (self.simulated(), self.transports.as_ref()?);
         Some([territory_columns(&simulated, transports), transit_columns(&simulated, transports)])
+    }
+
+    /// Pressures and flows over a cycle, as waveforms.npz has them, if the flow pulsates.
+    pub fn waveforms(&self) -> Option<Vec<NamedArray>> {
+        let (pulses, _) = self.pulses.as_ref()?;
+        Some(waveform_arrays(&self.simulated(), pulses))
     }
 
     /// The record of the run.

@@ -107,9 +107,18 @@ fn describe(column: &str) -> Option<Value> {
     if let Some(feeder) = column.strip_prefix("takes_over_").filter(|name| is_feeder(name)) {
         return Some(text(&format!("The communicating artery that takes over when {feeder} is lost.")));
     }
+    let is_territory = |name: &str| TERRITORIES.iter().any(|artery| artery.to_string() == name);
+    if let Some((territory, feeder)) =
+        column.split_once("_from_").filter(|(name, feeder)| is_territory(name) && is_feeder(feeder))
+    {
+        return Some(count(&format!("The share of the blood of {territory} that comes by {feeder}, on average.")));
+    }
+    if let Some(territory) = column.strip_suffix("_arrival_ms").filter(|name| is_territory(name)) {
+        let about = format!("Mean time since the blood of {territory} entered, on average.");
+        return Some(json!({ "Description": about, "Units": "ms" }));
+    }
     let (territory, feeder) = column.split_once("_without_").filter(|(_, feeder)| is_feeder(feeder))?;
-    let is_territory = TERRITORIES.iter().any(|artery| artery.to_string() == territory);
-    is_territory.then(|| count(&format!("The share of its flow that {territory} keeps when {feeder} is lost.")))
+    is_territory(territory).then(|| count(&format!("The share of its flow that {territory} keeps when {feeder} is lost.")))
 }
 
 #[cfg(test)]
@@ -125,7 +134,9 @@ mod tests {
     #[test]
     fn every_column_is_described() {
         let feeders = FEEDERS.map(|feeder| (feeder.to_string(), json!({ "takes_over": "AComm", "residual": {} })));
-        let record = json!({ "phenotype": { "probabilities": {} }, "collateral": Map::from_iter(feeders) });
+        let fed = TERRITORIES.map(|territory| (territory.to_string(), json!({ "shares": {}, "arrival_ms": {} })));
+        let record =
+            json!({ "phenotype": { "probabilities": {} }, "collateral": Map::from_iter(feeders), "supply": Map::from_iter(fed) });
         let columns = bids_columns(&[row(Ok(infer_figures(&record)))], &[("sub-01".into(), Some("ses-a".into()))]);
         assert!(columns.len() > 50, "{}", columns.len());
         let sidecar = sidecar(&columns);

@@ -207,6 +207,13 @@ pub fn phenotype_figures(record: &Value) -> Figures {
             figures.push((format!("{territory}_without_{feeder}").into(), number(&collateral["residual"][territory])));
         }
     }
+    for territory in TERRITORIES.map(|artery| artery.to_string()) {
+        let Some(supply) = record["supply"].get(&territory) else { continue };
+        for feeder in FEEDERS.map(|artery| artery.to_string()) {
+            figures.push((format!("{territory}_from_{feeder}").into(), number(&supply["shares"][&feeder]["mean"])));
+        }
+        figures.push((format!("{territory}_arrival_ms").into(), number(&supply["arrival_ms"]["mean"])));
+    }
     figures
 }
 

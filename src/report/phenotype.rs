@@ -32,6 +32,8 @@ pub struct Classified<'a> {
     pub landmarks: Value,
     /// The collateral flow as by [`collateral_json`], or null where no blood can flow.
     pub collateral: Value,
+    /// Who feeds what as by [`supply_json`](super::supply::supply_json).
+    pub supply: Value,
     /// Notes about where the arteries are.
     pub notes: &'a [String],
 }
@@ -153,6 +155,7 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
         },
         "phenotype": classified.phenotype,
         "collateral": classified.collateral,
+        "supply": classified.supply,
         "notes": provenance.notes.iter().chain(classified.notes).collect::<Vec<_>>(),
     })
 }

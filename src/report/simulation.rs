@@ -9,17 +9,22 @@ use serde_json::{Value, json};
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
 use super::page::{Picture, simulation_page, write_page};
+use super::pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use super::run_record::{Provenance, conditions, outlets_found};
 use super::transport::{transport_columns, write_transports};
 use crate::error::Result;
 use crate::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, write_csv, write_vtp};
+use crate::io::{
+    Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
+    write_vtp,
+};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Network, RadiusRule, Role};
 use crate::output::atomic::write_file;
 use crate::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
 use crate::output::write_record;
+use crate::simulation::pulse::Pulses;
 use crate::simulation::transport::Transports;
 use crate::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
 
@@ -47,6 +52,8 @@ pub struct FlowRecord {
     perturbations: Vec<Value>,
     collaterals: Vec<Value>,
     reversed: Vec<Value>,
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pulse: Value,
     notes: Vec<String>,
 }
 
@@ -95,6 +102,7 @@ impl FlowRecord {
             perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
             collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
             reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
+            pulse: simulated.pulses.map(|(_, record)| record.clone()).unwrap_or_default(),
             notes: provenance.notes.clone(),
         }
     }
@@ -141,6 +149,8 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
     columns.extend(perturbed);
     columns.extend(condition_columns(network, boundary));
+    columns.extend(windkessel_columns(&network.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
     columns
 }
 
@@ -155,6 +165,8 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
         let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
         columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
     }
+    columns.extend(wall_columns(network));
+    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_vessel_columns(pulses)).unwrap_or_default());
     columns.extend(simulated.transports.map(|found| transport_columns(simulated, found)).unwrap_or_default());
     columns
 }
@@ -189,6 +201,8 @@ pub struct Simulated<'a> {
     pub viscosity: f64,
     /// Where the blood comes from and when, if it was asked for.
     pub transports: Option<&'a Transports>,
+    /// The pulse, if it was asked for, and its record.
+    pub pulses: Option<&'a (Pulses, Value)>,
 }
 
 impl Simulated<'_> {
@@ -223,27 +237,38 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
         let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
         figures.push(Picture::new("Territories", caption, &territories)?);
     }
+    if let Some((pulses, _)) = simulated.pulses {
+        let waveforms = write_pulses(folder, simulated, pulses, dpi)?;
+        let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
+        figures.push(Picture::new("Waveforms", caption, &waveforms)?);
+    }
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 
-/// The flow of every vessel by its label; where this is empty or not unique the name has the row.
-fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
+/// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
+pub(super) fn picture_names(network: &Network) -> Vec<String> {
     let mut uses = BTreeMap::new();
-    for (_, vessel) in simulated.network.vessels() {
+    for (_, vessel) in network.vessels() {
         *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
     }
+    let name = |(row, (_, vessel)): (usize, (_, &crate::network::Vessel))| match vessel.label.as_str() {
+        "" => format!("edge {row}"),
+        label if uses[label] > 1 => format!("{label} (edge {row})"),
+        label => label.to_owned(),
+    };
+    network.vessels().enumerate().map(name).collect()
+}
+
+/// The flow of every vessel.
+fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
     let result = simulated.result;
-    let flow = |(row, (_, vessel)): (usize, (_, &crate::network::Vessel))| VesselFlow {
-        name: match vessel.label.as_str() {
-            "" => format!("edge {row}"),
-            label if uses[label] > 1 => format!("{label} (edge {row})"),
-            label => label.to_owned(),
-        },
+    let flow = |(row, name): (usize, String)| VesselFlow {
+        name,
         unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),
         perturbed: result.perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
     };
-    simulated.network.vessels().enumerate().map(flow).collect()
+    picture_names(simulated.network).into_iter().enumerate().map(flow).collect()
 }

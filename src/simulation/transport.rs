@@ -44,6 +44,35 @@ pub struct Transport {
     pub nodes: Vec<Option<Blood>>,
     /// Per vessel the node at its upstream end and its transit time in s; `None` where nothing flows.
     pub vessels: Vec<Option<(usize, f64)>>,
+    /// The nodes that blood reaches, in the order of the flow.
+    pub order: Vec<usize>,
+}
+
+impl Transport {
+    /// By node, of which of `count` marks the blood there last passed a vessel, as shares: of what entered and passed none, no share. Flows
+    /// (m³/s) between `ends` are those that were followed; `marks` are by vessel.
+    pub fn passed(&self, ends: &[[usize; 2]], flow: &[f64], marks: &[Option<usize>], count: usize) -> Vec<Option<Vec<f64>>> {
+        let mut into = vec![Vec::new(); self.nodes.len()];
+        for (row, [a, b]) in ends.iter().enumerate() {
+            let Some((up, _)) = self.vessels[row] else { continue };
+            into[if up == *a { *b } else { *a }].push((row, up));
+        }
+        let mut passed: Vec<Option<Vec<f64>>> = vec![None; self.nodes.len()];
+        for node in &self.order {
+            let Some(blood) = &self.nodes[*node] else { continue };
+            let mut shares = vec![0.0; count];
+            for (row, up) in &into[*node] {
+                let part = flow[*row].abs() / blood.through;
+                match (marks[*row], &passed[*up]) {
+                    (Some(mark), _) => shares[mark] += part,
+                    (None, Some(before)) => shares.iter_mut().zip(before).for_each(|(share, before)| *share += part * before),
+                    (None, None) => {}
+                }
+            }
+            passed[*node] = Some(shares);
+        }
+        passed
+    }
 }
 
 /// The transport of a simulation.
@@ -114,7 +143,9 @@ pub fn transport(ends: &[[usize; 2]], flow: &[f64], volume: &[f64], is_open: &[b
     let mut waiting: Vec<usize> = into.iter().map(Vec::len).collect();
     let mut ready: Vec<usize> = (0..count).filter(|node| waiting[*node] == 0 && net[*node] > 0.0).collect();
     let mut nodes: Vec<Option<Blood>> = vec![None; count];
+    let mut order = Vec::new();
     while let Some(node) = ready.pop() {
+        order.push(node);
         let source = sources.binary_search(&node).ok().map(|source| (source, net[node]));
         let arriving = into[node].iter().filter_map(|row| {
             let (up, time) = vessels[*row]?;
@@ -130,7 +161,7 @@ pub fn transport(ends: &[[usize; 2]], flow: &[f64], volume: &[f64], is_open: &[b
     }
     let inflow = sources.iter().map(|node| net[*node]).collect();
     let exits = net.iter().enumerate().filter(|(_, net)| **net < 0.0).map(|(node, net)| (node, -net)).collect();
-    Transport { sources, inflow, exits, nodes, vessels }
+    Transport { sources, inflow, exits, nodes, vessels, order }
 }
 
 impl Blood {

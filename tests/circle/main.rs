@@ -11,4 +11,5 @@ mod phantom;
 mod phantom_large;
 mod phenotype;
 mod phenotype_posterior;
+mod supply;
 mod variants;

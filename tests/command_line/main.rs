@@ -13,6 +13,7 @@ mod decisions;
 mod manifest;
 mod merge;
 mod modulation_folder;
+mod pulse;
 mod real_data;
 mod refusals;
 mod separate_runs;

@@ -6,6 +6,8 @@ mod draw;
 mod figure;
 #[path = "../support/networks.rs"]
 mod networks;
+#[path = "../support/pulse.rs"]
+mod pulse_case;
 #[path = "../support/shuffle.rs"]
 mod shuffle;
 #[path = "../support/vessels.rs"]
@@ -18,6 +20,8 @@ mod circuits;
 mod modulation;
 mod peel;
 mod properties;
+mod pulse;
+mod pulse_references;
 mod simulate;
 mod svzerod;
 mod transport;

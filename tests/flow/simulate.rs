@@ -7,7 +7,7 @@ use crate::vessels::{network, tube};
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, Tube};
 use willis::internals::network::{Condition, Network, Vessel};
-use willis::internals::perturbation::Stenosis;
+use willis::internals::perturbation::{Stenosis, StretchPlace};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::simulation::{Change, Perturbation, gains, perturbed, reversals, simulate};
 
@@ -250,7 +250,7 @@ fn perturbations_out_of_range_are_refused() {
         let error = perturbed(&network, &Tube::at_rest(&network, VISCOSITY), &changes).expect_err("refused").to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     };
-    let stenosis = |open_diameter, stretch| Change::Stenosis(Stenosis { open_diameter, stretch });
+    let stenosis = |open_diameter, stretch| Change::Stenosis(Stenosis { open_diameter, stretch, place: StretchPlace::Middle });
     refused(&[stenosis(0.0, None)], ["stenosis 100%", "occlusion"]);
     refused(&[stenosis(f64::NAN, None)], ["stenosis", "occlusion"]);
     refused(&[stenosis(1.5, None)], ["stenosis -50%", "from 0%"]);

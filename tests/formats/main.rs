@@ -27,6 +27,7 @@ mod phantom_masks;
 mod polylines;
 mod polylines_round_trip;
 mod round_trip;
+mod solvers;
 mod tables;
 mod tubes;
 mod vmtk_lines;

@@ -12,7 +12,9 @@ use willis::internals::io::{
     write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
-use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
+use willis::internals::network::{
+    Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Windkessel, contract, cycles,
+};
 
 fn mm() -> Scale {
     Scale::default()
@@ -32,6 +34,7 @@ fn network() -> Network {
             condition: [Some(Condition::Pressure(pascals(93.1))), None, None, Some(Condition::Pressure(0.0))][n],
             at_border: false,
             root_score: None,
+            windkessel: Windkessel::default(),
         });
     }
     let end = |network: &Network, n: usize| PathPoint {
@@ -52,6 +55,7 @@ fn network() -> Network {
         certain: false,
         evidence: None,
         kept: None,
+        wall: None,
         path: Vec::new(),
     };
     network.add_vessel([1, 2], straight(1.1, 0.7 / 3.0, Origin::Observed));

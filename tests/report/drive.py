@@ -149,11 +149,12 @@ def check_threshold(page):
         "undecided": page.record["convergence"]["undecided"],
     }, (start, topology)
     cut = page.record["threshold"]["value"]
-    if cut is not None:
+    turn = TURNS.get(page.record["threshold"]["rule"].split("=")[0])
+    assert (page.threshold() is None) == (cut is None or turn is not None)
+    if page.threshold() is not None:
         # The box shows a threshold of few digits that decides alike.
         assert recount(page, page.threshold()) == start and len(page.one("#number").get_property("value")) <= 12
     assert start["kept"] == sum(page.is_uncertain(e) and e["kept"] == "1" for e in page.edges)
-    turn = TURNS.get(page.record["threshold"]["rule"].split("=")[0])
     if turn:
         # The most probable forest has no threshold; what is reconnected is not decided by one figure.
         near = [e for e in page.edges if page.is_uncertain(e) and abs(float(e["probability"]) - turn) < 0.2]

@@ -4,6 +4,7 @@ pub mod arteries;
 pub mod boundary;
 pub mod candidates;
 pub mod figures;
+pub mod pulse;
 pub mod reading;
 pub mod sampling;
 

@@ -4,6 +4,8 @@ use crate::internals::flow::state::{LAMINAR_LIMIT, State};
 use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
 use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
+use crate::internals::simulation::pulse::Pulse;
+use crate::internals::simulation::pulse::indices::Indices;
 use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{Change, Network, Stenosis};
@@ -24,6 +26,7 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     say_beyond_laminar(terminal, network, before, "");
     say_stranded(terminal, simulated, before, "");
     say_transport(terminal, simulated, simulated.transports.map(|found| &found.unperturbed), "");
+    say_pulse(terminal, simulated, simulated.pulses.map(|(found, _)| &found.unperturbed), "");
     let Some(after) = &simulated.result.perturbed else { return };
 
     for perturbation in simulated.perturbations {
@@ -38,6 +41,8 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     say_stranded(terminal, simulated, after, " after the perturbation");
     let transport = simulated.transports.and_then(|found| found.perturbed.as_ref());
     say_transport(terminal, simulated, transport, " after the perturbation");
+    let pulse = simulated.pulses.and_then(|(found, _)| found.perturbed.as_ref());
+    say_pulse(terminal, simulated, pulse, " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));
     if lost > 0 {
@@ -105,6 +110,38 @@ fn say_transport(terminal: Terminal, simulated: &Simulated<'_>, transport: Optio
     }
 }
 
+/// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
+fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: Option<&Pulse>, when: &str) {
+    let Some(pulse) = pulse else { return };
+    let network = simulated.network;
+    let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
+    // In single precision, so that rounding does not change the order of equal flows.
+    found.sort_by(|a, b| (b.1.mean.abs() as f32).total_cmp(&(a.1.mean.abs() as f32)));
+    let defined = found.iter().filter(|(_, of)| of.pulsatility.is_finite());
+    let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
+    let first: Vec<String> = defined.take(NAMED).map(words).collect();
+    let period = (1e3 * pulse.period).round() / 1e3;
+    terminal.say("pulse", format!("period {period} s, {} harmonics; pulsatility{when} {}", pulse.harmonics, first.join(", ")));
+    let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
+    back.sort_by(|a, b| (b.1.reversed_share as f32).total_cmp(&(a.1.reversed_share as f32)));
+    if !back.is_empty() {
+        let words = |(row, of): &&(usize, Indices)| format!("{} ({:.0} %)", name(network, *row), 100.0 * of.reversed_share);
+        let first: Vec<String> = back.iter().take(NAMED).map(words).collect();
+        let rest = more(back.len(), NAMED);
+        terminal.say("turns", format!("flow turns round within the cycle{when} in {}{rest}", first.join(", ")));
+    }
+    if simulated.transports.is_some() {
+        let ratio = |(row, of): &&(usize, Indices)| of.reversed / pulse.walls[*row].volume;
+        let filled = found.iter().filter(|found| ratio(found) > 1.0);
+        let filled: Vec<String> = filled.map(|found| format!("{} ({:.1})", name(network, found.0), ratio(&found))).collect();
+        if !filled.is_empty() {
+            let which = filled.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+            let why = "in a cycle more blood goes back than the vessel holds, so supply by the mean flow is less sure";
+            terminal.say("note", format!("{which}: {why}"));
+        }
+    }
+}
+
 /// Fixed flows into a part that nothing joins to a pressure.
 fn say_stranded(terminal: Terminal, simulated: &Simulated<'_>, state: &State, when: &str) {
     for (node, condition) in &simulated.boundary.conditions {
@@ -119,7 +156,7 @@ fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> S
     let what = match change {
         Change::Occlusion => "occluded".to_owned(),
         Change::Tortuosity(factor) => format!("lengthened to {factor} times its length"),
-        Change::Stenosis(Stenosis { open_diameter, stretch }) => {
+        Change::Stenosis(Stenosis { open_diameter, stretch, .. }) => {
             let over = stretch.map_or(String::new(), |length| format!(" over {} mm", brief(millimetres(length))));
             format!("diameter narrowed by {} %{over}", brief(100.0 * (1.0 - open_diameter)))
         }

@@ -8,13 +8,31 @@ use crate::error::Fault;
 use crate::io::read::ReadOptions;
 use crate::io::tables::reader::plural;
 use crate::network::centerlines::is_radius;
-use crate::network::units::{Scale, metres, pascal_seconds_per_cubic_metre};
-use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use crate::network::units::{Scale, megapascals, metres, pascal_seconds_per_cubic_metre};
+use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall};
 use crate::support::geometry::distance;
 
 /// The attributes of an edge, besides its length and radius.
-pub(crate) const ATTRIBUTES: [&str; 11] =
-    ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
+pub(crate) const ATTRIBUTES: [&str; 14] = [
+    "label",
+    "origin",
+    "prior",
+    "certain",
+    "probability",
+    "hangs_a",
+    "hangs_b",
+    "continues_a",
+    "continues_b",
+    "kept",
+    "points",
+    SPEED,
+    YOUNG,
+    THICKNESS,
+];
+/// The wall: the speed of a pulse wave, or Young's modulus and the thickness.
+pub(crate) const SPEED: &str = "pwv_m_per_s";
+pub(crate) const YOUNG: &str = "young_MPa";
+pub(crate) const THICKNESS: &str = "wall_mm";
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
 /// should know. A radius that is missing, where it may, is NaN.
@@ -81,6 +99,7 @@ pub(in crate::io) fn vessels(
             certain: item.boolean("certain")?.unwrap_or(false),
             evidence: evidence(&item)?,
             kept: item.boolean("kept")?,
+            wall: wall(&item)?,
             path,
         };
         network.add_vessel(*ends, vessel);
@@ -131,6 +150,21 @@ fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
     match item.real(RESISTANCE)?.filter(|r| !r.is_nan()) {
         Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
         stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
+    }
+}
+
+/// The wall that the edge states.
+fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
+    let positive = |key: &'static str| match item.finite(key)? {
+        Some(x) if x <= 0.0 => Err(item.fault(format!("{key} {x}"), "expected a positive number")),
+        x => Ok(x),
+    };
+    match (positive(SPEED)?, positive(YOUNG)?, positive(THICKNESS)?) {
+        (Some(speed), None, None) => Ok(Some(Wall::Speed(speed))),
+        (None, Some(young), Some(mm)) => Ok(Some(Wall::Elastic { young: megapascals(young), thickness: metres(mm) })),
+        (None, None, None) => Ok(None),
+        (Some(_), ..) => Err(item.fault(format!("{SPEED} and {YOUNG} or {THICKNESS}"), "expected one statement of the wall")),
+        (None, ..) => Err(item.fault(format!("{YOUNG} or {THICKNESS} alone"), "expected both, or neither")),
     }
 }
 

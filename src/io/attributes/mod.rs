@@ -11,8 +11,10 @@ use crate::io::tables::conditions::VENOUS;
 use crate::io::tables::graph::POSITION_COLUMNS;
 use crate::io::tables::reader::number;
 use crate::network::centerlines::is_radius;
-use crate::network::units::{Scale, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals};
-use crate::network::{Condition, Node, Role};
+use crate::network::units::{
+    Scale, cubic_metres_per_pascal, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals,
+};
+use crate::network::{Condition, Node, Role, Windkessel};
 use crate::support::geometry::{Point, radius_of};
 
 /// The attributes that may give the radius where none has "radius" in its name.
@@ -146,7 +148,10 @@ impl<'a> Item<'a> {
 pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
     [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// The other attributes of a node.
-pub(crate) const ATTRIBUTES: [&str; 7] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW];
+pub(crate) const ATTRIBUTES: [&str; 9] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE];
+/// The parts of a Windkessel beside the terminal resistance of a node.
+pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
+pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
 const FLOW: &str = "flow_mL_per_min";
 
 /// The nodes of records, each with its id, which must be unique.
@@ -174,6 +179,7 @@ pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &S
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
+            windkessel: windkessel(&item)?,
             root_score: item.share("alone")?,
             ..Node::default()
         });
@@ -234,4 +240,26 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
             Some(Role::Inner) | None => None,
         },
     })
+}
+
+/// The parts of a Windkessel that a node states.
+fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
+    let (proximal, compliance) = (item.finite(PROXIMAL)?, item.finite(COMPLIANCE)?);
+    if let Some(r) = proximal.filter(|r| *r < 0.0) {
+        return Err(item.fault(format!("{PROXIMAL} {r}"), "expected zero or a positive number"));
+    }
+    if let (Some(r), Some(total)) = (proximal, item.finite(RESISTANCE)?) {
+        // Where both are printed with a few digits they may be equal but for the last one.
+        if r > total * (1.0 + 1e-9) {
+            return Err(
+                item.fault(format!("{PROXIMAL} {r}"), format!("expected at most {RESISTANCE} {total}, which it is part of"))
+            );
+        }
+    }
+    if let Some(c) = compliance.filter(|c| *c <= 0.0) {
+        let accepted =
+            "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel` none)";
+        return Err(item.fault(format!("{COMPLIANCE} {c}"), accepted));
+    }
+    Ok(Windkessel { proximal: proximal.map(pascal_seconds_per_cubic_metre), compliance: compliance.map(cubic_metres_per_pascal) })
 }

@@ -5,6 +5,7 @@ use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2, ArrayD, arr0};
 use ndarray_npy::{NpzWriter, WritableElement, WriteDataError, WriteNpyExt};
+use num_complex::Complex64;
 use zip::CompressionMethod;
 use zip::write::SimpleFileOptions;
 
@@ -118,6 +119,32 @@ pub fn write_arrays(out: impl Write + Seek, arrays: impl IntoIterator<Item = Nam
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     let mut npz = NpzWriter::new_with_options(out, options);
     for NamedArray { name, shape, values } in arrays {
+        let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
+        npz.add_array(name, &array).map_err(io::Error::other)?;
+    }
+    npz.finish().map_err(io::Error::other)?.flush()
+}
+
+/// A complex array with its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedComplexArray {
+    /// The name.
+    pub name: String,
+    /// Its length along each axis.
+    pub shape: Vec<usize>,
+    /// Its values in C order.
+    pub values: Vec<Complex64>,
+}
+
+/// As [`write_arrays`], of complex128.
+///
+/// # Errors
+///
+/// As [`write_arrays`].
+pub fn write_complex_arrays(out: impl Write + Seek, arrays: impl IntoIterator<Item = NamedComplexArray>) -> io::Result<()> {
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
+    let mut npz = NpzWriter::new_with_options(out, options);
+    for NamedComplexArray { name, shape, values } in arrays {
         let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
         npz.add_array(name, &array).map_err(io::Error::other)?;
     }

@@ -4,15 +4,15 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::error::Fault;
-use crate::io::attributes::edge::vessels;
+use crate::io::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
 use crate::io::attributes::records::Records;
-use crate::io::attributes::{self, nodes};
+use crate::io::attributes::{self, COMPLIANCE, PROXIMAL, nodes};
 use crate::io::read::ReadOptions;
 use crate::io::tables::conditions::VENOUS;
 use crate::io::tables::reader::{TableReader, columns, delimiter};
 use crate::io::tables::write::{Column, Values, real, write_csv};
-use crate::network::units::{Scale, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use crate::network::{Condition, Evidence, Network, Node, PathPoint, Role, fragments};
+use crate::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
+use crate::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
 use crate::support::geometry::Point;
 
 /// The columns that may hold the names of nodes.
@@ -208,8 +208,40 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
         Column::real(VENOUS, figure(venous)),
         Column::real("flow_mL_per_min", figure(flow)),
     ];
-    columns.retain(|c| matches!(&c.values, Values::Real(v) if v.iter().any(|x| !x.is_nan())));
+    columns.retain(has_values);
     columns
+}
+
+/// The columns with the parts of the Windkessels of nodes; columns without any value are left out.
+pub fn windkessel_columns(windkessels: &[Windkessel]) -> Vec<Column> {
+    let figure = |of: fn(&Windkessel) -> Option<f64>| windkessels.iter().map(move |w| of(w).unwrap_or(f64::NAN));
+    let columns = [
+        Column::real(PROXIMAL, figure(|w| w.proximal.map(mmhg_s_per_ml))),
+        Column::real(COMPLIANCE, figure(|w| w.compliance.map(ml_per_mmhg))),
+    ];
+    columns.into_iter().filter(has_values).collect()
+}
+
+/// The columns with the walls of vessels; columns without any value are left out.
+pub fn wall_columns(network: &Network) -> Vec<Column> {
+    let figure = |of: fn(Wall) -> Option<f64>| network.vessels().map(move |(_, v)| v.wall.and_then(of).unwrap_or(f64::NAN));
+    let columns = [
+        Column::real(SPEED, figure(|wall| if let Wall::Speed(speed) = wall { Some(speed) } else { None })),
+        Column::real(
+            YOUNG,
+            figure(|wall| if let Wall::Elastic { young, .. } = wall { Some(in_megapascals(young)) } else { None }),
+        ),
+        Column::real(
+            THICKNESS,
+            figure(|wall| if let Wall::Elastic { thickness, .. } = wall { Some(millimetres(thickness)) } else { None }),
+        ),
+    ];
+    columns.into_iter().filter(has_values).collect()
+}
+
+/// Whether a column of numbers has any.
+fn has_values(column: &Column) -> bool {
+    matches!(&column.values, Values::Real(v) if v.iter().any(|x| !x.is_nan()))
 }
 
 /// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
@@ -252,6 +284,8 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
         let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
         vessels.push(Column::real("resistance_mmHg_s_per_mL", stated));
     }
+    vessels.extend(wall_columns(network));
+    nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel).collect::<Vec<_>>()));
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }

@@ -9,4 +9,5 @@ pub(crate) mod points;
 pub(crate) mod prior;
 pub(crate) mod reader;
 pub(crate) mod unread;
+pub(crate) mod waveform;
 pub(crate) mod write;

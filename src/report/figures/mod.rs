@@ -16,6 +16,7 @@ pub(crate) mod modulation;
 pub(crate) mod summary;
 pub(crate) mod supply_bars;
 mod svg;
+pub(crate) mod waveforms;
 
 pub use colour::{ZERO, colour};
 pub use convergence::convergence;
@@ -25,3 +26,4 @@ pub use heat_map::{Matrix, heat_map};
 pub use hypertension::{Histogram, Histograms, hypertension};
 pub use modulation::{Boxes, Panel, modulation};
 pub use supply_bars::{OutletSupply, supply_bars};
+pub use waveforms::{ArteryWaveform, waveform_panels};

@@ -23,6 +23,9 @@ const THIN: f64 = 0.45;
 /// Widths of vessels are these shares of their diameters: one that was kept or seen, one that was left out.
 const SHARE: [f64; 2] = [1.0, 0.4];
 
+/// So many steps of a course are drawn in one line, as wide as the vessel is on average.
+const TOGETHER: usize = 24;
+
 /// A vessel of the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnVessel {
@@ -55,10 +58,10 @@ pub fn summary(title: String, words: String, vessels: Vec<DrawnVessel>, views: [
     Figure::new(SUMMARY_PICTURE, INCHES, move |sheet| draw(sheet, &title, &words, &vessels, &views))
 }
 
-/// A piece of a vessel on the page: how far off, its two ends, and how it is drawn.
+/// A piece of a vessel on the page: how far off, its course, and how it is drawn.
 struct Piece {
     near: f64,
-    ends: [[f64; 2]; 2],
+    path: Vec<[f64; 2]>,
     width: f64,
     rgb: Rgb,
     opacity: f64,
@@ -82,7 +85,7 @@ fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel]
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
         for piece in pieces(vessels, view, scale, place) {
-            sheet.line(piece.ends, piece.width, piece.rgb, piece.opacity)?;
+            sheet.line(piece.path, piece.width, piece.rgb, piece.opacity)?;
         }
         sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle)?;
         for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
@@ -123,12 +126,18 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
             (false, false) => 1e6,
             (false, true) => 2e6,
         };
-        all.extend(vessel.course.windows(2).map(|w| Piece {
-            near: order + f64::midpoint(depth(&w[0]), depth(&w[1])),
-            ends: [place(&w[0]), place(&w[1])],
-            width: (share * scale * (w[0][3] + w[1][3])).max(THIN),
-            rgb,
-            opacity,
+        // A piece begins where the one before it ends.
+        let last = vessel.course.len().saturating_sub(1);
+        all.extend((0..last).step_by(TOGETHER).map(|first| {
+            let part = &vessel.course[first..=(first + TOGETHER).min(last)];
+            let mean = |of: &dyn Fn(&[f64; 4]) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
+            Piece {
+                near: order + mean(&depth),
+                path: part.iter().map(&place).collect(),
+                width: (2.0 * share * scale * mean(&|p| p[3])).max(THIN),
+                rgb,
+                opacity,
+            }
         }));
     }
     all.sort_by(|a, b| a.near.total_cmp(&b.near));

@@ -5,6 +5,7 @@ mod encode;
 mod inference;
 mod modulation;
 pub(crate) mod phenotype;
+mod pulse;
 pub(crate) mod scene;
 mod simulation;
 
@@ -213,6 +214,7 @@ const RUN: Template = Template {
         include_str!("assets/image.js"),
         include_str!("assets/record.js"),
         include_str!("assets/circle.js"),
+        include_str!("assets/cycle.js"),
         include_str!("assets/page.js"),
     ],
 };

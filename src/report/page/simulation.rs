@@ -1,5 +1,6 @@
 //! The page of a forward simulation: vessels by flow, before and after the changes.
 
+use super::pulse::cycle;
 use super::scene::scene;
 use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take, title};
 use crate::io::Column;
@@ -45,6 +46,10 @@ pub fn page(
         colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
         tables.push(table("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
         tables.push(table("Arrival", transit_columns(simulated, transports), false));
+    }
+    if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
+        tables.push(flows);
+        colourings.push(over_the_cycle);
     }
     Page {
         title: title("simulate", &record),

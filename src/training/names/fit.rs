@@ -10,7 +10,7 @@ use crate::naming::model::{Logistic, NamingModel, logistic_probability};
 use crate::naming::pieces::PIECE_FEATURES;
 use crate::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
 use crate::naming::states::{BA, LABELS, Label, OTHER, Sided};
-use crate::naming::{Names, NamingScores, labels_of, log_odds, name_with, posterior_of};
+use crate::naming::{Names, NamingScores, labels_of, log_odds, name_with, topologies_say};
 use crate::sampling::SamplingOptions;
 use crate::support::in_order;
 use crate::support::tree_provenance::TreeProvenance;
@@ -223,7 +223,7 @@ impl Judged<'_> {
 /// The share of the plausible topologies of a case with each segment; a half where no circle was found.
 fn topologies(names: &Names, case: &LabelledCase, model: &NamingModel) -> [f64; 7] {
     let Ok((circle, _)) = names.located(&case.graph, model) else { return [0.5; 7] };
-    posterior_of(&circle, &names.circle(model), &case.graph, &SamplingOptions::default(), [&[], &[]], None).segments
+    topologies_say(&circle, &names.circle(model), &case.graph, &SamplingOptions::default())
 }
 
 /// The features of pieces that an atlas without their subject found, with whether they are false.

@@ -18,10 +18,10 @@ class LinePainter {
       const state = this.looks[4 * item + 3];
       if (state & LOOK.hidden) continue;
       let from = camera.project(points, 4 * starts[item]);
-      if (starts[item + 1] - starts[item] === 1) pieces.push({ item, state, from, to: from, radius: points[4 * starts[item] + 3], far: from[2] });
+      if (starts[item + 1] - starts[item] === 1) pieces.push({ item, state, from, to: from, radius: points[4 * starts[item] + 3], far: from[2] + (state & LOOK.top ? 4 * camera.depth : 0) });
       for (let i = starts[item] + 1; i < starts[item + 1]; i++) {
         const to = camera.project(points, 4 * i);
-        const far = (from[2] + to[2]) / 2 + (state & LOOK.picked ? 4 * camera.depth : 0);
+        const far = (from[2] + to[2]) / 2 + (state & (LOOK.picked | LOOK.top) ? 4 * camera.depth : 0);
         pieces.push({ item, state, from, to, radius: (points[4 * i - 1] + points[4 * i + 3]) / 2, far });
         from = to;
       }

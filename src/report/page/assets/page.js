@@ -135,6 +135,7 @@ function colouring() {
   const options = (select, names) => select.replaceChildren(...names.map((text, i) => make("option", { value: i, text })));
   const usable = data.colourings.map(c => ({ ...c, variants: c.variants.filter(([, at, name]) => tables[at].find(name)) })).filter(c => c.variants.length);
   options(by, usable.map(c => c.name));
+  const slide = cycleSlider(variant, usable);
   let colour = () => GREY;
   const choose = () => {
     const chosen = usable[by.value || 0];
@@ -164,6 +165,7 @@ function colouring() {
     options(variant, names);
     variant.value = Math.max(names.indexOf(before), 0);
     byId("variant-label").hidden = names.length < 2;
+    slide(by.value);
     choose();
   });
   variant.addEventListener("change", choose);
@@ -204,7 +206,7 @@ function showThreshold() {
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
+    number.value = threshold.asRun || threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
     histogram.show(byId("histogram"));
     showAnswer();
     dress();

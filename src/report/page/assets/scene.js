@@ -102,7 +102,7 @@ class SceneView {
     for (let i = this.geometry.vessels; 4 * i < this.looks.length; i++) {
       const kind = this.geometry.markers[i - this.geometry.vessels][0];
       const shown = CUTS.has(kind) ? this.cutsShown : this.markersShown && this.certainShown;
-      this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (shown && !this.near ? 0 : LOOK.hidden);
+      this.looks[4 * i + 3] = LOOK.marker | (kind === "inlet" ? LOOK.inlet : 0) | (CUTS.has(kind) ? LOOK.top : 0) | (shown && !this.near ? 0 : LOOK.hidden);
     }
     this.painter.dress(this.looks);
     this.paint();

@@ -1,6 +1,6 @@
 // Each segment of a vessel is a tapered tube with a ball at each end. A rectangle around it is drawn, and every pixel computes
 // the exact surface (after Quilez, round cone).
-const LOOK = { hidden: 1, pruned: 2, undecided: 4, picked: 8, marker: 16, inlet: 32, faint: 64 };
+const LOOK = { hidden: 1, pruned: 2, undecided: 4, picked: 8, marker: 16, inlet: 32, faint: 64, top: 128 };
 
 const VERTEX = `#version 300 es
 precision highp float;
@@ -33,7 +33,7 @@ void main() {
   before = whose.y;
   bool pruned = (state & 2) != 0;
   radii = max(vec2(first.w, second.w) * (pruned ? 0.55 : 1.0), (pruned ? 0.7 : 1.0) * pixel);
-  if ((state & 16) != 0) radii = (state & 32) != 0 ? max(1.35 * radii, 4.0 * pixel) : max(1.12 * radii, 2.2 * pixel);
+  if ((state & 16) != 0) radii = (state & 32) != 0 ? max(1.5 * radii, 4.0 * pixel) : max(1.35 * radii, 2.4 * pixel);
   if ((state & 8) != 0) radii += 2.5 * pixel;
   float flat_length = length(axis.xy);
   vec2 forth = flat_length > 1e-6 * pixel ? axis.xy / flat_length : vec2(1.0, 0.0);
@@ -94,7 +94,8 @@ void main() {
   float deep = clamp(0.5 - 0.5 * (a.z + height - shift) / depth, 0.0, 1.0);
   if ((state & 8) == 0) colour = mix(colour, paper, 0.35 * smoothstep(0.4, 0.9, deep));
   if ((state & 64) != 0) colour = mix(colour, paper, 0.82);
-  gl_FragDepth = (state & 8) != 0 ? 0.01 * deep : 0.02 + 0.98 * deep;
+  // What is selected, and cuts, which lie inside of vessels, are never hidden.
+  gl_FragDepth = (state & (8 | 128)) != 0 ? 0.01 * deep : 0.02 + 0.98 * deep;
   // How far inside of the outline the pixel lies, whichever way the tube points.
   float flat_length = length(axis.xy);
   vec2 forth = flat_length > 1e-6 * pixel ? axis.xy / flat_length : vec2(1.0, 0.0);

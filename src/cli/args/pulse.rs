@@ -1,0 +1,162 @@
+//! `--pulse` and its options, with their conversion to those of the library.
+
+use crate::error::{Error, Result};
+use crate::internals::network::quantity::Dimension;
+use crate::internals::network::units::mmhg;
+use crate::{Friction, PulseMean, PulseOptions, Thickness, WallLaw};
+use clap::Args;
+
+use super::figures::whole;
+
+const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
+                    pwv=8m/s, graph or rigid";
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Pulse")]
+pub struct PulseArgs {
+    /// Let the flow pulsate: one period at every inlet, or at one, as a table (time_s, and pressure_mmHg or flow_mL_per_min), or as a
+    /// typical shape of the flow: carotid, vertebral, or typical, which is either by the name of the inlet [default: typical]
+    #[arg(long, value_name = "[NODE=]FILE|SHAPE", num_args = 0..=1, default_missing_value = "typical")]
+    pulse: Vec<String>,
+    /// The period [default: what the tables mean; 1 s of a shape]
+    #[arg(long, value_name = "TIME", hide_short_help = true)]
+    period: Option<String>,
+    /// The mean of the waveforms: shifts a pressure (100mmHg), scales a flow (240mL/min) [default: their own]
+    #[arg(long, value_name = "PRESSURE|FLOW", hide_short_help = true)]
+    pulse_mean: Option<String>,
+    /// How many harmonics are solved [default: 40]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, hide_short_help = true)]
+    harmonics: Option<usize>,
+    /// The walls: Olufsen's law, one modulus times thickness, Young's modulus and a thickness, one wave speed, what the edges of the
+    /// graph state, or rigid [default: graph where it states them, else olufsen]
+    #[arg(
+        long,
+        value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid",
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
+    wall: Option<String>,
+    /// The time constant of a wall that creeps (Kelvin-Voigt) [default: 0, an elastic wall]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, hide_short_help = true)]
+    wall_viscosity: Option<String>,
+    /// Resistance times compliance of outlets that state no compliance; none leaves them resistances [default: rc=0.69s]
+    #[arg(long, value_name = "rc=TIME|none", hide_short_help = true)]
+    windkessel: Option<String>,
+    /// The profile by which the flow meets friction [default: womersley]
+    #[arg(long, value_name = "womersley|parabolic", hide_short_help = true)]
+    friction: Option<String>,
+    /// Density of blood [default: 1060 kg/m3]
+    #[arg(long, value_name = "DENSITY", allow_hyphen_values = true, hide_short_help = true)]
+    density: Option<String>,
+    /// At how many times of the period waveforms are written [default: 100]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, hide_short_help = true)]
+    times: Option<usize>,
+}
+
+impl PulseArgs {
+    /// The options of the library; `None` without `--pulse`.
+    pub fn options(&self) -> Result<Option<PulseOptions>> {
+        if self.pulse.is_empty() {
+            return self.alone();
+        }
+        let usual = PulseOptions::default();
+        let time = |option: &str, text: &Option<String>| figure(option, text.as_ref(), Dimension::Time);
+        let time_constant = match self.windkessel.as_deref() {
+            None => usual.time_constant,
+            Some("none") => None,
+            Some(text) => {
+                let accepted = "expected none, or rc=TIME such as rc=0.69s";
+                let refused = || Error::parameter("windkessel", format!("\"{text}\""), accepted);
+                let time = text.strip_prefix("rc=").and_then(|time| Dimension::Time.parse(time).ok());
+                Some(time.filter(|time| *time > 0.0).ok_or_else(refused)?)
+            }
+        };
+        let friction = match self.friction.as_deref() {
+            None | Some("womersley") => Friction::Womersley,
+            Some("parabolic") => Friction::Parabolic,
+            Some(text) => return Err(Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic")),
+        };
+        let options = PulseOptions {
+            waveforms: self.pulse.clone(),
+            period: time("period", &self.period)?,
+            mean: self.pulse_mean.as_deref().map(mean).transpose()?,
+            harmonics: self.harmonics.unwrap_or(usual.harmonics),
+            wall: self.wall.as_deref().map(wall).transpose()?,
+            wall_viscosity: time("wall_viscosity", &self.wall_viscosity)?.unwrap_or(usual.wall_viscosity),
+            time_constant,
+            friction,
+            density: figure("density", self.density.as_ref(), Dimension::Density)?.unwrap_or(usual.density),
+            times: self.times.unwrap_or(usual.times),
+        };
+        options.validate()?;
+        Ok(Some(options))
+    }
+
+    /// Refuses an option of the pulse without the pulse.
+    fn alone(&self) -> Result<Option<PulseOptions>> {
+        let given = [
+            ("period", self.period.is_some()),
+            ("pulse_mean", self.pulse_mean.is_some()),
+            ("harmonics", self.harmonics.is_some()),
+            ("wall", self.wall.is_some()),
+            ("wall_viscosity", self.wall_viscosity.is_some()),
+            ("windkessel", self.windkessel.is_some()),
+            ("friction", self.friction.is_some()),
+            ("density", self.density.is_some()),
+            ("times", self.times.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(Error::parameter(name, "without a pulse", "goes with `pulse`")),
+            None => Ok(None),
+        }
+    }
+}
+
+fn figure(option: &str, text: Option<&String>, dimension: Dimension) -> Result<Option<f64>> {
+    let parse =
+        |text: &String| dimension.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted));
+    text.map(parse).transpose()
+}
+
+fn mean(text: &str) -> Result<PulseMean> {
+    if Dimension::Flow.has_unit_in(text) {
+        let refused = |accepted: String| Error::parameter("pulse_mean", format!("\"{text}\""), accepted);
+        return Dimension::Flow.parse(text).map(PulseMean::Flow).map_err(refused);
+    }
+    let accepted = format!(
+        "expected a pressure ({} mmHg) or a flow (240mL/min) with its unit",
+        mmhg(crate::internals::network::INLET_PRESSURE)
+    );
+    let pressure = Dimension::Pressure.parse(text).ok().filter(|_| Dimension::Pressure.has_unit_in(text));
+    pressure.map(PulseMean::Pressure).ok_or_else(|| Error::parameter("pulse_mean", format!("\"{text}\""), accepted))
+}
+
+fn wall(text: &str) -> Result<WallLaw> {
+    parsed_wall(text).ok_or_else(|| Error::parameter("wall", format!("\"{text}\""), WALL))
+}
+
+fn parsed_wall(text: &str) -> Option<WallLaw> {
+    let (word, value) = text.split_once('=').map_or((text, None), |(word, value)| (word, Some(value)));
+    match (word, value) {
+        ("olufsen", None) => Some(WallLaw::OLUFSEN),
+        ("graph", None) => Some(WallLaw::Stated),
+        ("rigid", None) => Some(WallLaw::Rigid),
+        ("olufsen", Some(value)) => {
+            let numbers: Option<Vec<f64>> = value.split(',').map(|number| number.trim().parse().ok()).collect();
+            let [k1, k2, k3] = numbers?[..] else { return None };
+            Some(WallLaw::Olufsen { k1, k2, k3 })
+        }
+        ("Eh" | "eh", Some(value)) => Dimension::Stiffness.parse(value).ok().map(WallLaw::Stiffness),
+        ("pwv", Some(value)) => Dimension::Speed.parse(value).ok().map(WallLaw::Speed),
+        ("young", Some(value)) => {
+            let (young, thickness) = value.split_once(',')?;
+            let share = thickness.trim().strip_suffix('%').map(|percent| percent.trim().parse::<f64>().ok());
+            let thickness = match share {
+                Some(percent) => Thickness::OfRadius(percent? / 100.0),
+                None => Thickness::Length(Dimension::Length.parse(thickness).ok()?),
+            };
+            Some(WallLaw::Elastic { young: Dimension::Modulus.parse(young).ok()?, thickness })
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,44 @@
+//! Who feeds the territories of a circle, and how late: an independent program's values on the circles that ship.
+
+use willis::internals::circle_of_willis::Destination;
+use willis::{Phenotype, PhenotypeOptions, ReadOptions, Silent};
+
+fn classified(name: &str) -> (Phenotype, willis::Network) {
+    let path = format!("{}/data/circle-of-willis/{name}.graphml", env!("CARGO_MANIFEST_DIR"));
+    let input = willis::read(path.as_ref(), &ReadOptions::default()).expect("a circle");
+    let phenotype = willis::classify(&input, None, &PhenotypeOptions::default(), &mut Silent).expect("a phenotype");
+    (phenotype, input.network)
+}
+
+/// The share of the blood behind L-P2 that comes by the left carotid, and its mean arrival (ms), of another program. A fetal posterior
+/// cerebral artery is fed by the carotid alone, and earlier; without PComm by none.
+#[test]
+fn a_fetal_artery_is_fed_by_the_carotid() {
+    let cases = [
+        ("complete", 0.167_903, 1301.33),
+        ("without-L-P1", 1.0, 822.86),
+        ("without-L-PComm", 0.0, 1290.80),
+        ("without-L-A1", 0.377_365, 1311.63),
+    ];
+    for (name, share, arrival) in cases {
+        let (phenotype, network) = classified(name);
+        let label = |node: usize| {
+            network.vessels().find(|(ends, _)| ends.contains(&node)).map_or("", |(_, vessel)| vessel.label.as_str())
+        };
+        let is_it = |destination: &Destination| matches!(destination, Destination::Outlet(node) if label(*node) == "L-P2");
+        let outlet = phenotype.supplies.iter().find(|supply| is_it(&supply.destination)).expect("the outlet");
+        let shares = outlet.shares.map(|share| share.mean);
+        assert!((shares[0] - share).abs() < 1e-6, "{name}: {shares:?}");
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {shares:?}");
+        assert!((1e3 * outlet.arrival.mean - arrival).abs() < 0.01, "{name}: {}", outlet.arrival.mean);
+        assert_eq!(outlet.shares[0].interval, [shares[0]; 2], "there is one topology");
+        assert!((outlet.fed - 1.0).abs() < 1e-12);
+        // The territory is where the artery begins: the same blood, earlier.
+        let territory = phenotype
+            .supplies
+            .iter()
+            .find(|supply| matches!(supply.destination, Destination::Territory(artery) if artery.to_string() == "L-P2"));
+        let territory = territory.expect("the territory");
+        assert!((territory.shares[0].mean - share).abs() < 1e-6 && territory.arrival.mean < outlet.arrival.mean, "{name}");
+    }
+}
