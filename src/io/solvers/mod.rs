@@ -18,7 +18,7 @@ const VISCOSITY: f64 = 3.5e-3;
 const THICKNESS: f64 = 0.1;
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
-struct Ends<'a> {
+struct Directed<'a> {
     network: &'a Network,
     /// By row the node where the vessel begins and that where it ends.
     ends: Vec<[usize; 2]>,
@@ -26,7 +26,7 @@ struct Ends<'a> {
     at: Vec<Vec<usize>>,
 }
 
-impl<'a> Ends<'a> {
+impl<'a> Directed<'a> {
     /// Turns the vessels away from the nodes where blood enters, by the number of vessels on the way.
     ///
     /// # Errors
@@ -39,7 +39,9 @@ impl<'a> Ends<'a> {
             if ends[0] == ends[1] {
                 return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
             }
-            ends.iter().for_each(|node| at[*node].push(row));
+            for node in ends {
+                at[node].push(row);
+            }
         }
         let enters = |node: usize| match network.node(node).condition {
             Some(Condition::Flow(flow)) => flow > 0.0,
@@ -57,7 +59,9 @@ impl<'a> Ends<'a> {
         if next.is_empty() {
             return Err(refused("no node states an inlet; state conditions in the file".to_owned()));
         }
-        next.iter().for_each(|node| level[*node] = 0);
+        for node in &next {
+            level[*node] = 0;
+        }
         let mut place = 0;
         while place < next.len() {
             let node = next[place];
