@@ -85,7 +85,7 @@ fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
         return topologies.iter().map(|(kept, weight)| (kept, *weight)).collect();
     }
     let total: f64 = topologies.iter().map(|(_, weight)| weight).sum();
-    let mut chosen: Vec<(&Vec<bool>, f64)> = Vec::new();
+    let mut chosen: Vec<(usize, f64)> = Vec::new();
     let (mut at, mut passed) = (0, topologies[0].1);
     for step in 0..MOST_TOPOLOGIES {
         let middle = (step as f64 + 0.5) / MOST_TOPOLOGIES as f64 * total;
@@ -94,11 +94,16 @@ fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
             passed += topologies[at].1;
         }
         match chosen.last_mut() {
+<<<<<<< HEAD
             Some((kept, weight)) if std::ptr::eq(*kept, &raw const topologies[at].0) => *weight += 1.0,
             _ => chosen.push((&topologies[at].0, 1.0)),
+=======
+            Some((last, weight)) if *last == at => *weight += 1.0,
+            _ => chosen.push((at, 1.0)),
+>>>>>>> main
         }
     }
-    chosen
+    chosen.into_iter().map(|(at, weight)| (&topologies[at].0, weight)).collect()
 }
 
 /// The blood of each destination in one topology; `None` where nothing flows at all.

@@ -312,8 +312,8 @@ def check_circle(page):
     start, rest = (page.folder / "report.html").read_text().split('id="data">', 1)
     held, end = rest.split("</script", 1)
     held = json.loads(held)
-    held["phenotype"]["not_seen"] = {"L-A1": True}
-    held["phenotype"]["hypoplastic"] = {"R-P1": True}
+    lists = held["phenotype"].get("probabilities", held["phenotype"])
+    lists |= {"not_seen": ["L-A1"], "hypoplastic": ["R-P1"]}
     held["phenotype"]["segments"].update({"L-A1": True, "R-P1": True})
     path.write_text(start + 'id="data">' + json.dumps(held).replace("<", "\\u003c") + "</script" + end)
     page.driver.get(path.as_uri())

@@ -18,7 +18,7 @@ const VISCOSITY: f64 = 3.5e-3;
 const THICKNESS: f64 = 0.1;
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
-struct Ends<'a> {
+struct Directed<'a> {
     network: &'a Network,
     /// By row the node where the vessel begins and that where it ends.
     turned: Vec<[usize; 2]>,
@@ -26,7 +26,7 @@ struct Ends<'a> {
     at: Vec<Vec<usize>>,
 }
 
-impl<'a> Ends<'a> {
+impl<'a> Directed<'a> {
     /// Turns the vessels away from the nodes where blood enters, by the number of vessels on the way.
     ///
     /// # Errors

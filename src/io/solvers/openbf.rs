@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{DENSITY, Ends, THICKNESS, VISCOSITY, stiffness, windkessel};
+use super::{DENSITY, Directed, THICKNESS, VISCOSITY, stiffness, windkessel};
 use crate::network::{Condition, Network, Wall};
 
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
@@ -12,7 +12,7 @@ use crate::network::{Condition, Network, Wall};
 ///
 /// As [`write_svzerod`](super::write_svzerod); an outlet that is neither a resistance nor closed (`InvalidInput`).
 pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
-    let ends = Ends::of(network)?;
+    let ends = Directed::of(network)?;
     writeln!(out, "project_name: willis")?;
     writeln!(out, "blood:\n  rho: {DENSITY:?}\n  mu: {VISCOSITY:?}")?;
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100\n  convergence tolerance: 1.0")?;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::{DENSITY, Ends, VISCOSITY, area, stiffness, windkessel};
+use super::{DENSITY, Directed, VISCOSITY, area, stiffness, windkessel};
 use crate::network::{Condition, Network};
 
 /// Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
@@ -20,7 +20,7 @@ const COMPLIANCE: f64 = 1e5;
 ///
 /// A network without an inlet, with a condition that is not at a free end, or with a self-loop (`InvalidInput`); the writer's own.
 pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
-    let ends = Ends::of(network)?;
+    let ends = Directed::of(network)?;
     let mut conditions = Vec::new();
     let mut name = |node: usize, is_inlet: bool| -> Option<String> {
         let condition = ends.condition(node)?;

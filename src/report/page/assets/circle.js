@@ -24,7 +24,8 @@ function segmentState(phenotype, name) {
   const said = phenotype.segments?.[name], of = phenotype.probabilities?.segments?.[name];
   const more = [said, of, phenotype.states?.[name]].filter(part => part !== null && typeof part === "object");
   const own = field => more.map(part => part[field]).find(value => value !== undefined);
-  const listed = field => (phenotype.probabilities?.[field] ?? phenotype[field] ?? []).includes?.(name) ?? false;
+  // As a list of segments, of the phenotype or of its probabilities.
+  const listed = field => [phenotype[field], phenotype.probabilities?.[field]].some(list => Array.isArray(list) ? list.includes(name) : Boolean(list?.[name]));
   const probability = own("probability") ?? (typeof of === "number" ? of : null);
   return {
     name, probability,
