@@ -297,18 +297,6 @@ def test_transport_is_that_of_the_command(tmp_path):
     assert willis.simulate(circle).territories is None
 
 
-<<<<<<< HEAD
-def test_spacing_and_manifests_are_those_of_the_command(tmp_path):
-    (tmp_path / "a.swc").write_text("1 0 0 0 0 2 -1\n2 0 0 0 40 2 1\n")
-    (tmp_path / "Image_info.txt").write_text("Voxel spacing: 0.5 0.5 0.3\n")
-    assert willis.read(tmp_path / "a.swc", spacing="auto").edges["length_mm"][0] == pytest.approx(20)
-    (tmp_path / "b.swc").write_bytes(Path(BROKEN).read_bytes())
-    (tmp_path / "study.csv").write_text("subject,input\none,b.swc\n")
-    study = willis.cohort(tmp_path / "study.csv", tmp_path / "out", samples=64)
-    assert len(study) == 1 and (tmp_path / "out" / "one" / "run.json").exists()
-    with pytest.raises(willis.WillisError, match="stands for an input"):
-        willis.cohort(f"{tmp_path}/*.swc", str(tmp_path / "{}.landmarks.csv"))
-=======
 def test_pulse_is_that_of_the_command(tmp_path):
     circle = "data/circle-of-willis/complete.graphml"
     wave = tmp_path / "wave.csv"
@@ -325,4 +313,3 @@ def test_pulse_is_that_of_the_command(tmp_path):
     assert np.allclose(flow.mean(axis=1), found.edges["flow_mean_mL_per_min"])
     assert willis.simulate(circle).waveforms is None
     assert "pulsatility_index" in willis.simulate(circle, pulse=True).edges
->>>>>>> b2d8532 (simulate --pulse: waveforms in elastic tubes, harmonic by harmonic; classify: who feeds what over plausible topologies; models for svZeroDSolver and openBF)

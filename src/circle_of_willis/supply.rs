@@ -94,13 +94,8 @@ fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
             passed += topologies[at].1;
         }
         match chosen.last_mut() {
-<<<<<<< HEAD
-            Some((kept, weight)) if std::ptr::eq(*kept, &raw const topologies[at].0) => *weight += 1.0,
-            _ => chosen.push((&topologies[at].0, 1.0)),
-=======
             Some((last, weight)) if *last == at => *weight += 1.0,
             _ => chosen.push((at, 1.0)),
->>>>>>> main
         }
     }
     chosen.into_iter().map(|(at, weight)| (&topologies[at].0, weight)).collect()

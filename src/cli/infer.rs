@@ -193,7 +193,12 @@ impl<'a> Inferences<'a> {
     /// The command line that repeats the run of one input.
     pub fn line_of(&self, input: &Path) -> String {
         let line = (self.line)(input);
-        if self.options.arteries == Some(ArterySource::Automatic) { line + " --landmarks auto" } else { line }
+        match line.strip_suffix(" -o again") {
+            Some(before) if self.options.arteries == Some(ArterySource::Automatic) => {
+                format!("{before} --landmarks auto -o again")
+            }
+            _ => line,
+        }
     }
 
     /// Why an input gave no run, or no shard of the samples in `range`.

@@ -97,7 +97,12 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>)
         None => name_arteries(network, &model),
     };
     let here = |fault: Fault| fault.in_file(input);
-    let no_vessel = || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head");
+    let no_vessel = || {
+        Fault::file(
+            "no vessel with positions",
+            "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery",
+        )
+    };
     let names = names.ok_or_else(no_vessel).map_err(here)?;
     let (circle, notes) = names.located(network, &model).map_err(here)?;
     let named = Some(names.circle(&model));

@@ -268,8 +268,13 @@ fn named(
 ) -> Result<Named> {
     let find = || {
         let graph = over_connected(network)?;
-        let no_vessel =
-            || Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(path);
+        let no_vessel = || {
+            Fault::file(
+                "no vessel with positions",
+                "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery",
+            )
+            .in_file(path)
+        };
         let names = name_arteries(&graph, &NamingModel::shipped()?).ok_or_else(no_vessel)?;
         Ok((arteries::by_geometry(path, network, Some(&names))?, names))
     };

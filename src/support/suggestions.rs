@@ -3,14 +3,13 @@
 /// The names from the nearest to the furthest, each once.
 ///
 /// Near is by edit distance (insertions, deletions, substitutions and swaps of neighbours), without regard to case, with or without
-/// what separates words, whichever is nearer; of equally near names those come first that are nearer with it, then in alphabetical order.
+/// what separates words, whichever is nearer; equally near names are in alphabetical order, and of those with the same letters the one with nearer separators comes first.
 pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let mut names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
     names.sort_unstable();
     names.dedup();
-    names.sort_by_cached_key(|name| {
-        (distance(wanted, name).0, strsim::osa_distance(&wanted.to_lowercase(), &name.to_lowercase()))
-    });
+    let raw = |name: &str| strsim::osa_distance(&wanted.to_lowercase(), &name.to_lowercase());
+    names.sort_by_cached_key(|name| (distance(wanted, name).0, plain(name), raw(name)));
     names
 }
 
@@ -28,9 +27,13 @@ pub fn did_you_mean<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) 
     }
 }
 
+/// Letters and digits alone, in lower case.
+fn plain(text: &str) -> String {
+    text.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase()
+}
+
 /// The edit distance, and the length of the longer text, with separators or without, whichever is nearer.
 fn distance(wanted: &str, name: &str) -> (usize, usize) {
-    let plain = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
     let of = |a: &str, b: &str| (strsim::osa_distance(a, b), a.chars().count().max(b.chars().count()));
     let as_given = of(&wanted.to_lowercase(), &name.to_lowercase());
     let (a, b) = (plain(wanted), plain(name));

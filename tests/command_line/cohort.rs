@@ -265,7 +265,7 @@ fn a_pattern_is_expanded_and_names_are_unique() {
     }
     done(&cohort(here.path(), &["p?/t.swc"], &["-q"]));
     assert_eq!(column(here.path(), "subject"), ["p1", "p2"]);
-    assert_eq!(record(&here.path().join("out/p2"))["command"], "willis infer p2/t.swc -n 64 -o again --landmarks auto");
+    assert_eq!(record(&here.path().join("out/p2"))["command"], "willis infer p2/t.swc -n 64 --landmarks auto -o again");
     done(&cohort(here.path(), &["p[12]/*.swc"], &["-q", "--force"]));
     assert_eq!(column(here.path(), "subject"), ["p1-t", "u", "p2-t"]);
     assert_eq!(column(here.path(), "input"), ["p1/t.swc", "p1/u.swc", "p2/t.swc"]);

@@ -84,6 +84,9 @@ fn a_mean_of_its_own_shapes_by_name_and_perturbations() {
     assert!(column(here.path(), "edges.csv", "wave_speed_m_per_s").iter().all(|speed| speed.is_infinite()));
 }
 
+const LUMPED: &[u8] =
+    b"node,role,resistance_mmHg_s_per_mL,compliance_mL_per_mmHg\na,inlet,,\nb,inner,,\nc,outlet,30,0\nd,outlet,60,0.1\n";
+
 #[test]
 fn what_is_no_pulse_is_refused_in_one_line() {
     let wave = |text: &'static str| [files()[0], files()[1], ("wave.csv", text.as_bytes())];
@@ -126,7 +129,5 @@ fn what_is_no_pulse_is_refused_in_one_line() {
     for (more, words) in options {
         refused(&files(), &simulate(more), words);
     }
-    const LUMPED: &[u8] =
-        b"node,role,resistance_mmHg_s_per_mL,compliance_mL_per_mmHg\na,inlet,,\nb,inner,,\nc,outlet,30,0\nd,outlet,60,0.1\n";
     refused(&[files()[0], ("nodes.csv", LUMPED)], &simulate(&["--pulse"]), &["node c: compliance_mL_per_mmHg 0", "resistance"]);
 }

@@ -78,7 +78,8 @@ mod tests {
             ("edge,id_a,id_b,decision\n1,a,b,accept\n1,a,b,reject\n", "comes again"),
         ] {
             let fault = read_decisions(text.as_bytes()).expect_err(text);
-            assert!(format!("{fault:?}").contains(word), "{fault:?}");
+            let said = fault.in_file("a.csv".as_ref()).to_string();
+            assert!(said.contains(word), "{said}");
         }
     }
 }
