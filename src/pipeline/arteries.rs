@@ -100,7 +100,7 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>)
     let no_vessel = || {
         Fault::file(
             "no vessel with positions",
-            "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery",
+            "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks` FILE",
         )
     };
     let names = names.ok_or_else(no_vessel).map_err(here)?;

@@ -271,7 +271,7 @@ fn named(
         let no_vessel = || {
             Fault::file(
                 "no vessel with positions",
-                "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery",
+                "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks` FILE",
             )
             .in_file(path)
         };
