@@ -158,19 +158,12 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         ..options.candidates.clone()
     };
 
-    // Boundary conditions, then candidates, which add nodes without conditions.
-    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
-    let outlets = options.boundary.found_outlets.unwrap_or(usual);
-    let boundary = options.boundary.resolve(&network, outlets, progress)?;
-    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
-    let all_stated = boundary.found_outlets.is_empty() && none_named;
-    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
-        progress.step(Step::OutletsAllStated);
-    }
+    // The stated boundary conditions, then candidates, then the conditions that are found: not where a candidate probably leaves.
+    let given = options.boundary.given(&network, progress)?;
     let mut provenance = input.provenance;
     let looked = picture::Picture::load(options, &prior, &input.options, is_fragments)?;
     let (image, view) = looked.unzip();
-    let (graph, looked) = prior.graph(network, is_fragments, &boundary, &building, view)?;
+    let (graph, looked) = prior.graph(network, is_fragments, &given, &building, view)?;
     let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
     if let Some((image, why)) = image.as_ref().zip(unseen) {
         let note = format!("{} does not show the vessels: {why}; candidates are judged without it", image.path().display());
@@ -197,7 +190,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
             Step::Cut { graph: &graph, with_mask: cuts.has_mask(), with_image: cuts.looks_at(scene) }
         });
     }
-    let boundary = boundary.extended_to(graph.node_count());
     let mut uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
     let mut decided = Value::Null;
     if let Some(path) = &options.decisions {
@@ -205,10 +197,19 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         uniform_prior = decide_on(&mut graph, &made, uniform_prior)?;
         decided = record;
     }
-    progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
     }
+    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
+    let outlets = options.boundary.found_outlets.unwrap_or(usual);
+    let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();
+    let boundary = Boundary::resolve_knowing(&graph, &given, outlets, &known)?;
+    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
+    let all_stated = boundary.found_outlets.is_empty() && none_named;
+    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
+        progress.step(Step::OutletsAllStated);
+    }
+    progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     for note in arteries.iter().flat_map(|found| &found.notes) {
         progress.step(Step::Note(note));
         provenance.notes.push(note.clone());

@@ -6,7 +6,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use crate::flow::circuit::Circuit;
+use crate::flow::circuit::{Circuit, Terminal};
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, splat, zip};
 
@@ -93,15 +93,16 @@ impl<const B: usize> Conductances<B> for [Lanes<B>] {
 impl StarMesh {
     /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
-        Self::of(circuit, |nodes, links| Elimination::compile(nodes, links, limit))
+        Self::of(circuit, |nodes, links, _| Elimination::compile(nodes, links, limit))
     }
 
-    /// As [`StarMesh::compile`], but eliminates only nodes of at most `most` neighbours: [`StarMesh::solve`] is then not for it.
+    /// As [`StarMesh::compile`], but eliminates only nodes of at most `most` neighbours, and those where a terminal holds a pressure:
+    /// [`StarMesh::solve`] is then not for it.
     pub(crate) fn compile_partly(circuit: &Circuit, most: usize) -> Option<Self> {
-        Self::of(circuit, |nodes, links| Elimination::compile_partly(nodes, links, most))
+        Self::of(circuit, |nodes, links, held| Elimination::compile_partly(nodes, links, held, most))
     }
 
-    fn of(circuit: &Circuit, compile: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
+    fn of(circuit: &Circuit, compile: impl FnOnce(usize, &[[usize; 2]], &[usize]) -> Option<Elimination>) -> Option<Self> {
         let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
         let mut index = vec![usize::MAX; circuit.node_count()];
         for (i, node) in free.iter().enumerate() {
@@ -110,7 +111,13 @@ impl StarMesh {
         let is_free = |node: usize| circuit.fixed[node].is_none();
         let links: Vec<[usize; 2]> =
             circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)).map(|e| e.map(|n| index[n])).collect();
-        let program = compile(free.len(), &links)?;
+        // Ground needs no care: nothing flows in there that could drown what flows elsewhere.
+        let holds = |(row, terminal): (usize, &Terminal)| {
+            let pressure = circuit.fixed[circuit.ends[row][1]];
+            (terminal.fixes && pressure != Some(0.0)).then_some(index[terminal.node])
+        };
+        let held: Vec<usize> = (circuit.vessel_count()..).zip(&circuit.terminals).filter_map(holds).collect();
+        let program = compile(free.len(), &links, &held)?;
 
         let mut slot = vec![NOWHERE; circuit.node_count()];
         let mut fixed = Vec::new();
