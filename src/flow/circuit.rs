@@ -98,7 +98,9 @@ impl Circuit {
         };
         let mut around = vec![0.0; nodes];
         for (ends, conductance) in circuit.ends.iter().zip(&circuit.conductance).filter(|([a, b], _)| a != b) {
-            ends.iter().for_each(|node| around[*node] += conductance);
+            for node in ends {
+                around[*node] += conductance;
+            }
         }
         let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {

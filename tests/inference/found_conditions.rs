@@ -295,7 +295,7 @@ fn restored(whole: &Network, seed: u64) -> Restored {
     let run = willis::infer(&input, &options).expect("a run");
     let graph = run.graph().clone();
 
-    let place = |id: u64| lines.points[lines.ids.iter().position(|i| *i == id).expect("a point")].position;
+    let place = |id: u64| lines.points[lines.ids.iter().position(|i| *i == id).expect("a point")];
     let at = |node: usize| graph.node(node).position.expect("a position");
     let mut kept: Vec<bool> = graph.vessels().map(|(_, vessel)| vessel.origin == Origin::Observed).collect();
     for gap in &truth.breaks {
