@@ -13,20 +13,15 @@ pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.max(b)
 }
 
-/// What holds the pressure of a node conducts 2⁵⁴ times what its vessels conduct together, rounded up to a power of two. Star-mesh
-/// elimination then gives the pressure itself, to the last bit: beside such a conductance the vessels vanish in the sum, and scaling by a
-/// power of two is exact.
-const HOLDS: i32 = 54;
-
-/// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or what
-/// [`HOLDS`] a pressure. The link is open in the samples in which all of some vessels are closed.
+/// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or a
+/// mark that the node has the pressure outside. The link is open in the samples in which all of some vessels are closed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terminal {
     /// The node.
     pub node: usize,
     /// The vessels that close it, as rows of the network.
     pub others: Vec<usize>,
-    /// Whether it fixes the pressure of the node.
+    /// Whether it fixes the pressure of the node: its conductance then is 1, and counts for nothing.
     pub fixes: bool,
 }
 
@@ -96,12 +91,6 @@ impl Circuit {
             level,
             terminals: Vec::new(),
         };
-        let mut around = vec![0.0; nodes];
-        for (ends, conductance) in circuit.ends.iter().zip(&circuit.conductance).filter(|([a, b], _)| a != b) {
-            for node in ends {
-                around[*node] += conductance;
-            }
-        }
         let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {
             let at = provisional.binary_search_by_key(node, |p| p.node).ok();
@@ -112,8 +101,7 @@ impl Circuit {
                     circuit.source[*node] = (venous - level) / resistance;
                 }
                 (Condition::Pressure(p), Some(provisional)) => {
-                    let conductance = 2.0_f64.powi(around[*node].log2().ceil() as i32 + HOLDS);
-                    circuit.link(provisional, true, conductance, p - level, &mut outside);
+                    circuit.link(provisional, true, 1.0, p - level, &mut outside);
                 }
                 (Condition::Resistance { resistance, venous }, Some(provisional)) => {
                     circuit.link(provisional, false, 1.0 / resistance, venous - level, &mut outside);

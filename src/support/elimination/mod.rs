@@ -108,10 +108,10 @@ impl Elimination {
         Some(Self::flatten(nodes, &filled.unwrap_or(stars), nodes))
     }
 
-    /// Eliminates the nodes `first`, then nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
+    /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
     /// the order of Cuthill and McKee, with its rays but without meshes; `None` when indices cannot count the joins.
-    pub fn compile_partly(nodes: usize, links: &[[usize; 2]], first: &[usize], most: usize) -> Option<Self> {
-        let (mut stars, left) = low_degrees(nodes, links, first, most);
+    pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
+        let (mut stars, left) = low_degrees(nodes, links, most);
         let eliminated = stars.len();
         let mut gone = vec![false; nodes];
         for star in &stars {

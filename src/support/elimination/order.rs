@@ -32,18 +32,18 @@ impl Star {
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        by_degree(nodes, &mut Bits::new(nodes, links), &[], usize::MAX, limit)
+        by_degree(nodes, &mut Bits::new(nodes, links), usize::MAX, limit)
     } else {
-        by_degree(nodes, &mut Lists::new(nodes, links), &[], usize::MAX, limit)
+        by_degree(nodes, &mut Lists::new(nodes, links), usize::MAX, limit)
     }
 }
 
-/// Eliminates the nodes `first`, then the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
+/// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
 /// per node that remains, its neighbours that remain.
-pub fn low_degrees(nodes: usize, links: &[[usize; 2]], first: &[usize], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
+pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
     let mut graph = Lists::new(nodes, links);
     // Without a limit there is always an order.
-    let stars = by_degree(nodes, &mut graph, first, most, usize::MAX).unwrap_or_default();
+    let stars = by_degree(nodes, &mut graph, most, usize::MAX).unwrap_or_default();
     (stars, graph.into_lists())
 }
 
@@ -73,13 +73,12 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>], among: impl Fn(usize) ->
 }
 
 /// The stars of [`least_degree`] and [`low_degrees`].
-fn by_degree(nodes: usize, graph: &mut impl Remaining, first: &[usize], most: usize, limit: usize) -> Option<Vec<Star>> {
-    let mut stars = Vec::with_capacity(nodes);
-    stars.extend(first.iter().map(|center| Star { center: *center, neighbours: graph.eliminate(*center) }));
-    let mut pairs: usize = stars.iter().map(Star::pairs).sum();
+fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: usize) -> Option<Vec<Star>> {
     let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
     let mut queue: BTreeSet<(usize, usize)> =
-        degree.iter().copied().zip(0..nodes).filter(|(degree, node)| *degree <= most && !first.contains(node)).collect();
+        degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most).collect();
+    let mut stars = Vec::with_capacity(nodes);
+    let mut pairs = 0;
     while let Some((least, center)) = queue.pop_first() {
         if least + stars.len() + 1 == nodes {
             // All that are left are joined to one another.
