@@ -103,12 +103,9 @@ impl Boundary {
         }
         let inlets = given.iter().any(|g| g.role == Role::Inlet);
         let sinks = given.iter().any(|g| g.role == Role::Outlet);
-        if !inlets {
-            boundary.found_inlets = boundary.found_before(network, Role::Inlet);
-        }
-        if !sinks {
-            boundary.found_outlets = boundary.found_before(network, Role::Outlet);
-        }
+        // They stand beside those that are stated, such as the outlets that landmarks named.
+        boundary.found_inlets = boundary.found_before(network, Role::Inlet);
+        boundary.found_outlets = boundary.found_before(network, Role::Outlet);
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
             let inlets = ends.inlets(known, !sinks && boundary.found_outlets.is_empty());
