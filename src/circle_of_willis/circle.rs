@@ -198,11 +198,21 @@ impl Circle {
         points.outlets.clone()
     }
 
+    /// The nodes where blood enters by the labels of vessels: the outermost free end of each carotid and vertebral, and of the basilar artery
+    /// where no vertebral is labelled. Landmarks give none.
+    pub fn labelled_inlets(&self, network: &Network) -> Vec<usize> {
+        let Location::Vessels(meanings) = &self.location else { return Vec::new() };
+        let ends = outermost_ends(network, meanings);
+        let has_vertebral = ends.keys().any(|artery| matches!(artery, Artery::Va(_)));
+        let enters = |artery: &Artery| is_inlet(*artery) && !(has_vertebral && *artery == Artery::Ba);
+        ends.into_iter().filter(|(artery, _)| enters(artery)).map(|(_, node)| node).collect()
+    }
+
     /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks of inlets and outlets, or for every
     /// labelled artery that enters or leaves the circle its free end farthest from the middle.
     pub fn ends(&self, network: &Network) -> Vec<usize> {
         let mut nodes: Vec<usize> = match &self.location {
-            Location::Vessels(meanings) => outermost_ends(network, meanings),
+            Location::Vessels(meanings) => outermost_ends(network, meanings).into_values().collect(),
             Location::Nodes(points) => points.ends.clone(),
         };
         nodes.sort_unstable();
@@ -219,7 +229,7 @@ fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, Nearest)>) -> Option<(
 }
 
 /// For every artery that enters or leaves the circle, its free end farthest from the mean position of all arteries.
-fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> Vec<usize> {
+fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, usize> {
     let middles = mean_positions(network, meanings);
     let count = middles.len().max(1) as f64;
     let centre: Point = std::array::from_fn(|axis| middles.values().map(|p| p[axis]).sum::<f64>() / count);
@@ -239,7 +249,7 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> Vec<usize> {
             }
         }
     }
-    found.into_values().map(|(_, node)| node).collect()
+    found.into_iter().map(|(artery, (_, node))| (artery, node)).collect()
 }
 
 fn is_inlet(artery: Artery) -> bool {

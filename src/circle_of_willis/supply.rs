@@ -110,6 +110,7 @@ fn one(
     viscosity: f64,
     destinations: &[Destination],
 ) -> Option<Vec<Option<Blood>>> {
+    let boundary = &boundary.held(network, |row| kept[row]);
     let (network, rows) = &network.subgraph(|row| kept[row]);
     let arteries = circle.restricted_to(rows).artery_vessels(network);
     let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
@@ -128,7 +129,9 @@ fn one(
         Some(([shares[0], shares[1], shares[2]], blood.mean))
     };
     let blood = |destination: &Destination| match destination {
-        Destination::Outlet(node) => at_node(*node),
+        Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
+        // An end that was joined is none.
+        Destination::Outlet(_) => None,
         Destination::Territory(artery) => {
             let at = TERRITORIES.iter().position(|territory| territory == artery)?;
             // The flow in an artery is largest where it begins, before branches leave.

@@ -113,7 +113,7 @@ fn let_samples_vote(
     let uncertain = params.uncertain.vessels(network);
     let patterns = Patterns::new(params.keep_probabilities(network), params)?;
     let at_rest = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::of_tubes(network, boundary, &at_rest)?;
+    let circuit = Circuit::sampled(network, boundary, params.viscosity)?;
     let solver = PressureSolver::new(&circuit)?;
     let mut forest = Forest::default();
     let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64| -> Result<()> {

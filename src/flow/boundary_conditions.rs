@@ -2,12 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::free_ends::FreeEnds;
 use crate::error::{Error, Result};
 use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
-
-/// The widest free ends of the whole network that become inlets, at the most.
-const WIDEST_ENDS: usize = 3;
+use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, fragments};
 
 /// A condition that a person or a file states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,26 +44,54 @@ pub enum Total {
     Resistance(f64),
 }
 
-/// The boundary conditions of a network.
+/// The boundary conditions of a network. One that was found belongs to a free end: it holds only while no candidate or contact is open
+/// there ([`Boundary::provisional`]), because the end of a gap neither feeds nor drains the vessel that it was joined to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Boundary {
     /// Node and condition, each node at most once, in node order.
     pub conditions: Vec<(usize, Condition)>,
     /// The role of every node.
     pub roles: Vec<Role>,
-    /// Nodes that became inlets because none was given.
+    /// Nodes that became inlets because none was given, in node order.
     pub found_inlets: Vec<usize>,
-    /// Nodes that became outlets because none was given, but those that a landmark names: these are stated.
+    /// Nodes that became outlets because none was given, in node order, but those that a landmark names: these are stated.
     pub found_outlets: Vec<usize>,
 }
 
+/// A found condition that holds only in samples in which all of some vessels are closed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Provisional {
+    /// The free end.
+    pub node: usize,
+    /// The rows of the candidates and contacts there.
+    pub others: Vec<usize>,
+}
+
+impl Provisional {
+    /// The samples of a block in which it holds; bit i of `masks[e]` says whether vessel e is open in sample i.
+    pub fn holds(&self, masks: &[u64]) -> u64 {
+        !self.others.iter().fold(0, |open, row| open | masks[*row])
+    }
+}
+
 impl Boundary {
-    /// The conditions given, and where they lack a source or a sink, those found at the free ends.
+    /// The conditions given, and where they lack a source or a sink, those found at the free ends: what a file says that an earlier run
+    /// found ([`Node::found`](crate::network::Node::found)), else by [`FreeEnds`].
     ///
     /// # Errors
     ///
     /// No inlet or no outlet is given and there is no free end to make one of; nothing fixes a pressure.
     pub fn resolve(network: &Network, given: &[Given], outlets: FoundOutlets) -> Result<Self> {
+        Self::resolve_knowing(network, given, outlets, &[])
+    }
+
+    /// As [`Boundary::resolve`]. Where inlets are found, those among the `known` nodes come before all others: where arteries with such names
+    /// enter.
+    ///
+    /// # Errors
+    ///
+    /// As [`Boundary::resolve`].
+    pub fn resolve_knowing(network: &Network, given: &[Given], outlets: FoundOutlets, known: &[usize]) -> Result<Self> {
         let mut boundary = Self {
             conditions: given.iter().map(|g| (g.node, g.condition)).collect(),
             roles: vec![Role::Inner; network.node_count()],
@@ -77,21 +103,24 @@ impl Boundary {
         }
         let inlets = given.iter().any(|g| g.role == Role::Inlet);
         let sinks = given.iter().any(|g| g.role == Role::Outlet);
+        // They stand beside those that are stated, such as the outlets that landmarks named.
+        boundary.found_inlets = boundary.found_before(network, Role::Inlet);
+        boundary.found_outlets = boundary.found_before(network, Role::Outlet);
         let ends = FreeEnds::of(network, &boundary.roles);
-        if !inlets {
-            let inlets = ends.inlets(!sinks);
+        if !inlets && boundary.found_inlets.is_empty() {
+            let inlets = ends.inlets(known, !sinks && boundary.found_outlets.is_empty());
             if inlets.is_empty() {
                 return Err(none("inlet", &ends, sinks));
             }
             boundary.find(&inlets, Role::Inlet, |_| Condition::INLET);
             boundary.found_inlets = inlets;
         }
-        if !sinks {
-            let found: Vec<usize> = ends.nodes.iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
+        if !sinks && boundary.found_outlets.is_empty() {
+            let found: Vec<usize> = ends.nodes().iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
             if found.is_empty() {
                 return Err(none("outlet", &ends, true));
             }
-            let cubes: Vec<f64> = found.iter().map(|n| ends.radius[*n].powi(3)).collect();
+            let cubes: Vec<f64> = found.iter().map(|n| ends.radius(*n).powi(3)).collect();
             let total: f64 = cubes.iter().sum();
             let pressure = boundary.conditions.iter().filter_map(|(_, c)| match c {
                 Condition::Pressure(p) => Some(*p),
@@ -127,17 +156,85 @@ impl Boundary {
         Ok(boundary)
     }
 
+    /// Takes over the conditions of a role that the file says were found, and returns their nodes.
+    fn found_before(&mut self, network: &Network, role: Role) -> Vec<usize> {
+        let mut nodes = Vec::new();
+        for (node, of) in network.nodes().enumerate().filter(|(_, of)| of.found && of.role == Some(role)) {
+            if let Some(condition) = of.condition.filter(|_| self.roles[node] == Role::Inner) {
+                self.roles[node] = role;
+                self.conditions.push((node, condition));
+                nodes.push(node);
+            }
+        }
+        nodes
+    }
+
+    /// The found conditions that do not hold in every sample, in node order: those at ends that a candidate or a contact leaves.
+    pub fn provisional(&self, network: &Network) -> Vec<Provisional> {
+        let mut at: std::collections::BTreeMap<usize, (bool, Vec<usize>)> =
+            self.found_inlets.iter().chain(&self.found_outlets).map(|node| (*node, (false, Vec::new()))).collect();
+        for (row, ([a, b], vessel)) in network.vessels().enumerate() {
+            for node in if a == b { vec![a] } else { vec![a, b] } {
+                if let Some((is_end, others)) = at.get_mut(&node) {
+                    if vessel.origin == Origin::Observed { *is_end = true } else { others.push(row) }
+                }
+            }
+        }
+        // Where nothing is observed, the vessel of a free end is one of the others.
+        let some = at.into_iter().filter(|(_, (is_end, others))| *is_end && !others.is_empty());
+        some.map(|(node, (_, others))| Provisional { node, others }).collect()
+    }
+
+    /// The conditions of the topology of the `open` vessels. Found ones at ends that were joined are gone, and so are found outlets of parts
+    /// without an inlet. Found terminal resistances are scaled, so that those left conduct as much side by side as all did before.
+    #[must_use]
+    pub fn held(&self, network: &Network, open: impl Fn(usize) -> bool) -> Self {
+        let joined: Vec<usize> =
+            self.provisional(network).into_iter().filter(|p| p.others.iter().any(|row| open(*row))).map(|p| p.node).collect();
+        let holds = |node: usize| joined.binary_search(&node).is_err();
+        let parts = fragments(network, |row, _| open(row));
+        let mut fed = vec![false; parts.count];
+        for (node, _) in self.conditions.iter().filter(|(node, _)| self.roles[*node] == Role::Inlet && holds(*node)) {
+            fed[parts.of_node[*node]] = true;
+        }
+        let mut found_outlets = self.found_outlets.clone();
+        found_outlets.retain(|node| holds(*node) && fed[parts.of_node[*node]]);
+        let mut found_inlets = self.found_inlets.clone();
+        found_inlets.retain(|node| holds(*node));
+        let conducts = |nodes: &[usize]| -> f64 {
+            let terminal = |node: &usize| match self.condition(*node) {
+                Some(Condition::Resistance { resistance, .. }) => 1.0 / resistance,
+                _ => 0.0,
+            };
+            nodes.iter().map(terminal).sum()
+        };
+        let scale = if found_outlets.len() < self.found_outlets.len() {
+            conducts(&found_outlets) / conducts(&self.found_outlets)
+        } else {
+            1.0
+        };
+        let mut roles = self.roles.clone();
+        let mut conditions = self.conditions.clone();
+        conditions.retain_mut(|(node, condition)| {
+            if !self.is_found(*node) {
+                return true;
+            }
+            let stays = found_inlets.binary_search(node).is_ok() || found_outlets.binary_search(node).is_ok();
+            if !stays {
+                roles[*node] = Role::Inner;
+            } else if let Condition::Resistance { resistance, .. } = condition {
+                *resistance *= scale;
+                *condition = condition.as_stored();
+            }
+            stays
+        });
+        Self { conditions, roles, found_inlets, found_outlets }
+    }
+
     /// The condition of a node.
     pub fn condition(&self, node: usize) -> Option<Condition> {
         let at = self.conditions.binary_search_by_key(&node, |(n, _)| *n).ok()?;
         Some(self.conditions[at].1)
-    }
-
-    /// The same conditions for a network that continues this one with more nodes.
-    #[must_use]
-    pub fn extended_to(mut self, nodes: usize) -> Self {
-        self.roles.resize(nodes, Role::Inner);
-        self
     }
 
     /// The network with these roles and conditions as those that its nodes state, so that a file of it keeps them.
@@ -145,14 +242,14 @@ impl Boundary {
     pub fn stated_in(&self, mut network: Network) -> Network {
         for (node, role) in self.roles.iter().enumerate() {
             let stated = network.node_mut(node);
-            (stated.role, stated.condition) = (Some(*role), self.condition(node));
+            (stated.role, stated.condition, stated.found) = (Some(*role), self.condition(node), self.is_found(node));
         }
         network
     }
 
     /// Whether the condition of a node was found, not stated.
     pub fn is_found(&self, node: usize) -> bool {
-        self.found_inlets.contains(&node) || self.found_outlets.contains(&node)
+        self.found_inlets.binary_search(&node).is_ok() || self.found_outlets.binary_search(&node).is_ok()
     }
 
     /// How many nodes have a role.
@@ -168,7 +265,7 @@ impl Boundary {
     }
 }
 
-/// The conditions that the nodes of a network state themselves.
+/// The conditions that the nodes of a network state themselves, without those that an earlier run found.
 ///
 /// A pressure without a role belongs to an inlet when it lies in the upper half of all stated pressures; equal
 /// pressures are inlets, unless they are ground. A flow into the network is an inlet.
@@ -182,7 +279,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
         _ => Role::Outlet,
     };
     let given = network.nodes().enumerate().filter_map(|(node, n)| {
-        let condition = n.condition?;
+        let condition = n.condition.filter(|_| !n.found)?;
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()
@@ -195,69 +292,11 @@ fn is_named_outlet(network: &Network, node: usize) -> bool {
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
-    let ends = ends.nodes.len();
+    let ends = ends.nodes().len();
     let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
     Error::parameter(
         what_is_missing,
         format!("is given or can be found among {ends} free ends"),
         format!("give `{what}` NODE (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet` NODE" }),
     )
-}
-
-/// The free ends of the observed vessels (of all vessels where none is observed), each with the mean radius over its
-/// last points.
-struct FreeEnds {
-    nodes: Vec<usize>,
-    radius: Vec<f64>,
-    part: Vec<usize>,
-    at_border: Vec<bool>,
-    named_outlet: Vec<bool>,
-}
-
-impl FreeEnds {
-    /// Nodes with a role already are not free.
-    fn of(network: &Network, roles: &[Role]) -> Self {
-        let any_observed = network.vessels().any(|(_, v)| v.origin == Origin::Observed);
-        let counts = |v: &Vessel| !any_observed || v.origin == Origin::Observed;
-        let degree = network.degrees(counts);
-        let mut radius = vec![0.0; network.node_count()];
-        for ([a, b], vessel) in network.vessels().filter(|(_, v)| counts(v)) {
-            radius[a] = vessel.end_radius(false);
-            radius[b] = vessel.end_radius(true);
-        }
-        let nodes: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
-        let at_border = network.nodes().map(|node| node.at_border).collect();
-        let named_outlet = (0..network.node_count()).map(|node| is_named_outlet(network, node)).collect();
-        Self { nodes, radius, part: fragments(network, |_, v| counts(v)).of_node, at_border, named_outlet }
-    }
-
-    /// The widest ends, up to three, and the widest of each part with two or more; `spare` leaves every part, and the
-    /// whole, an end that can be an outlet. Ends where a vessel leaves the image come before all others. Ties go to the lower node.
-    fn inlets(&self, spare: bool) -> Vec<usize> {
-        let mut free = std::collections::BTreeMap::new();
-        for node in &self.nodes {
-            *free.entry(self.part[*node]).or_insert(0_usize) += 1;
-        }
-        let many: std::collections::BTreeSet<usize> = free.iter().filter(|(_, n)| **n > 1).map(|(part, _)| *part).collect();
-        let mut widest: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.named_outlet[*node]).collect();
-        let by_width = |a: &usize, b: &usize| self.radius[*b].total_cmp(&self.radius[*a]).then(a.cmp(b));
-        widest.sort_by(|a, b| self.at_border[*b].cmp(&self.at_border[*a]).then_with(|| by_width(a, b)));
-        let mut inlets = Vec::new();
-        let mut started = std::collections::BTreeSet::new();
-        for node in &widest {
-            let part = self.part[*node];
-            let left = free.entry(part).or_default();
-            let wanted = inlets.len() < WIDEST_ENDS || (many.contains(&part) && !started.contains(&part));
-            if wanted && (!spare || *left > 1) {
-                *left -= 1;
-                started.insert(part);
-                inlets.push(*node);
-            }
-        }
-        if inlets.is_empty() && (!spare || widest.len() > 1) {
-            inlets.extend(widest.first());
-        }
-        inlets.sort_unstable();
-        inlets
-    }
 }

@@ -1,6 +1,6 @@
 //! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
 
-use super::boundary_conditions::Boundary;
+use super::boundary_conditions::{Boundary, Provisional};
 use super::poiseuille::Tube;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
@@ -13,13 +13,25 @@ pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.max(b)
 }
 
+/// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or a
+/// mark that the node has the pressure outside. The link is open in the samples in which all of some vessels are closed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terminal {
+    /// The node.
+    pub node: usize,
+    /// The vessels that close it, as rows of the network.
+    pub others: Vec<usize>,
+    /// Whether it fixes the pressure of the node: its conductance then is 1, and counts for nothing.
+    pub fixes: bool,
+}
+
 /// A resistor network in SI units. Kirchhoff's current law at every free node j, over its vessels e to nodes i:
-/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j.
+/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j. After the rows of the vessels come those of the [`Terminal`]s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circuit {
-    /// The two nodes of each vessel.
+    /// The two nodes of each row.
     pub ends: Vec<[usize; 2]>,
-    /// C = 1/R of each vessel, m³/(Pa s).
+    /// C = 1/R of each row, m³/(Pa s).
     pub conductance: Vec<f64>,
     /// The pressure of each node where it is fixed, Pa above [`Circuit::level`].
     pub fixed: Vec<Option<f64>>,
@@ -31,6 +43,8 @@ pub struct Circuit {
     pub injects: bool,
     /// The lowest pressure of any condition, Pa. Solving above it keeps every term of the elimination non-negative.
     pub level: f64,
+    /// Conditions that hold in some samples only; the last rows, in this order.
+    pub terminals: Vec<Terminal>,
 }
 
 impl Circuit {
@@ -49,6 +63,19 @@ impl Circuit {
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
     pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
+        Self::with(network, boundary, &[], tubes)
+    }
+
+    /// The circuit of an over-connected graph for its samples, in which found conditions come and go ([`Boundary::provisional`]).
+    ///
+    /// # Errors
+    ///
+    /// As [`Circuit::new`].
+    pub fn sampled(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
+        Self::with(network, boundary, &boundary.provisional(network), &Tube::at_rest(network, viscosity))
+    }
+
+    fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
         let conductance = conductances(network, tubes)?;
         let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
         let level = grounds.fold(f64::INFINITY, f64::min);
@@ -62,15 +89,24 @@ impl Circuit {
             source: vec![0.0; nodes],
             injects: false,
             level,
+            terminals: Vec::new(),
         };
+        let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {
-            match condition {
-                Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
-                Condition::Resistance { resistance, venous } => {
+            let at = provisional.binary_search_by_key(node, |p| p.node).ok();
+            match (condition, at.map(|at| &provisional[at])) {
+                (Condition::Pressure(p), None) => circuit.fixed[*node] = Some(p - level),
+                (Condition::Resistance { resistance, venous }, None) => {
                     circuit.shunt[*node] = 1.0 / resistance;
                     circuit.source[*node] = (venous - level) / resistance;
                 }
-                Condition::Flow(q) => {
+                (Condition::Pressure(p), Some(provisional)) => {
+                    circuit.link(provisional, true, 1.0, p - level, &mut outside);
+                }
+                (Condition::Resistance { resistance, venous }, Some(provisional)) => {
+                    circuit.link(provisional, false, 1.0 / resistance, venous - level, &mut outside);
+                }
+                (Condition::Flow(q), _) => {
                     circuit.source[*node] = *q;
                     circuit.injects = true;
                 }
@@ -79,17 +115,65 @@ impl Circuit {
         Ok(circuit)
     }
 
-    /// How many nodes there are.
+    /// Adds a terminal to a node outside at a pressure, of which there is one for each; those there are already are `outside`.
+    fn link(&mut self, provisional: &Provisional, fixes: bool, conductance: f64, pressure: f64, outside: &mut Vec<usize>) {
+        let there = outside.iter().copied().find(|node| self.fixed[*node] == Some(pressure));
+        let there = there.unwrap_or_else(|| {
+            self.fixed.push(Some(pressure));
+            self.shunt.push(0.0);
+            self.source.push(0.0);
+            outside.push(self.fixed.len() - 1);
+            self.fixed.len() - 1
+        });
+        self.ends.push([provisional.node, there]);
+        self.conductance.push(conductance);
+        self.terminals.push(Terminal { node: provisional.node, others: provisional.others.clone(), fixes });
+    }
+
+    /// The circuit of one sample, whose terminals that hold are conditions of their nodes; the others are gone. `open` says which vessels are.
+    #[must_use]
+    pub fn in_sample(&self, open: impl Fn(usize) -> bool) -> Self {
+        let vessels = self.vessel_count();
+        let mut circuit = self.clone();
+        for (at, terminal) in circuit.terminals.drain(..).enumerate() {
+            let row = vessels + at;
+            if terminal.others.iter().any(|other| open(*other)) {
+                continue;
+            }
+            let outside = self.fixed[self.ends[row][1]];
+            if terminal.fixes {
+                circuit.fixed[terminal.node] = outside;
+            } else {
+                circuit.shunt[terminal.node] = self.conductance[row];
+                circuit.source[terminal.node] = self.conductance[row] * outside.unwrap_or(0.0);
+            }
+        }
+        circuit.ends.truncate(vessels);
+        circuit.conductance.truncate(vessels);
+        circuit
+    }
+
+    /// How many nodes there are, those outside included.
     pub fn node_count(&self) -> usize {
         self.fixed.len()
     }
 
     /// How many vessels there are.
     pub fn vessel_count(&self) -> usize {
+        self.ends.len() - self.terminals.len()
+    }
+
+    /// How many vessels and terminals there are.
+    pub fn row_count(&self) -> usize {
         self.ends.len()
     }
 
-    /// The conductance of a vessel in the first sample of a block, zero where bit 0 of its mask is not set.
+    /// Per row whether it is open in every sample, given that of every vessel.
+    pub fn certain_rows(&self, certain: &[bool]) -> Vec<bool> {
+        certain.iter().copied().chain(self.terminals.iter().map(|_| false)).collect()
+    }
+
+    /// The conductance of a row in the first sample of a block, zero where bit 0 of its mask is not set.
     pub fn if_open(&self, masks: &[u64]) -> impl Fn(usize) -> f64 {
         |vessel| if masks[vessel] & 1 == 1 { self.conductance[vessel] } else { 0.0 }
     }

@@ -5,6 +5,7 @@ pub mod boundary_conditions;
 pub mod circuit;
 pub mod dead_ends;
 pub mod floating_components;
+pub mod free_ends;
 pub mod peeling;
 pub mod poiseuille;
 pub mod pressures;

@@ -36,9 +36,9 @@ struct Link {
     certain: bool,
 }
 
-/// Peels a circuit whose `certain` vessels are open in every sample.
+/// Peels a circuit whose `certain` rows are open in every sample.
 pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
-    let mut links: Vec<Option<Link>> = Vec::with_capacity(circuit.vessel_count());
+    let mut links: Vec<Option<Link>> = Vec::with_capacity(circuit.row_count());
     let mut around = vec![Vec::new(); circuit.node_count()];
     for (vessel, ends) in circuit.ends.iter().enumerate() {
         if ends[0] == ends[1] {
@@ -91,7 +91,7 @@ fn other(link: &Link, node: usize) -> usize {
 }
 
 fn assemble(circuit: &Circuit, links: &[Option<Link>], gone: &[bool]) -> Peeled {
-    let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.vessel_count()] };
+    let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.row_count()] };
     for [a, b] in &mut peeled.circuit.ends {
         *b = *a;
     }

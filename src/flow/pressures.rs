@@ -35,7 +35,9 @@ impl<'a> PressureSolver<'a> {
     /// Conjugate gradients that do not converge on a large circuit.
     pub fn above_level(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
         let Self { circuit, solver } = self;
-        let masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
+        let mut masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
+        let holds = |others: &[usize]| u64::from(!others.iter().any(|row| open(*row)));
+        masks.extend(circuit.terminals.iter().map(|terminal| holds(&terminal.others)));
         let stranded = stranded(circuit, &masks, 1);
         let mut work = solver.workspace::<1>(0);
         solver.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
@@ -46,7 +48,11 @@ impl<'a> PressureSolver<'a> {
                 return Err(Error::Breakdown);
             }
         }
-        Ok(grounded(circuit, open).into_iter().enumerate().map(|(node, grounded)| grounded.then(|| pressure(node))).collect())
+        Ok(grounded(circuit, |row| masks[row] == 1)
+            .into_iter()
+            .enumerate()
+            .map(|(node, grounded)| grounded.then(|| pressure(node)))
+            .collect())
     }
 }
 

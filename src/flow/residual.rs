@@ -16,6 +16,8 @@ pub struct Residual {
 pub struct Check {
     /// By node, one after another: its conductance, what drives flow into it, what flows in less what flows out.
     at: Vec<f64>,
+    /// By node the pressure that is fixed in this sample.
+    fixed: Vec<Option<f64>>,
 }
 
 impl Check {
@@ -28,9 +30,15 @@ impl Check {
         stranded: &[(usize, u64)],
         pressure: impl Fn(usize) -> f64,
     ) -> Residual {
-        let at = &mut self.at;
+        let Self { at, fixed } = self;
+        fixed.clone_from(&circuit.fixed);
+        for (row, terminal) in (circuit.vessel_count()..).zip(&circuit.terminals) {
+            if terminal.fixes && conductance(row) > 0.0 {
+                fixed[terminal.node] = circuit.fixed[circuit.ends[row][1]];
+            }
+        }
         let vessels = || circuit.ends.iter().enumerate().map(|(vessel, ends)| (ends, conductance(vessel)));
-        let free = || (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none());
+        let free = || (0..circuit.node_count()).filter(|node| fixed[*node].is_none());
 
         at.clone_from(&circuit.shunt);
         for ([a, b], c) in vessels() {
@@ -45,8 +53,8 @@ impl Check {
         };
         sources(at);
         for ([a, b], c) in vessels() {
-            at[*a] += c * circuit.fixed[*b].unwrap_or(0.0);
-            at[*b] += c * circuit.fixed[*a].unwrap_or(0.0);
+            at[*a] += c * fixed[*b].unwrap_or(0.0);
+            at[*b] += c * fixed[*a].unwrap_or(0.0);
         }
         let right: f64 = free().map(|node| at[node].powi(2)).sum();
 

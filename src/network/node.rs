@@ -90,6 +90,9 @@ pub struct Node {
     /// The parts of a Windkessel that the input states beside a terminal resistance.
     #[serde(default, skip_serializing_if = "Windkessel::is_empty")]
     pub windkessel: Windkessel,
+    /// Whether an earlier run found that condition, so that it holds only while this is a free end.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub found: bool,
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,

@@ -231,16 +231,23 @@ impl FoundArteries {
         let mut network = network.clone();
         self.state_inlets(&mut network);
         self.name_outlets(&mut network);
-        let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
+        let known = self.known_inlets(&network);
+        let boundary = Boundary::resolve_knowing(&network, &stated(&network), outlets, &known)?;
+        let boundary = boundary.held(&network, |row| kept[row]);
         collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
+    }
+
+    /// The nodes where blood comes in by the names of arteries.
+    pub(crate) fn known_inlets(&self, network: &Network) -> Vec<usize> {
+        self.circle.labelled_inlets(network)
     }
 
     /// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
     pub(crate) fn state_inlets(&self, network: &mut Network) {
         for node in self.circle.inlets() {
             let node = network.node_mut(node);
-            if node.condition.is_none() {
-                (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
+            if node.condition.is_none() || node.found {
+                (node.role, node.condition, node.found) = (Some(Role::Inlet), Some(Condition::INLET), false);
             }
         }
     }

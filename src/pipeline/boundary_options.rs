@@ -22,7 +22,7 @@ const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundaryOptions {
-    /// Inlets, `NODE` (at 100 mmHg) or `NODE=PRESSURE`; found at the widest free ends when none is given anywhere.
+    /// Inlets, `NODE` (at 100 mmHg) or `NODE=PRESSURE`; found at free ends when none is given anywhere.
     pub inlet: Vec<String>,
     /// Outlets, `NODE` (to ground), `NODE=PRESSURE`, `NODE=RESISTANCE[@PRESSURE]` or
     /// `NODE=rcr:R1,C,R2[@PRESSURE]`; found at the other free ends.
@@ -37,13 +37,24 @@ pub struct BoundaryOptions {
 
 impl BoundaryOptions {
     /// The conditions of a network: those given, and where they lack a source or a sink, those found at the free ends, which are
-    /// `outlets`.
-    pub(crate) fn resolve(&self, network: &Network, outlets: FoundOutlets, progress: &mut dyn Progress) -> Result<Boundary> {
+    /// `outlets`. Blood comes in by the `known` nodes rather than by others, where inlets are found.
+    pub(crate) fn resolve(
+        &self,
+        network: &Network,
+        outlets: FoundOutlets,
+        known: &[usize],
+        progress: &mut dyn Progress,
+    ) -> Result<Boundary> {
+        let given = self.given(network, progress)?;
+        Boundary::resolve_knowing(network, &given, outlets, known)
+    }
+
+    /// The conditions that are stated, by node.
+    pub(crate) fn given(&self, network: &Network, progress: &mut dyn Progress) -> Result<Vec<Given>> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
         given.extend(self.conditions_of_file(network, progress)?);
         given.extend(self.conditions_of_options(network, progress)?);
-        let given: Vec<Given> = given.into_values().collect();
-        Boundary::resolve(network, &given, outlets)
+        Ok(given.into_values().collect())
     }
 
     /// Whether a person said where blood comes in, or left it to a file to say.

@@ -104,7 +104,8 @@ impl Inference {
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> Outcome<'_> {
         let Prepared { graph, boundary, keep, .. } = &*self.prepared;
-        let topology = |kept: &[bool]| Topology::of(graph, &self.likelihood.uncertain, kept, boundary);
+        let topology =
+            |kept: &[bool]| Topology::of(graph, &self.likelihood.uncertain, kept, &boundary.held(graph, |row| kept[row]));
         Outcome {
             network: graph,
             boundary,

@@ -162,8 +162,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let mut names = None;
     if by_geometry {
         let over_connected = |network: &Network| {
-            let boundary = options.boundary.resolve(network, FoundOutlets::CEREBRAL, &mut Silent)?;
-            Ok(prior.graph(network.clone(), is_fragments, &boundary, &building, None)?.0)
+            let given = options.boundary.given(network, &mut Silent)?;
+            Ok(prior.graph(network.clone(), is_fragments, &given, &building, None)?.0)
         };
         match named(&path, &network, over_connected, progress)? {
             Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
@@ -177,19 +177,12 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         found.name_outlets(&mut network);
     }
 
-    // Boundary conditions, then candidates, which add nodes without conditions.
-    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
-    let outlets = options.boundary.found_outlets.unwrap_or(usual);
-    let boundary = options.boundary.resolve(&network, outlets, progress)?;
-    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
-    let all_stated = boundary.found_outlets.is_empty() && none_named;
-    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
-        progress.step(Step::OutletsAllStated);
-    }
+    // The stated boundary conditions, then candidates, then the conditions that are found: not where a candidate probably leaves.
+    let given = options.boundary.given(&network, progress)?;
     let mut provenance = input.provenance;
     let looked = picture::Picture::load(options, &prior, &input.options, is_fragments)?;
     let (image, view) = looked.unzip();
-    let (graph, looked) = prior.graph(network, is_fragments, &boundary, &building, view)?;
+    let (graph, looked) = prior.graph(network, is_fragments, &given, &building, view)?;
     let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
     let said = image.as_ref().map(|image| image.remarks(unseen, scene, &prior)).unwrap_or_default();
@@ -202,16 +195,24 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         provenance.notes.push(note);
     }
     let (mut graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
-    let boundary = boundary.extended_to(graph.node_count());
     let uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
     let (uniform_prior, decided) = decided(&mut graph, options.decisions.as_deref(), &provenance.sha256, uniform_prior)?;
-    progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     if let Some(source) = by_labels {
         arteries = Some(source.find(&path, &graph, &scale)?);
     }
     if let Some(names) = &names {
         arteries = Some(arteries::by_geometry(&path, &graph, Some(names))?);
     }
+    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
+    let outlets = options.boundary.found_outlets.unwrap_or(usual);
+    let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();
+    let boundary = Boundary::resolve_knowing(&graph, &given, outlets, &known)?;
+    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
+    let all_stated = boundary.found_outlets.is_empty() && none_named;
+    if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
+        progress.step(Step::OutletsAllStated);
+    }
+    progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let said = arteries.iter().flat_map(|found| found.notes.clone());

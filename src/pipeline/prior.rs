@@ -1,6 +1,5 @@
 //! The prior: how probable each candidate is before any flow, and the over-connected graph that follows from it.
 
-use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -17,7 +16,7 @@ use crate::candidates::search::SearchOptions;
 use crate::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
 use crate::decision::{BEST_FIRST, Keep, RECONNECT, ROOT_FACTOR, has_evidence, knows_fragments};
 use crate::error::{Error, Fault, Result};
-use crate::flow::Boundary;
+use crate::flow::Given;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
 use crate::masks::View;
 use crate::network::{Network, Origin, Role};
@@ -206,13 +205,13 @@ impl LoadedPrior {
         if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, and every candidate gets its prior. The image as it was
+    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior. The image as it was
     /// measured is told too, or why it says nothing.
     pub(crate) fn graph(
         &self,
         network: Network,
         is_fragments: bool,
-        boundary: &Boundary,
+        given: &[Given],
         options: &CandidateOptions,
         view: Option<View>,
     ) -> Result<(Network, Option<Looked>)> {
@@ -220,9 +219,7 @@ impl LoadedPrior {
         let mut graph = match self {
             _ if !is_fragments => network,
             Self::Evidence { weights, .. } => {
-                let found: BTreeSet<usize> = boundary.found_inlets.iter().copied().collect();
-                let given = |node: &usize| boundary.roles[*node] == Role::Inlet && !found.contains(node);
-                let inlets: Vec<usize> = (0..network.node_count()).filter(given).collect();
+                let inlets: Vec<usize> = given.iter().filter(|g| g.role == Role::Inlet).map(|g| g.node).collect();
                 build_with_evidence(&network, &inlets, options, weights)?
             }
             Self::Joins { model, .. } => {

@@ -80,7 +80,8 @@ pub fn simulate_with<'a>(
 /// The boundary conditions of a network whose vessels are taken as they are; outlets that are found are ground, unless said otherwise.
 fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Progress) -> Result<(Boundary, FoundOutlets)> {
     let outlets = options.found_outlets.unwrap_or(FoundOutlets::Ground);
-    let boundary = options.resolve(&input.network, outlets, progress)?;
+    // Every vessel is there, and a condition that was found holds at a free end only.
+    let boundary = options.resolve(&input.network, outlets, &[], progress)?.held(&input.network, |_| true);
     if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
         progress.step(Step::OutletsAllStated);
     }

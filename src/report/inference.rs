@@ -120,6 +120,11 @@ impl Outcome<'_> {
         self.network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).count()
     }
 
+    /// The boundary conditions that hold in the kept topology.
+    pub fn held(&self) -> Boundary {
+        self.boundary.held(self.network, |row| self.answer.kept[row])
+    }
+
     /// The contacts that are cut, by row.
     pub fn cuts(&self) -> impl Iterator<Item = usize> {
         let decided = self.network.vessels().zip(&self.answer.kept).enumerate();
@@ -200,21 +205,22 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     Ok(sum)
 }
 
-/// The vessels that are kept, with all nodes and their roles, and the rows of those vessels.
-fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>) {
+/// The vessels that are kept, with all nodes and their roles, the rows of those vessels, and the conditions that hold there.
+fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>, Boundary) {
     let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
-    for (node, role) in outcome.boundary.roles.iter().enumerate() {
+    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
+    for (node, role) in boundary.roles.iter().enumerate() {
         graph.node_mut(node).role = Some(*role);
     }
-    (graph, rows)
+    (graph, rows, boundary)
 }
 
 /// The columns of the nodes of a topology, with their pressures and conditions.
-fn columns_of_nodes(graph: &Network, outcome: &Outcome<'_>) -> Result<Vec<Column>> {
-    let circuit = Circuit::new(graph, outcome.boundary, outcome.viscosity)?;
+fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
+    let circuit = Circuit::new(graph, boundary, viscosity)?;
     let pressure = pressures::pressures(&circuit, |_| true)?;
-    let mut nodes = node_columns(graph, outcome.boundary, &pressure, &fragments(graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(graph, outcome.boundary));
+    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(graph, boundary));
     Ok(nodes)
 }
 
@@ -224,7 +230,8 @@ fn columns_of_nodes(graph: &Network, outcome: &Outcome<'_>) -> Result<Vec<Column
 ///
 /// Pressures that cannot be solved for.
 pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
-    columns_of_nodes(&kept_graph(outcome, kept).0, outcome)
+    let (graph, _, boundary) = kept_graph(outcome, kept);
+    columns_of_nodes(&graph, &boundary, outcome.viscosity)
 }
 
 /// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
@@ -236,8 +243,8 @@ fn topology(
     vessels: &[Column],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
-    let (graph, rows) = kept_graph(outcome, kept);
-    let nodes = columns_of_nodes(&graph, outcome)?;
+    let (graph, rows, boundary) = kept_graph(outcome, kept);
+    let nodes = columns_of_nodes(&graph, &boundary, outcome.viscosity)?;
     let mut vessels = select(vessels, &rows);
     for column in vessels.iter_mut().filter(|column| column.name == "kept") {
         *column = Column::whole("kept", rows.iter().map(|_| 1));
@@ -349,10 +356,12 @@ pub fn node_columns(network: &Network, boundary: &Boundary, pressure: &[Option<f
     crate::io::node_columns(network, &roles, pressure, component)
 }
 
-/// The terminal resistances and flows of the nodes, by which a graph file keeps its boundary conditions.
+/// The terminal resistances and flows of the nodes, and which of their conditions were found, by which a graph file keeps its boundary
+/// conditions.
 pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> {
     let conditions: Vec<Option<Condition>> = (0..network.node_count()).map(|node| boundary.condition(node)).collect();
-    crate::io::condition_columns(&conditions)
+    let found: Vec<bool> = (0..network.node_count()).map(|node| boundary.is_found(node)).collect();
+    crate::io::condition_columns(&conditions).into_iter().chain(crate::io::found_column(&found)).collect()
 }
 
 /// The columns of edges.csv.

@@ -10,6 +10,7 @@ use super::inference::Outcome;
 use crate::candidates;
 use crate::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use crate::flow::boundary_conditions::Total;
+use crate::flow::free_ends::unfed_fragments;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::network::{Condition, Frame, Network, Origin, Role, fragments};
@@ -129,6 +130,15 @@ pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     each.collect()
 }
 
+/// The boundary conditions of a run, and which of them hold in the kept topology.
+fn conditions_that_hold(network: &Network, boundary: &Boundary, held: &Boundary) -> Vec<Value> {
+    let mut all = conditions(network, boundary);
+    for (value, (node, _)) in all.iter_mut().zip(&boundary.conditions) {
+        value["holds"] = json!(held.condition(*node).is_some());
+    }
+    all
+}
+
 fn topology(t: &Topology) -> Value {
     json!({
         "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates, "pruned_observed": t.observed[1],
@@ -210,7 +220,7 @@ impl Summary {
                 "outlets_found": outlets_found(outlets),
                 "candidates": candidate_parameters(built),
             }),
-            boundary_conditions: conditions(network, outcome.boundary),
+            boundary_conditions: conditions_that_hold(network, outcome.boundary, &outcome.held()),
             counts: json!({
                 "nodes": network.node_count(),
                 "observed": count(Origin::Observed),
@@ -222,6 +232,7 @@ impl Summary {
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),
                 "outlets": outcome.boundary.count(Role::Outlet),
+                "unfed_fragments": unfed_fragments(network, outcome.boundary),
                 "topology": topology(&outcome.kept),
                 "topology_median": topology(&outcome.above_median),
                 "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),

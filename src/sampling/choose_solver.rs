@@ -74,7 +74,7 @@ impl Plan {
     ///
     /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
     pub fn choose(network: &Network, boundary: &Boundary, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
-        let circuit = Circuit::new(network, boundary, options.viscosity)?;
+        let circuit = Circuit::sampled(network, boundary, options.viscosity)?;
         let most_joins = match options.solver {
             Solver::Reference => return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight)))),
             _ if network.vessel_count() > MOST_VESSELS_IN_FULL => None,

@@ -84,8 +84,8 @@ impl FullGraph {
         options: &SamplingOptions,
         most_joins: usize,
     ) -> Result<Option<Self>> {
-        let ends = circuit.ends.clone();
-        let Peeled { circuit, chain } = peel(circuit, certain);
+        let ends = circuit.ends[..circuit.vessel_count()].to_vec();
+        let Peeled { circuit, chain } = peel(circuit, &circuit.certain_rows(certain));
         let Some(solver) = StarMesh::compile(&circuit, most_joins) else { return Ok(None) };
         let slot = |node: usize| solver.slot(node) as u32;
         let mut vessels = Vec::with_capacity(chain.len());
@@ -178,7 +178,7 @@ impl Kernel for BlockKernel<'_> {
         let FullGraph { circuit, solver, forest, .. } = graph;
         let vessels = graph.vessels.len();
         memory.in_forest.fill([0; B]);
-        let present = open_vessels(simd, masks);
+        let present = open_vessels(simd, &masks[..vessels]);
         let mut global = PerSample::ZERO;
         for (group, first) in (0..*samples).step_by(B).enumerate() {
             solver.solve(simd, masks, first, stranded, &mut memory.flow);

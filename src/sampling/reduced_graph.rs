@@ -36,6 +36,10 @@ pub struct ReducedGraph {
     pub forest: Option<ForestProgram>,
     pub ties: Ties,
     pub weight: Weight,
+    /// How many vessels there are.
+    vessels: usize,
+    /// The terminals of the core, by row of the circuit.
+    terminals: Vec<usize>,
     /// Vessels for which another stands, with that one and their share of its sums.
     shares: Vec<(u32, u32, f64)>,
     instructions: InstructionSet,
@@ -82,7 +86,8 @@ impl ReducedGraph {
     ///
     /// A vessel whose resilience no double can hold; a mesh beyond what indices can count.
     pub fn new(network: &Network, circuit: &Circuit, certain: &[bool], params: &SamplingOptions) -> Result<Self> {
-        let Reduction { circuit: core, chains, trees } = Reduction::of(circuit, certain);
+        let Reduction { circuit: core, mut chains, trees } = Reduction::of(circuit, certain);
+        let terminals = chains.split_off(core.vessel_count()).concat();
         // ρ of a vessel over the square of its flow.
         let of_square_flow = |row: usize| {
             let vessel = network.vessel(row);
@@ -102,8 +107,8 @@ impl ReducedGraph {
         let mut order: Vec<usize> = (0..chains.len()).collect();
         order.sort_unstable_by_key(|chain| chains[*chain][weakest[*chain]]);
         let core = Circuit {
-            ends: order.iter().map(|chain| core.ends[*chain]).collect(),
-            conductance: order.iter().map(|chain| core.conductance[*chain]).collect(),
+            ends: order.iter().copied().chain(chains.len()..core.row_count()).map(|row| core.ends[row]).collect(),
+            conductance: order.iter().copied().chain(chains.len()..core.row_count()).map(|row| core.conductance[row]).collect(),
             ..core
         };
 
@@ -142,7 +147,7 @@ impl ReducedGraph {
         }
 
         let solver = choose_solver::reduced_graph_solver(&core, params.solver)?;
-        let in_forest: Vec<Option<[usize; 2]>> = core.ends.iter().map(|ends| Some(*ends)).collect();
+        let in_forest: Vec<Option<[usize; 2]>> = core.ends[..flows.len()].iter().map(|ends| Some(*ends)).collect();
         let forest = match solver {
             BatchSolver::StarMesh(_) => choose_solver::forest_program(core.node_count(), &in_forest),
             BatchSolver::Gradients(_) => None,
@@ -162,6 +167,8 @@ impl ReducedGraph {
             solver,
             forest,
             weight: params.weight,
+            vessels: network.vessel_count(),
+            terminals,
             shares,
             instructions: InstructionSet::detect(),
         })
@@ -190,12 +197,15 @@ impl ReducedGraph {
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block(&self, block: Block<'_>, memory: &mut Memory, sums: &mut Sums) -> Result<()> {
         let Block { masks, probability, samples } = block;
-        let present = &open_vessels(Scalar::new(), masks);
+        let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
         // Chains are in the order of their rows, so that none is overwritten before it is read.
         for (at, chain) in self.chains.iter().enumerate() {
             masks[at] = if chain.may_close { masks[chain.row as usize] } else { u64::MAX };
         }
-        let masks = &masks[..self.chains.len()];
+        for (at, row) in self.terminals.iter().enumerate() {
+            masks[self.chains.len() + at] = masks[*row];
+        }
+        let masks = &masks[..self.core.row_count()];
         let stranded = &stranded(&self.core, masks, samples);
         sums.clear();
         let kernel = BlockKernel { graph: self, samples, probability, present, masks, stranded, memory, sums: &mut *sums };

@@ -51,7 +51,7 @@ pub struct BlockKernel<'a> {
     pub probability: Option<&'a [f64; BLOCK as usize]>,
     /// |Ẽ| of each.
     pub present: &'a PerSample,
-    /// Per chain the samples in which it is open.
+    /// Per row of the core the samples in which it is open.
     pub masks: &'a [u64],
     /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
     pub stranded: &'a [(usize, u64)],

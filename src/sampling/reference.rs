@@ -3,10 +3,11 @@
 //! Moriconi et al. 2019, one sample after another:
 //!
 //! 1. Mask: Ẽ = 𝓔 ∘ (E ∘ A). Vessel e is open with probability λA_e.
-//! 2. Flow, algorithm 1: Σ_e C_e (P_j - P_i) = s_j at every free node j, with C = 1/R of the open vessels.
-//! 3. Resilience: ρ = ΔP·Q / (π r² l) of every vessel that blood flows through.
-//! 4. Forest: the minimum spanning forest of 1/ρ.
-//! 5. Sum: L_e += ρ_e for every vessel e of the forest.
+//! 2. Boundary: a condition that was found holds where no candidate is open at its free end.
+//! 3. Flow, algorithm 1: Σ_e C_e (P_j - P_i) = s_j at every free node j, with C = 1/R of the open vessels.
+//! 4. Resilience: ρ = ΔP·Q / (π r² l) of every vessel that blood flows through.
+//! 5. Forest: the minimum spanning forest of 1/ρ.
+//! 6. Sum: L_e += ρ_e for every vessel e of the forest.
 
 use std::cmp::Reverse;
 
@@ -71,22 +72,24 @@ impl Reference {
         sums.clear();
         sums.samples = block.samples as u64;
         for sample in 0..block.samples {
-            let open: Vec<bool> = block.masks.iter().map(|mask| mask >> sample & 1 == 1).collect();
-            let pressure = pressures(&self.circuit, |vessel| open[vessel])?;
+            let open: Vec<bool> = block.masks[..self.volume.len()].iter().map(|mask| mask >> sample & 1 == 1).collect();
+            let circuit = self.circuit.in_sample(|vessel| open[vessel]);
+            let pressure = pressures(&circuit, |vessel| open[vessel])?;
             let resilience = self.resiliences(&open, &pressure);
             let present = open.iter().filter(|open| **open).count().max(1);
             let global = resilience.iter().sum::<f64>() / present as f64;
             let probability = block.probability.map_or(1.0, |p| p[sample]);
             sums.network_resilience += probability * global;
-            for vessel in spanning_forest(&self.circuit.ends, &resilience) {
+            for vessel in spanning_forest(&circuit.ends, &resilience) {
                 let value = self.weight.of(resilience[vessel], global);
                 sums.likelihood[vessel] += probability * value;
                 sums.square[vessel] += probability * value * value;
                 sums.count[vessel] += probability;
             }
             if sample == 0 {
-                let (circuit, stranded) = (&self.circuit, stranded(&self.circuit, block.masks, 1));
-                let residual = Check::default().residual(circuit, circuit.if_open(block.masks), &stranded, |node| pressure[node]);
+                let stranded = stranded(&circuit, block.masks, 1);
+                let residual =
+                    Check::default().residual(&circuit, circuit.if_open(block.masks), &stranded, |node| pressure[node]);
                 sums.residual = residual.relative;
             }
         }
@@ -103,7 +106,7 @@ impl Reference {
             let rho = resilience(a - b, conductance[vessel] * (a - b), self.volume[vessel]);
             [if flows { rho.min(MOST_RESILIENCE) } else { 0.0 }]
         };
-        let mut rho: Vec<[f64; 1]> = (0..ends.len()).map(of_vessel).collect();
+        let mut rho: Vec<[f64; 1]> = (0..open.len()).map(of_vessel).collect();
         self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut ties::Workspace::default());
         rho.concat()
     }

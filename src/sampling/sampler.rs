@@ -7,6 +7,7 @@ use super::patterns::Patterns;
 use super::{full_graph, reduced_graph};
 use crate::error::Result;
 use crate::flow::Boundary;
+use crate::flow::boundary_conditions::Provisional;
 use crate::network::Network;
 use crate::support::random::BLOCK;
 
@@ -14,6 +15,8 @@ use crate::support::random::BLOCK;
 #[derive(Debug)]
 pub struct Sampler {
     patterns: Patterns,
+    /// The conditions that hold in some samples only.
+    provisional: Vec<Provisional>,
     plan: Plan,
 }
 
@@ -33,7 +36,8 @@ enum Memory {
 /// Samples that are taken together.
 #[derive(Debug)]
 pub struct Block<'a> {
-    /// Per vessel the samples in which it is open, no bit beyond `samples`. May be overwritten.
+    /// Per vessel the samples in which it is open, then per terminal of the circuit those in which it holds; no bit beyond `samples`. May be
+    /// overwritten.
     pub masks: &'a mut [u64],
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
@@ -51,7 +55,7 @@ impl Sampler {
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let plan = Plan::choose(network, boundary, &certain, params)?;
-        Ok(Self { patterns: Patterns::new(keep, params)?, plan })
+        Ok(Self { patterns: Patterns::new(keep, params)?, provisional: boundary.provisional(network), plan })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -86,6 +90,10 @@ impl Sampler {
     pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
         let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
+        for provisional in &self.provisional {
+            let holds = provisional.holds(&work.masks);
+            work.masks.push(holds);
+        }
         let valid = u64::MAX >> (BLOCK - samples);
         for mask in &mut work.masks {
             *mask &= valid;

@@ -27,7 +27,8 @@ impl Ties {
     pub fn new(circuit: &Circuit, factor: &[f64]) -> Self {
         let nodes = circuit.node_count();
         let mut around = vec![Vec::new(); nodes];
-        for (vessel, ends) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
+        // Where a terminal holds, no other vessel is open that could tie.
+        for (vessel, ends) in circuit.ends.iter().enumerate().take(factor.len()).filter(|(_, [a, b])| a != b) {
             for end in ends {
                 around[*end].push(vessel as u32);
             }

@@ -3,6 +3,7 @@
 use crate::networks::{MMHG, pressure};
 use crate::vessels::{network, tube};
 use willis::internals::flow::boundary_conditions::{Total, stated};
+use willis::internals::flow::free_ends::FreeEnds;
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;
@@ -58,23 +59,70 @@ fn equal_ends_come_in_node_order() {
     assert_eq!(boundary.found_inlets, [1, 3, 4]);
 }
 
-/// Stars of nodes 0-2, 4-6, 8-10, 12-14 and 16-17. The three widest ends lie in the first two; every other star gets its own.
+/// Stars of nodes 0-2, 4-6, 8-10, 12-14 and 16-17. The three widest ends lie in the first two; the other fragments get none.
 #[test]
-fn every_component_with_two_free_ends_has_an_inlet() {
+fn a_fragment_gets_no_inlet_of_its_own() {
     let network = stars(&[&[9.0, 8.0, 1.0], &[1.0, 7.0, 1.0], &[2.0, 3.0, 1.0], &[1.0, 1.0, 1.0], &[0.5, 0.6]]);
     let boundary = resolve(&network, &[]);
-    assert_eq!(boundary.found_inlets, [0, 1, 5, 9, 12, 17]);
-    assert_eq!(boundary.found_outlets, [2, 4, 6, 8, 10, 13, 14, 16]);
+    assert_eq!(boundary.found_inlets, [0, 1, 5]);
+    assert_eq!(boundary.found_outlets, [2, 4, 6, 8, 9, 10, 12, 13, 14, 16, 17]);
     consistent(&boundary);
+    // Where no inlet feeds them they are no outlets of the topology: nothing flows there, at no known pressure.
+    let held = boundary.held(&network, |_| true);
+    assert_eq!(held.found_outlets, [2, 4, 6]);
+    assert_eq!((held.roles[8], held.condition(8)), (Role::Inner, None));
+    consistent(&held);
 }
 
-/// However wide they are, each component keeps an outlet when outlets are to be found.
+/// An end less than half as wide as the widest is no inlet, however few there are.
+#[test]
+fn inlets_are_wide() {
+    let boundary = resolve(&stars(&[&[9.0, 4.6, 4.4, 1.0]]), &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 1], vec![2, 3]));
+}
+
+/// However wide they are, a component keeps an outlet when outlets are to be found.
 #[test]
 fn every_component_keeps_an_outlet() {
     let boundary = resolve(&stars(&[&[9.0, 8.0], &[1.0, 0.9, 0.8]]), &[]);
-    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 3, 4], vec![1, 5]));
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0], vec![1, 3, 4, 5]));
     let boundary = resolve(&stars(&[&[9.0, 8.0]]), &[]);
     assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0], vec![1]));
+}
+
+/// Six ends whose widths differ by less than a twentieth: the low ones are inlets, whatever their numbers and the last digits of their
+/// radii. Turned upside down, the others are.
+#[test]
+fn of_equally_wide_ends_the_lower_are_inlets() {
+    for (up, expected) in [(1.0, [1, 2, 5]), (-1.0, [0, 3, 4])] {
+        let mut network = stars(&[&[2.0, 2.02, 1.97, 2.03, 2.01, 1.98]]);
+        for (node, height) in [5.0, 1.0, 2.0, 6.0, 7.0, 3.0].into_iter().enumerate() {
+            network.node_mut(node).position = Some([0.0, 0.0, up * height]);
+        }
+        assert_eq!(resolve(&network, &[]).found_inlets, expected);
+    }
+}
+
+/// Where the file says which way is up, blood comes in from below; where it does not, the wide ends count.
+#[test]
+fn inlets_lie_low_where_up_is_known() {
+    let mut network = stars(&[&[2.0, 3.0, 2.5, 1.8, 1.0]]);
+    for (node, height) in [0.0, 10.0, 9.0, 1.0, 2.0].into_iter().enumerate() {
+        network.node_mut(node).position = Some([0.0, 0.0, height]);
+    }
+    assert_eq!(resolve(&network, &[]).found_inlets, [0, 1, 2]);
+    network.frame = willis::internals::network::Frame::Ras;
+    assert_eq!(resolve(&network, &[]).found_inlets, [0, 3, 4]);
+}
+
+/// Known inlets come before all others, and no other is added.
+#[test]
+fn known_inlets_are_the_inlets() {
+    let network = stars(&[&[1.0, 3.0, 2.0, 5.0, 4.0]]);
+    let knowing = |known: &[usize]| Boundary::resolve_knowing(&network, &[], FoundOutlets::Ground, known).unwrap();
+    assert_eq!((knowing(&[0]).found_inlets, knowing(&[0]).found_outlets), (vec![0], vec![1, 2, 3, 4]));
+    // The middle of the star is no free end.
+    assert_eq!(knowing(&[5]).found_inlets, [1, 3, 4]);
 }
 
 /// Two rings with a tail each: every component has one free end. The wider is the inlet, the other the outlet.
@@ -144,16 +192,52 @@ fn no_free_end_to_find_is_an_error_that_names_the_option() {
     assert_eq!(resolve(&tail, &[outlet(1)]).found_inlets, [0]);
 }
 
-/// Free ends are those of the observed vessels: a candidate at an end leaves it free, and makes none of its own.
+/// Free ends are those of the observed vessels: a candidate at an end leaves it free, and makes none of its own. But an end that a
+/// candidate probably joins is no inlet.
 #[test]
 fn candidates_make_and_hide_no_free_end() {
-    let mut network = stars(&[&[3.0, 2.0], &[1.0, 1.0]]);
-    let end = network.add_node(Node { id: "loose".into(), ..Node::default() });
-    for ends in [[0, 3], [4, end]] {
-        network.add_vessel(ends, Vessel { origin: Origin::Candidate, ..tube(5.0, 9.0) });
-    }
+    let of = |prior: f64| {
+        let mut network = stars(&[&[3.0, 2.0], &[1.0, 1.0]]);
+        let end = network.add_node(Node { id: "loose".into(), ..Node::default() });
+        for ends in [[0, 3], [4, end]] {
+            network.add_vessel(ends, Vessel { origin: Origin::Candidate, prior, ..tube(5.0, 9.0) });
+        }
+        network
+    };
+    let boundary = resolve(&of(0.1), &[]);
+    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0], vec![1, 3, 4]));
+    let network = of(0.9);
     let boundary = resolve(&network, &[]);
-    assert_eq!((boundary.found_inlets, boundary.found_outlets), (vec![0, 3], vec![1, 4]));
+    assert_eq!((&boundary.found_inlets[..], &boundary.found_outlets[..]), (&[1][..], &[0, 3, 4][..]));
+    // Row 4 joins node 0 and 3, row 5 leaves node 4.
+    let provisional: Vec<_> = boundary.provisional(&network).into_iter().map(|p| (p.node, p.others)).collect();
+    assert_eq!(provisional, [(0, vec![4]), (3, vec![4]), (4, vec![5])]);
+    assert_eq!(boundary.held(&network, |row| row < 4).conditions.len(), 2, "the second part has no inlet");
+    let joined = boundary.held(&network, |row| row != 5);
+    assert_eq!((joined.found_inlets, joined.found_outlets), (vec![1], vec![4]));
+}
+
+/// Terminals that are left share what all had: Murray's total is that of the topology. What a person stated stays as it is.
+#[test]
+fn the_ends_that_hold_share_the_total() {
+    let flow = 700.0 / 6e7;
+    let mut network = stars(&[&[5.0, 1.0, 2.0], &[1.5, 1.2, 0.5]]);
+    network.add_vessel([1, 4], Vessel { origin: Origin::Candidate, prior: 0.9, ..tube(5.0, 1.0) });
+    let boundary = Boundary::resolve(&network, &[], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
+    assert_eq!(boundary.found_outlets, [1, 2, 4, 5, 6]);
+    let held = boundary.held(&network, |_| true);
+    assert_eq!(held.found_outlets, [2, 5, 6]);
+    let terminal = |boundary: &Boundary, node| match boundary.condition(node) {
+        Some(Condition::Resistance { resistance, .. }) => 100.0 * MMHG / resistance,
+        other => panic!("node {node}: {other:?}"),
+    };
+    let all: f64 = held.found_outlets.iter().map(|node| terminal(&held, *node)).sum();
+    assert!((all / flow - 1.0).abs() < 1e-14, "{all}");
+    // 2³ : 1.2³, as before.
+    assert!((terminal(&held, 2) / terminal(&held, 5) / (8.0 / 1.728) - 1.0).abs() < 1e-14);
+    let given = [inlet(0), Given { condition: Condition::Resistance { resistance: 1e9, venous: 0.0 }, ..outlet(1) }];
+    let stated = resolve(&network, &given);
+    assert_eq!(stated.held(&network, |_| true), stated);
 }
 
 /// In a graph of candidates alone every vessel counts.
@@ -176,10 +260,9 @@ fn the_radius_of_an_end_is_the_mean_of_its_last_ten_points() {
     let tapering = Vessel::along(points.collect(), RadiusRule::Mean);
     assert!((tapering.end_radius(true) - 7.5e-3).abs() < 1e-15 && (tapering.end_radius(false) - 5.5e-3).abs() < 1e-15);
     assert!((tapering.length - distance([1e-3, 0.0, 0.0], [12e-3, 0.0, 0.0])).abs() < 1e-15);
-    let all = [([0, 1], tapering), ([2, 3], tube(10.0, 5.4)), ([4, 5], tube(10.0, 7.6)), ([6, 7], tube(10.0, 7.4))];
-    let boundary = resolve(&network(8, all), &[]);
-    // By width: 4 and 5 (7.6), 1 (7.5), 6 and 7 (7.4), 0 (5.5); one outlet is left in each, one inlet started in each.
-    assert_eq!(boundary.found_inlets, [1, 2, 4, 6]);
+    let network = network(2, [([0, 1], tapering)]);
+    let ends = FreeEnds::of(&network, &[Role::Inner; 2]);
+    assert!((ends.radius(0) - 5.5e-3).abs() < 1e-15 && (ends.radius(1) - 7.5e-3).abs() < 1e-15);
 }
 
 /// Murray: R goes as 1/r³, and with every terminal at the inlet pressure 700 mL/min leave in all. 1e-14: a few roundings.
@@ -234,12 +317,6 @@ fn murray_without_a_stated_pressure_takes_the_default() {
         let Some(Condition::Resistance { resistance, .. }) = boundary.condition(node) else { panic!() };
         assert!((resistance / (100.0 * MMHG / (0.5 * flow)) - 1.0).abs() < 1e-14);
     }
-}
-
-#[test]
-fn more_nodes_are_inner() {
-    let boundary = resolve(&stars(&[&[3.0, 2.0]]), &[]).extended_to(10);
-    assert_eq!((boundary.roles.len(), boundary.roles[9], boundary.conditions.len()), (10, Role::Inner, 2));
 }
 
 /// Roles of conditions that a file states without one.

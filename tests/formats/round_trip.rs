@@ -32,6 +32,7 @@ fn network() -> Network {
             label: if n == 2 { "L, \"M1\"".into() } else { String::new() },
             role: [Some(Role::Inlet), Some(Role::Inner), Some(Role::Inner), Some(Role::Outlet)][n],
             condition: [Some(Condition::Pressure(pascals(93.1))), None, None, Some(Condition::Pressure(0.0))][n],
+            found: n == 3,
             at_border: false,
             root_score: None,
             windkessel: Windkessel::default(),

@@ -14,6 +14,7 @@ mod vessels;
 mod answer;
 mod determinism;
 mod exact;
+mod found_conditions;
 mod front_door;
 mod instruction_sets;
 mod invariants;

@@ -12,7 +12,7 @@ use super::file_of;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Boundary conditions (NODE is an id, a label, or x,y,z in mm)")]
 pub struct BoundaryArgs {
-    /// Where blood enters, at a pressure [default: 100 mmHg]; found at the widest free ends when none is given
+    /// Where blood enters, at a pressure [default: 100 mmHg]; found at free ends when none is given
     #[arg(long, value_name = "NODE[=PRESSURE]", allow_hyphen_values = true)]
     inlet: Vec<String>,
     /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous

@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::internals::flow::Boundary;
+use crate::internals::flow::free_ends::unfed_fragments;
 use crate::internals::io::Format;
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};
@@ -334,7 +335,7 @@ fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
         let how = match found.len() {
             0 => String::new(),
             n if n == rows.len() => match role {
-                Role::Inlet => ", found: the widest free ends".to_owned(),
+                Role::Inlet => ", found: wide free ends".to_owned(),
                 _ => ", found: the other free ends".to_owned(),
             },
             n => format!(", {n} of them found at free ends"),
@@ -349,6 +350,11 @@ fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
         for word in words.iter().skip(most) {
             terminal.detail(heading, word);
         }
+    }
+    let unfed = unfed_fragments(network, boundary);
+    if unfed > 0 {
+        let what = if unfed == 1 { "1 fragment" } else { &format!("{} fragments", count(unfed as u64)) };
+        terminal.say("unfed", format!("{what} that nothing can join to an inlet: no blood flows there"));
     }
 }
 

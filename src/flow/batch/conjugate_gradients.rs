@@ -31,7 +31,7 @@ pub struct ConjugateGradients {
     incomplete: Incomplete,
     dead_ends: DeadEnds,
     fixed: Vec<Option<f64>>,
-    /// One over the largest conductance.
+    /// One over the largest conductance of a vessel.
     scale: f64,
 }
 
@@ -58,7 +58,7 @@ impl ConjugateGradients {
     pub fn compile(circuit: &Circuit) -> Option<Self> {
         let mesh = StarMesh::compile_partly(circuit, FEW)?;
         let incomplete = Incomplete::compile(mesh.program());
-        let largest = circuit.conductance.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let largest = circuit.conductance[..circuit.vessel_count()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let dead_ends = DeadEnds::new(circuit);
         Some(Self { mesh, incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest })
     }

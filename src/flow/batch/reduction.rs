@@ -4,7 +4,7 @@
 //! A tree whose ends have one pressure P₀ acts as a conductance to P₀ at its root in the core, and every drop in it is a fixed share of
 //! P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
-use crate::flow::circuit::{Circuit, same_pressure};
+use crate::flow::circuit::{Circuit, Terminal, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
 
 /// A reduced circuit.
@@ -12,7 +12,7 @@ use crate::flow::peeling::{Peeled, peel};
 pub struct Reduction {
     /// The core: its nodes are renumbered, its rows are the chains, and the trees at a node are part of its terminal conductance.
     pub circuit: Circuit,
-    /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones.
+    /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones. The terminals come last.
     pub chains: Vec<Vec<usize>>,
     /// The trees that begin at the core, one for each node and end pressure.
     pub trees: Vec<Tree>,
@@ -32,6 +32,7 @@ pub struct Tree {
 impl Reduction {
     /// Reduces a circuit whose `certain` vessels are open in every sample.
     pub fn of(circuit: &Circuit, certain: &[bool]) -> Self {
+        let certain = &circuit.certain_rows(certain);
         let Peeled { mut circuit, chain } = peel(circuit, certain);
         let mut members = vec![Vec::new(); chain.len()];
         for (row, chain) in chain.iter().enumerate().filter_map(|(row, chain)| Some((row, chain.as_ref()?))) {
@@ -142,13 +143,15 @@ fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>])
 /// Numbers the core: nodes with a chain or a tree, in order; chains by their last vessel, whose row decides between equals.
 fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> Reduction {
     let mut row_of = vec![usize::MAX; circuit.node_count()];
-    let rows: Vec<usize> = (0..circuit.vessel_count()).filter(|row| circuit.ends[*row][0] != circuit.ends[*row][1]).collect();
+    let rows: Vec<usize> = (0..circuit.row_count()).filter(|row| circuit.ends[*row][0] != circuit.ends[*row][1]).collect();
     rows.iter().flat_map(|row| circuit.ends[*row]).chain(trees.iter().map(|tree| tree.node)).for_each(|node| row_of[node] = 0);
     let nodes: Vec<usize> = (0..row_of.len()).filter(|node| row_of[*node] == 0).collect();
     nodes.iter().enumerate().for_each(|(at, node)| row_of[*node] = at);
     for tree in &mut trees {
         tree.node = row_of[tree.node];
     }
+    let terminals = rows.iter().filter_map(|row| circuit.terminals.get(row.checked_sub(circuit.vessel_count())?));
+    let terminals = terminals.map(|terminal| Terminal { node: row_of[terminal.node], ..terminal.clone() }).collect();
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),
@@ -158,6 +161,7 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> 
         source: of(&circuit.source),
         injects: circuit.injects,
         level: circuit.level,
+        terminals,
     };
     let mut members = members;
     let chains = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();

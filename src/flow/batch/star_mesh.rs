@@ -2,7 +2,8 @@
 //!
 //! Eliminating node k replaces the star of its conductances by the mesh c_ij += c_ki c_kj / S_k, S_k = Σ c_ki + g_k.
 //! Nothing is ever subtracted, so pressures are accurate componentwise, however far the conductances are apart; a
-//! floating component is a star with S_k = 0 and needs no test.
+//! floating component is a star with S_k = 0 and needs no test. In samples that hold the pressure of a node, its conductances go to ground at
+//! its neighbours before that, and it is left alone.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
@@ -24,6 +25,18 @@ pub struct StarMesh {
     shunt: Vec<f64>,
     source: Vec<f64>,
     fixed: Vec<f64>,
+    holds: Vec<Hold>,
+}
+
+/// A pressure that some samples hold.
+#[derive(Debug, Clone)]
+struct Hold {
+    /// The row of the terminal, open where it holds.
+    terminal: u32,
+    place: u32,
+    pressure: f64,
+    /// The rays on which its vessels lie, with the places they lead to.
+    rays: Vec<[u32; 2]>,
 }
 
 /// A vessel between two free nodes.
@@ -54,6 +67,8 @@ pub struct Workspace<const B: usize> {
     pub(crate) ground: Vec<Lanes<B>>,
     /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
     pub pressure: Vec<Lanes<B>>,
+    /// For each pressure that some samples hold, one where it is held.
+    held: Vec<Lanes<B>>,
 }
 
 impl<const B: usize> Workspace<B> {
@@ -125,7 +140,8 @@ impl StarMesh {
         }
         let (mut rays, mut grounds) = (Vec::new(), Vec::new());
         let mut bare = vec![true; program.rays()];
-        for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
+        let fixes = |row: usize| row.checked_sub(circuit.vessel_count()).is_some_and(|at| circuit.terminals[at].fixes);
+        for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(row, e)| e[0] != e[1] && !fixes(*row)) {
             let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
             match (circuit.fixed[a], circuit.fixed[b]) {
                 (None, None) => {
@@ -145,7 +161,8 @@ impl StarMesh {
         }
         let [shunt, source] = by_place;
         let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
-        Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed })
+        let holds = holds(circuit, &slot, &program);
+        Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed, holds })
     }
 
     /// The compiled elimination.
@@ -185,6 +202,7 @@ impl StarMesh {
             conductance: vec![Lanes::ZERO; rays],
             ground: vec![Lanes::ZERO; nodes],
             pressure: vec![Lanes::ZERO; nodes].into_iter().chain(fixed).collect(),
+            held: vec![Lanes::ZERO; self.holds.len()],
         }
     }
 
@@ -242,6 +260,21 @@ impl StarMesh {
             let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
             work.ground[place] = plus(simd, &work.ground[place], &own);
             work.pressure[place] = plus_product(simd, &work.pressure[place], &own, &pressure);
+        }
+        for (at, hold) in self.holds.iter().enumerate() {
+            let held = conductances.of(simd, hold.terminal, 1.0);
+            work.held[at] = held;
+            // Products with zero and one are exact.
+            let (held_at, place) = (splat(simd, hold.pressure), hold.place as usize);
+            for [ray, to] in &hold.rays {
+                let (ray, to) = (*ray as usize, *to as usize);
+                let moved = product(simd, &work.conductance[ray], &held);
+                work.conductance[ray] = without(simd, &work.conductance[ray], &held);
+                work.ground[to] = plus(simd, &work.ground[to], &moved);
+                work.pressure[to] = plus_product(simd, &work.pressure[to], &moved, &held_at);
+            }
+            work.ground[place] = without(simd, &work.ground[place], &held);
+            work.pressure[place] = without(simd, &work.pressure[place], &held);
         }
     }
 
@@ -301,7 +334,50 @@ impl StarMesh {
             }
             work.pressure[k] = p;
         }
+        for (hold, held) in self.holds.iter().zip(&work.held) {
+            let pressure = &mut work.pressure[hold.place as usize];
+            *pressure = plus_product(simd, &without(simd, pressure, held), held, &splat(simd, hold.pressure));
+        }
     }
+}
+
+/// What holds the pressures of free nodes in some samples.
+fn holds(circuit: &Circuit, slot: &[u32], program: &Elimination) -> Vec<Hold> {
+    let is_free = |node: usize| circuit.fixed[node].is_none();
+    let mut rays: std::collections::BTreeMap<usize, Vec<[u32; 2]>> = std::collections::BTreeMap::new();
+    let rows = (circuit.vessel_count()..).zip(&circuit.terminals);
+    let fixing = rows.filter(|(row, terminal)| terminal.fixes && circuit.ends[*row][0] != circuit.ends[*row][1]);
+    let fixing: Vec<(usize, usize)> = fixing.map(|(row, terminal)| (row, terminal.node)).filter(|(_, n)| is_free(*n)).collect();
+    for (_, node) in &fixing {
+        rays.insert(*node, Vec::new());
+    }
+    for &[a, b] in circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)) {
+        for (node, to) in [(a, b), (b, a)] {
+            if let Some(rays) = rays.get_mut(&node) {
+                let ray = [program.ray_between(slot[node], slot[to]), slot[to]];
+                if !rays.contains(&ray) {
+                    rays.push(ray);
+                }
+            }
+        }
+    }
+    let mut hold = |(row, node): (usize, usize)| {
+        let pressure = circuit.fixed[circuit.ends[row][1]]?;
+        Some(Hold { terminal: row as u32, place: slot[node], pressure, rays: rays.remove(&node)? })
+    };
+    fixing.into_iter().filter_map(&mut hold).collect()
+}
+
+#[inline(always)]
+fn product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| simd.mul_f64s(a, b))
+}
+
+/// Zero where `held` is one; the values where it is zero.
+#[inline(always)]
+fn without<S: Simd, const B: usize>(simd: S, values: &Lanes<B>, held: &Lanes<B>) -> Lanes<B> {
+    let one = simd.splat_f64s(1.0);
+    zip(simd, values, held, |value, held| simd.mul_f64s(value, simd.sub_f64s(one, held)))
 }
 
 /// 1/S of a star. A floating remainder has no conductance at all; its weights then are zero.

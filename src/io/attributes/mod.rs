@@ -148,7 +148,8 @@ impl<'a> Item<'a> {
 pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
     [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// The other attributes of a node.
-pub(crate) const ATTRIBUTES: [&str; 9] = ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE];
+pub(crate) const ATTRIBUTES: [&str; 10] =
+    ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
 /// The parts of a Windkessel beside the terminal resistance of a node.
 pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
 pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
@@ -180,6 +181,7 @@ pub(in crate::io) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &S
             role,
             condition: condition(&item, role, has_roles)?,
             windkessel: windkessel(&item)?,
+            found: item.boolean("found")?.unwrap_or(false),
             root_score: item.share("alone")?,
             ..Node::default()
         });

@@ -244,6 +244,11 @@ fn has_values(column: &Column) -> bool {
     matches!(&column.values, Values::Real(v) if v.iter().any(|x| !x.is_nan()))
 }
 
+/// The column that says which conditions were found, where any was.
+pub fn found_column(found: &[bool]) -> Option<Column> {
+    found.contains(&true).then(|| Column::text("found", found.iter().map(bool::to_string)))
+}
+
 /// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
 pub fn vessel_columns(network: &Network) -> Vec<Column> {
     let end = |which: usize, of_axis: usize| {
@@ -278,6 +283,7 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
     let mut nodes = node_columns(network, &roles, &pressures, &fragments(network, |_, _| true).of_node);
     nodes.extend(condition_columns(&conditions));
+    nodes.extend(found_column(&network.nodes().map(|n| n.found).collect::<Vec<_>>()));
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
     if network.vessels().any(|(_, v)| v.resistance.is_some()) {

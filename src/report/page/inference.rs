@@ -63,7 +63,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         names.push(("expected wrong connections", "/expected_errors/wrong", ""));
         names.push(("expected missed connections", "/expected_errors/missed", ""));
     }
-    let scene = scene(outcome.network, outcome.boundary).map(|mut scene| {
+    let scene = scene(outcome.network, &outcome.held()).map(|mut scene| {
         scene.markers.extend(cuts(outcome.network, outcome.cuts()));
         scene.markers.extend(suggestions(outcome.suggested_cuts));
         scene

@@ -343,7 +343,16 @@ fn word(value: &Value) -> String {
 
 /// The boundary conditions of a record.
 fn conditions(items: &Value) -> Option<Table> {
-    const COLUMNS: [&str; 8] =
-        ["node", "id", "role", "found", "pressure_mmHg", "resistance_mmHg_s_per_mL", "venous_pressure_mmHg", "flow_mL_per_min"];
+    const COLUMNS: [&str; 9] = [
+        "node",
+        "id",
+        "role",
+        "found",
+        "holds",
+        "pressure_mmHg",
+        "resistance_mmHg_s_per_mL",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
     list("Boundary conditions", items, &COLUMNS)
 }

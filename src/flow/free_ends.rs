@@ -1,0 +1,156 @@
+//! The free ends of a network, and which of them blood comes in by: few, true and wide.
+
+use super::boundary_conditions::Boundary;
+use crate::network::{Frame, Network, Origin, Role, Vessel, fragments};
+use crate::support::geometry::{Point, distance};
+
+/// The most inlets that are found.
+const MOST_INLETS: usize = 3;
+/// An end that is probably joined to another vessel is the end of a gap, not of the tree.
+const PROBABLE: f64 = 0.5;
+/// An inlet is at least this share as wide as the widest: vertebral arteries have some 0.6 of the radius of a carotid.
+const LEAST_WIDTH: f64 = 0.5;
+/// Ends whose radii differ by less than this share are equally wide.
+const SAME_WIDTH: f64 = 0.05;
+
+/// The free ends of the observed vessels (of all vessels where none is observed) that have no condition. A contact of observed vessels
+/// does not make one.
+#[derive(Debug, Clone)]
+pub struct FreeEnds {
+    nodes: Vec<usize>,
+    /// By node, m: the mean over the last points.
+    radius: Vec<f64>,
+    /// By node.
+    part: Vec<usize>,
+    at_border: Vec<bool>,
+    /// By node whether a landmark names it as an outlet: it is no inlet.
+    named_outlet: Vec<bool>,
+    /// By node, the sum of the probabilities of the candidates there.
+    joined: Vec<f64>,
+    /// By node.
+    position: Vec<Option<Point>>,
+    middle: Point,
+    /// Whether the third axis points to the head. Blood then comes in from below.
+    is_upright: bool,
+}
+
+impl FreeEnds {
+    /// Nodes with one of the `roles` already are not free.
+    pub fn of(network: &Network, roles: &[Role]) -> Self {
+        let any_observed = network.vessels().any(|(_, v)| v.origin == Origin::Observed);
+        let counts = |v: &Vessel| !any_observed || v.origin != Origin::Candidate;
+        let degree = network.degrees(counts);
+        let mut radius = vec![0.0; network.node_count()];
+        let mut joined = vec![0.0; network.node_count()];
+        for ([a, b], vessel) in network.vessels() {
+            if counts(vessel) {
+                radius[a] = vessel.end_radius(false);
+                radius[b] = vessel.end_radius(true);
+            } else {
+                let probability = if vessel.certain { 1.0 } else { vessel.evidence.map_or(vessel.prior, |e| e.probability) };
+                joined[a] += probability;
+                joined[b] += probability;
+            }
+        }
+        let position: Vec<Option<Point>> = network.nodes().map(|node| node.position).collect();
+        let nodes: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
+        let placed: Vec<Point> = nodes.iter().filter_map(|node| position[*node]).collect();
+        let mean = |axis: usize| placed.iter().map(|p| p[axis]).sum::<f64>() / placed.len().max(1) as f64;
+        Self {
+            middle: [mean(0), mean(1), mean(2)],
+            nodes,
+            radius,
+            part: fragments(network, |_, v| counts(v)).of_node,
+            at_border: network.nodes().map(|node| node.at_border).collect(),
+            named_outlet: network.nodes().map(|node| node.role == Some(Role::Outlet) && node.condition.is_none()).collect(),
+            joined,
+            position,
+            is_upright: network.frame != Frame::Unknown,
+        }
+    }
+
+    /// Their nodes, in order.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// The mean radius of the vessel over its last points at this end, m.
+    pub fn radius(&self, node: usize) -> f64 {
+        self.radius[node]
+    }
+
+    /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
+    /// where there is none, up to three of [`FreeEnds::ranked`]. With `spare` every part, and the whole, keeps an end that can be an outlet.
+    pub fn inlets(&self, known: &[usize], spare: bool) -> Vec<usize> {
+        let known: Vec<usize> =
+            self.nodes.iter().copied().filter(|node| known.contains(node) && self.joined[*node] < PROBABLE).collect();
+        let (ranked, most) = if known.is_empty() { (self.ranked(), MOST_INLETS) } else { (known, usize::MAX) };
+        let mut free = std::collections::BTreeMap::new();
+        for node in &self.nodes {
+            *free.entry(self.part[*node]).or_insert(0_usize) += 1;
+        }
+        let mut inlets = Vec::new();
+        for node in &ranked {
+            let left = free.entry(self.part[*node]).or_default();
+            if inlets.len() < most && (!spare || *left > 1) {
+                *left -= 1;
+                inlets.push(*node);
+            }
+        }
+        if inlets.is_empty() && (!spare || self.nodes.len() > 1) {
+            inlets.extend(ranked.first());
+        }
+        inlets.sort_unstable();
+        inlets
+    }
+
+    /// The ends that may be inlets, the likeliest first. Of all ends those count that probably are no ends of gaps; of these the ones where
+    /// a vessel leaves the image; where up is known, the ones in the lower half; and of these the ones at least half as wide as the widest. A
+    /// group without a member is passed over. Wide ends come before narrow ones; of equally wide ones the lower comes first, then the one
+    /// farther from the middle of all.
+    pub fn ranked(&self) -> Vec<usize> {
+        let mut ends: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.named_outlet[*node]).collect();
+        let mut only = |is_member: &dyn Fn(usize) -> bool| {
+            if ends.iter().any(|node| is_member(*node)) {
+                ends.retain(|node| is_member(*node));
+            }
+        };
+        only(&|node| self.joined[node] < PROBABLE);
+        only(&|node| self.at_border[node]);
+        if self.is_upright {
+            let heights = || self.nodes.iter().filter_map(|node| self.position[*node]).map(|p| p[2]);
+            let half = 0.5 * (heights().fold(f64::INFINITY, f64::min) + heights().fold(f64::NEG_INFINITY, f64::max));
+            only(&|node| self.position[node].is_some_and(|p| p[2] <= half));
+        }
+        let widest = ends.iter().map(|node| self.radius[*node]).fold(0.0, f64::max);
+        ends.retain(|node| self.radius[*node] >= LEAST_WIDTH * widest);
+        ends.sort_by(|a, b| self.radius[*b].total_cmp(&self.radius[*a]));
+        // Groups of equal width, each measured from its widest.
+        let mut ranked = Vec::with_capacity(ends.len());
+        while let Some(widest) = ends.first().map(|node| self.radius[*node]) {
+            let same = ends.iter().take_while(|node| self.radius[**node] > (1.0 - SAME_WIDTH) * widest).count();
+            let mut group: Vec<usize> = ends.drain(..same.max(1)).collect();
+            let height = |node: &usize| self.position[*node].map_or(0.0, |p| p[2]);
+            let far = |node: &usize| self.position[*node].map_or(0.0, |p| distance(p, self.middle));
+            group.sort_by(|a, b| height(a).total_cmp(&height(b)).then(far(b).total_cmp(&far(a))).then(a.cmp(b)));
+            ranked.extend(group);
+        }
+        ranked
+    }
+}
+
+/// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
+pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
+    let whole = fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed);
+    let mut fed = vec![false; whole.count];
+    for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
+        fed[whole.of_node[*node]] = true;
+    }
+    let observed = |v: &Vessel| v.origin != Origin::Candidate;
+    let parts = fragments(network, |_, v| observed(v));
+    let mut unfed = vec![false; parts.count];
+    for ([a, _], _) in network.vessels().filter(|(_, v)| observed(v)) {
+        unfed[parts.of_node[a]] = !fed[whole.of_node[a]];
+    }
+    unfed.into_iter().filter(|unfed| *unfed).count()
+}
