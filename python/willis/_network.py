@@ -194,6 +194,7 @@ def read(
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     box: Sequence[float] | None = None,
+    frame: Literal["RAS", "LPS"] | None = None,
     max_input: int | str = "2GiB",
 ) -> Network:
     """Reads centerlines, a mask or a graph in any format that the command reads, or the folder of a run.

@@ -16,7 +16,7 @@ use crate::io::tables::reader::plural;
 use crate::masks::{Foreground, RadiusFrom};
 use crate::network::centerlines::Centerlines;
 use crate::network::units::{Scale, millimetres};
-use crate::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
+use crate::network::{Frame, Network, RadiusRule, WELD_TOLERANCE, contract};
 use crate::support::geometry::Point;
 
 /// The content of a file.
@@ -73,6 +73,9 @@ pub struct ReadOptions {
     /// where a vessel leaves the image. A mask states its own.
     #[serde(rename = "box_m")]
     pub field_of_view: Option<[Point; 2]>,
+    /// Which way the axes of a file point that does not state it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// The most bytes of each file, and of all that is compressed in it.
     pub max_input: u64,
 }
@@ -89,6 +92,7 @@ impl Default for ReadOptions {
             level: None,
             field_of_view: None,
             radius_from: RadiusFrom::default(),
+            frame: None,
             max_input: MAX_INPUT,
         }
     }

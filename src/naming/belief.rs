@@ -372,3 +372,49 @@ fn divided(belief: &[f64], message: Option<&[f64]>) -> Vec<f64> {
     normalise(&mut out);
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::naming::NamingModel;
+    use crate::naming::nodes::Bridge;
+
+    /// Three nodes in a row, the last behind a gap: the marginals are those of all 113³ assignments.
+    #[test]
+    fn beliefs_are_those_of_all_assignments() {
+        let atlas = NamingModel::shipped().expect("reads").atlas;
+        let mut nodes = Nodes {
+            at: vec![[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]],
+            links: vec![[0, 1]],
+            neighbours: vec![vec![1], vec![0], vec![]],
+            ..Nodes::default()
+        };
+        nodes.bridges.push(Bridge { nodes: [1, 2], gap: 4.0, probability: 0.7, vessel: 0 });
+        let log_likelihood: Vec<f64> = (0..3 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
+        let found = Forest::of(&nodes, &[0]).beliefs(&atlas, &log_likelihood);
+        let own = |n: usize, s: usize| log_likelihood[n * STATES + s].exp() * atlas.prior[s];
+        let sum_of_last: f64 = (0..STATES).map(|c| own(2, c)).sum();
+        let mut expected = vec![0.0; 3 * STATES];
+        // The gap's factor is relative to what the far side says by itself: p B + (1 - p), with messages that sum to one.
+        for a in 0..STATES {
+            for b in 0..STATES {
+                let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
+                let mut onward = vec![0.0; STATES];
+                for (c, to) in onward.iter_mut().enumerate() {
+                    *to = pair * 0.7 * own(2, c) / sum_of_last * atlas.gaps[1][b * STATES + c];
+                }
+                let joined: f64 = onward.iter().sum();
+                expected[a] += joined + 0.3 * pair;
+                expected[STATES + b] += joined + 0.3 * pair;
+            }
+        }
+        for n in 0..2 {
+            let row = &mut expected[n * STATES..(n + 1) * STATES];
+            normalise(row);
+            for (s, p) in row.iter().enumerate() {
+                assert!((found.states[n * STATES + s] - p).abs() < 1e-9, "node {n}, state {s}");
+            }
+        }
+        assert!(found.bridge_ratio[0].is_some_and(|ratio| ratio > 0.0));
+    }
+}

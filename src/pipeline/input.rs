@@ -92,6 +92,14 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     }
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
     notes.append(&mut made.notes);
+    if let Some(frame) = options.frame {
+        let stated = made.network.frame;
+        if stated.is_known() && stated != frame {
+            let (given, own) = (frame.name().unwrap_or_default(), stated.name().unwrap_or_default());
+            return Err(Error::parameter("frame", given, format!("the file states {own}")));
+        }
+        made.network.frame = frame;
+    }
     if let Some(field_of_view) = options.field_of_view {
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));

@@ -6,6 +6,7 @@ mod command;
 mod refused;
 
 mod classify;
+mod label;
 mod landmarks;
 mod phantom;
 mod phantom_large;

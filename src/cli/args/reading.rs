@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::io::{StatedSpacing, byte_count, stated_spacing};
+use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;
 use crate::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
@@ -66,6 +67,9 @@ pub struct ReadingArgs {
     /// The box of the image, in mm: its least and its largest x,y,z; a vessel that ends at its faces goes on outside, so nothing is joined there
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<Vec<f64>>,
+    /// Which way the axes of INPUT point, if it does not state it: x to the right, y forward (RAS), or x to the left, y backward (LPS)
+    #[arg(long, hide_short_help = true, value_parser = words::<Frame>(&[("RAS", ""), ("LPS", "")]))]
+    pub frame: Option<Frame>,
     /// The largest file to read, on the disk and unpacked
     #[arg(long, value_name = "SIZE", default_value = "2GiB", value_parser = byte_count, hide_short_help = true)]
     pub max_input: u64,
@@ -136,6 +140,7 @@ impl ReadingArgs {
             level: self.level,
             field_of_view: self.field_of_view()?,
             radius_from: self.radius_from,
+            frame: self.frame,
             max_input: self.max_input,
         };
         options.validate()?;

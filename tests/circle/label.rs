@@ -1,0 +1,113 @@
+//! Names from geometry on the tracings of patients whose arteries are labelled (skipped where they are absent): the truth is the table of vessels
+//! beside each tracing, and that names do not depend on the frame and the pose.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use willis::internals::naming::{LABELS, NamingModel, name_arteries, name_of};
+use willis::internals::network::{Frame, Network, Origin};
+use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
+
+fn patients() -> Vec<PathBuf> {
+    let shared = std::env::var_os("WILLIS_SHARED_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let folder = shared.join("insist-cow");
+    let Ok(entries) = fs::read_dir(&folder) else {
+        println!("skipped: there is no {}", folder.display());
+        return Vec::new();
+    };
+    let mut found: Vec<PathBuf> =
+        entries.flatten().map(|e| e.path().join("tracing_ves_TH_XX_X.swc")).filter(|p| p.is_file()).collect();
+    found.sort();
+    found
+}
+
+fn tracing(path: &Path) -> Input {
+    let spacing = fs::read_to_string(path.with_file_name("Image_info.txt")).expect("info");
+    let spacing = spacing.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:")).expect("spacing");
+    let mm: f64 = spacing.split_whitespace().next().expect("a number").parse().expect("a number");
+    let scale = willis::Scale { unit: willis::LengthUnit::Voxel, spacing: Some([mm; 3]) };
+    read(path, &ReadOptions { scale, ..ReadOptions::default() }).expect("a tracing")
+}
+
+/// The network without labels, its positions turned.
+fn turned(network: &Network, turn: impl Fn([f64; 3]) -> [f64; 3]) -> Network {
+    let mut network = network.clone();
+    for row in 0..network.node_count() {
+        let node = network.node_mut(row);
+        node.position = node.position.map(&turn);
+    }
+    for row in 0..network.vessel_count() {
+        let vessel = network.vessel_mut(row);
+        vessel.label.clear();
+        for point in &mut vessel.path {
+            point.position = turn(point.position);
+        }
+    }
+    network
+}
+
+/// The share of the length of named vessels (mm) that has the name of the table, M2 and M3 being M1 there.
+fn right(network: &Network, of: &BTreeMap<usize, String>) -> f64 {
+    let (mut right, mut all) = (0.0, 0.0);
+    for (row, (_, vessel)) in network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed) {
+        let Some(said) = of.get(&row).filter(|_| !vessel.label.is_empty()) else { continue };
+        let one = |name: &str| name.replace("M2", "M1").replace("M3", "M1");
+        all += vessel.length;
+        right += if one(said) == one(&vessel.label) { vessel.length } else { 0.0 };
+    }
+    right / all
+}
+
+/// The name of most of each vessel.
+fn names(network: &Network) -> BTreeMap<usize, String> {
+    let names = name_arteries(network, &NamingModel::shipped().expect("a model")).expect("names");
+    let mut sums: BTreeMap<usize, [f64; LABELS]> = BTreeMap::new();
+    for n in 0..names.nodes.len() {
+        let sum = sums.entry(names.nodes.place[n].vessel).or_insert([0.0; LABELS]);
+        (0..LABELS).for_each(|label| sum[label] += names.labels[n][label] * names.nodes.weight[n]);
+    }
+    let best = |sum: &[f64; LABELS]| (0..LABELS).fold(0, |best, label| if sum[label] > sum[best] { label } else { best });
+    sums.iter().map(|(vessel, sum)| (*vessel, name_of(best(sum)))).collect()
+}
+
+#[test]
+fn names_are_those_of_the_table_in_every_frame_and_pose() {
+    for path in patients().iter().take(4) {
+        let whole = tracing(path).network;
+        let plain = names(&turned(&whole, |p| p));
+        assert!(right(&whole, &plain) > 0.85, "{}: {}", path.display(), right(&whole, &plain));
+        // The file is in LPS; half a turn about the vertical axis makes it RAS.
+        let mut ras = turned(&whole, |[x, y, z]| [-x, -y, z]);
+        assert_eq!(names(&ras), plain, "{}", path.display());
+        ras.frame = Frame::Ras;
+        assert_eq!(names(&ras), plain, "{}", path.display());
+        let (s, c) = 15_f64.to_radians().sin_cos();
+        let tilted = names(&turned(&whole, |[x, y, z]| [x + 0.1, c * y - s * z - 0.2, s * y + c * z]));
+        assert!(right(&whole, &tilted) > 0.85, "{} tilted", path.display());
+        // Left and right come from the axes.
+        let mirrored = names(&turned(&whole, |[x, y, z]| [-x, y, z]));
+        let other = |name: &String| match name.split_at_checked(2) {
+            Some(("L-", rest)) => format!("R-{rest}"),
+            Some(("R-", rest)) => format!("L-{rest}"),
+            _ => name.clone(),
+        };
+        let same = plain.iter().filter(|(vessel, name)| mirrored.get(vessel) == Some(&other(name))).count();
+        assert!(10 * same >= 9 * plain.len(), "{}: {same} of {}", path.display(), plain.len());
+    }
+}
+
+/// Labelled vessels together are as long as those of the input, and landmarks lie on them.
+#[test]
+fn nothing_of_a_tracing_is_lost_by_its_labels() {
+    for path in patients().iter().take(2) {
+        let input = tracing(path);
+        let long = |network: &Network| network.vessels().map(|(_, vessel)| vessel.length).sum::<f64>();
+        let before = long(&input.network);
+        let found = label(input, &LabelOptions::default(), &mut Silent).expect("labels");
+        assert!((long(&found.network) / before - 1.0).abs() < 1e-6, "{} {before}", long(&found.network));
+        assert!(found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count() > 8);
+        assert!(found.probability.iter().flatten().all(|p| (0.0..=1.0).contains(p)));
+        assert!(!found.landmarks.is_empty());
+    }
+}
