@@ -281,8 +281,8 @@ fn named(
     };
     match find() {
         Ok((found, names)) => Ok(Named::Circle(Box::new(found), Box::new(names))),
-        Err(why @ Error::Input { .. }) => {
-            let note = format!("no phenotype: {why}");
+        Err(Error::Input { found, accepted, .. }) => {
+            let note = format!("no phenotype: {found}; {accepted}");
             progress.step(Step::Note(&note));
             Ok(Named::Nothing(note))
         }

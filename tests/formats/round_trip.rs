@@ -86,6 +86,7 @@ fn node_columns(network: &Network) -> Vec<Column> {
         Column { name: "label".into(), values: Values::Text(network.nodes().map(|n| n.label.clone()).collect()) },
         Column { name: "role".into(), values: Values::Text(network.nodes().map(|n| n.role.unwrap().name().into()).collect()) },
         Column { name: "pressure_mmHg".into(), values: Values::Real(pressure.collect()) },
+        Column { name: "found".into(), values: Values::Text(network.nodes().map(|n| n.found.to_string()).collect()) },
     ]
 }
 
