@@ -46,7 +46,7 @@ pub struct NamingModel {
     pub false_pieces: [Logistic; 2],
     /// Per kind of segment, whether it is there.
     pub presence: [Logistic; KINDS],
-    /// The same with the log odds of the plausible topologies as one more feature, [`TOPOLOGY_FEATURE`].
+    /// The same with the log odds of the plausible topologies as one more feature, the last.
     pub presence_with_topology: [Logistic; KINDS],
     /// Per kind of segment the share of the cases that have it.
     pub share: [f64; KINDS],
