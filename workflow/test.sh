@@ -16,7 +16,7 @@ printf '1 0 a b c d -1\n' > scans/unreadable.swc
 
 # A path to the command with a space would need quotes of its own.
 ln -s "$willis" willis
-config=("willis=$here/willis" samples=1000 "options=--seed 5")
+config=("willis=$here/willis" samples=1000 "options=--seed 5 --landmarks auto")
 run() { "$snakemake" --snakefile "$root/workflow/Snakefile" --notemp "$@" > log 2>&1 || { cat log; exit 1; }; }
 same() { python3 "$root/workflow/same.py" whole "$1"; }
 

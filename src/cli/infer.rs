@@ -95,6 +95,8 @@ pub struct Inferences<'a> {
     /// A run for each occlusion probability.
     runs: Vec<SamplingOptions>,
     save: SaveOptions,
+    /// Whether arteries are named because nobody says where they are.
+    names_by_itself: bool,
 }
 
 impl InferArgs {
@@ -181,12 +183,13 @@ impl<'a> Inferences<'a> {
         let (options, runs) = args.options()?;
         let save = SaveOptions { dpi: args.dpi };
         save.validate()?;
-        Ok(Self { args, line, options, runs, save })
+        Ok(Self { args, line, options, runs, save, names_by_itself: false })
     }
 
     /// The same where the arteries of every input are named, if it has a circle and nobody says where they are.
     fn with_arteries(mut self) -> Self {
-        self.options.arteries = self.options.arteries.or(Some(ArterySource::Automatic));
+        self.names_by_itself = self.options.arteries.is_none();
+        self.options.arteries = self.options.arteries.or(Some(ArterySource::Geometry));
         self
     }
 
@@ -194,7 +197,7 @@ impl<'a> Inferences<'a> {
     pub fn line_of(&self, input: &Path) -> String {
         let line = (self.line)(input);
         match line.strip_suffix(" -o again") {
-            Some(before) if self.options.arteries == Some(ArterySource::Automatic) => {
+            Some(before) if self.names_by_itself => {
                 format!("{before} --landmarks auto -o again")
             }
             _ => line,

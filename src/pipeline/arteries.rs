@@ -32,10 +32,9 @@ pub enum ArterySource {
     AnyLabels,
     /// By labels of this kind.
     Labels(LabelScheme),
-    /// By the labels of vessels where they name arteries, else by their geometry alone. [`infer`](crate::infer) goes without where neither
-    /// shows a circle.
+    /// By the labels of vessels where they name arteries, else by their geometry alone.
     Automatic,
-    /// By their geometry alone: `landmarks` auto.
+    /// By their geometry alone: `landmarks` auto. [`infer`](crate::infer) goes without where they show no circle.
     Geometry,
     /// By a file of landmarks: CSV of `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input, or a point list of 3D Slicer
     /// (`.mrk.json`, `.fcsv`).
