@@ -270,6 +270,7 @@ def infer(
     labels: Literal["names", "icafe", "topcow"] | None = None,
     variant_prior: PathLike | None = None,
     unseen: float = 0.0,
+    arteries: PathLike | None = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
     background: bool = False,

@@ -44,9 +44,10 @@ def classify(
     labels: Literal["names", "icafe", "topcow"] | None = None,
     variant_prior: PathLike | None = None,
     unseen: float = 0.0,
+    arteries: PathLike | None = None,
 ) -> Phenotype:
     """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""
-    options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen}
+    options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen, "arteries": arteries}
     made = words(options, {})
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, Run):

@@ -27,6 +27,8 @@ pub struct Decision {
     pub above_median: Vec<bool>,
     /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
+    /// Those of them that the most probable forest has and that are more likely wrong than right, so that they are not kept.
+    pub left_open: Vec<usize>,
 }
 
 /// The size and the connections of a kept graph.
@@ -58,6 +60,7 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     let median = threshold(Keep::Median, result);
     let rows = 0..result.likelihood.len();
     let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
+    let mut left_open = Vec::new();
     let (mut kept, close) = match rule {
         Keep::Probability(least) => {
             let probability = evidence("probability", network)?;
@@ -65,7 +68,11 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         }
         Keep::Probable(root_factor) => {
             let probability = evidence("probable", network)?;
-            (probable(network, root_factor)?, near(&probability, rule))
+            let forest = probable(network, root_factor)?;
+            let is_near = near(&probability, rule);
+            let close = is_near.iter().zip(&forest.left_open).map(|(near, open)| *near || *open).collect();
+            left_open = (0..forest.left_open.len()).filter(|row| forest.left_open[*row]).collect();
+            (forest.kept, close)
         }
         Keep::BestFirst(least) => {
             let probability = evidence_if_asked("best-first", network)?;
@@ -81,7 +88,7 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         *kept |= !uncertain;
     }
     let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
-    Ok(Decision { threshold: cut, median, kept, above_median, undecided })
+    Ok(Decision { threshold: cut, median, kept, above_median, undecided, left_open })
 }
 
 /// Whether no uncertain vessel is undecided. A rule that asks for evidence does not depend on samples: then the median decides.

@@ -1,15 +1,13 @@
-//! The decision that keeps the most probability: the maximum arborescence over the fragments.
+//! The decision that keeps the most probability: the maximum arborescence over the fragments, as far as its connections are more likely right
+//! than wrong.
 
 use std::collections::BTreeMap;
 
 use crate::error::Result;
 use crate::forest_posterior::{Edge, Forests, arborescence};
-use crate::network::{Network, Origin, Vessel, fragments};
+use crate::network::{Evidence, Network, Origin, Vessel, fragments};
 
-/// A candidate that closes a loop within one fragment is kept from this probability on: it has no rival.
-const KEPT_CLOSURE: f64 = 0.2;
-
-/// The usual root factor.
+/// The usual root factor: what is kept is more likely right than wrong.
 pub const ROOT_FACTOR: f64 = 1.0;
 
 /// Whether the network knows how probably its fragments are roots, as one built by evidence does.
@@ -28,8 +26,19 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
     network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
 }
 
-/// Per vessel whether it is observed, or in the forest of fragments with the largest sum of scores (of attachments and, times
-/// `root_factor`, of roots), or closes a probable loop.
+/// The most probable forest, and how much of it is kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProbableForest {
+    /// Per vessel whether it is kept: observed or certain, or a connection of the forest, or a loop, whose odds are at least the root factor.
+    pub kept: Vec<bool>,
+    /// Per vessel whether it is a connection of the forest whose odds are too low: the most probable one of a fragment, and still more likely
+    /// wrong than right.
+    pub left_open: Vec<bool>,
+}
+
+/// The forest of fragments with the largest sum of scores (of attachments and, times `root_factor`, of roots), and which of its connections
+/// ([`Evidence::connection`]) have odds P/(1 - P) of at least `root_factor`. Candidates that close a loop within one fragment are kept
+/// from the same odds on.
 ///
 /// A candidate marked certain joins its fragments to one beforehand. A fragment whose nodes have no root score gets what its candidates
 /// leave of one.
@@ -37,21 +46,24 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
 /// # Errors
 ///
 /// More fragments or candidates than can be numbered.
-pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
+pub fn probable(network: &Network, root_factor: f64) -> Result<ProbableForest> {
     let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
+    let least = root_factor / (1.0 + root_factor);
+    let is_likely = |evidence: &Evidence| evidence.connection() >= least;
     let parts = fragments(network, |_, v| given(v));
     let mut known = vec![f64::NAN; parts.count];
     for (node, part) in network.nodes().zip(&parts.of_node) {
         known[*part] = node.root_score.map_or(known[*part], |p| p.min(known[*part]));
     }
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
+    let mut left_open = vec![false; kept.len()];
     let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
     for (row, ([a, b], v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
         let Some(evidence) = v.evidence else { continue };
         let [a, b] = [a, b].map(|node| parts.of_node[node]);
         if a == b {
-            kept[row] = evidence.probability >= KEPT_CLOSURE;
+            kept[row] = evidence.probability >= least;
             continue;
         }
         for (child, parent, score) in [(a, b, evidence.attached[0]), (b, a, evidence.attached[1])] {
@@ -59,7 +71,7 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
                 left[child] -= score;
                 edges.push(Edge { child, parent, log_weight: 0.0 });
                 scores.push(score);
-                vessel.push(row);
+                vessel.push((row, is_likely(&evidence)));
             }
         }
     }
@@ -68,9 +80,11 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<Vec<bool>> {
     let forests = Forests::new(vec![0.0; parts.count], edges)?;
     let scaled: Vec<f64> = roots.iter().map(|p| root_factor * p).collect();
     for edge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
-        kept[vessel[edge]] = true;
+        let (row, is_likely) = vessel[edge];
+        kept[row] = is_likely;
+        left_open[row] = !is_likely;
     }
-    Ok(kept)
+    Ok(ProbableForest { kept, left_open })
 }
 
 /// How many errors a decision is expected to make among the candidates.
@@ -82,7 +96,8 @@ pub struct ExpectedErrors {
     pub missed: f64,
 }
 
-/// The expected number of errors among the vessels `kept`, by the probabilities; `None` without evidence.
+/// The expected number of errors among the vessels `kept`, by the probabilities of connections ([`Evidence::connection`]); `None` without
+/// evidence.
 ///
 /// The probability that two fragments belong together is that of the candidate that represents them, over both directions:
 /// candidates a few voxels from it are other places of the same connection, so their probabilities are not added.
@@ -96,7 +111,7 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
     let mut pairs: BTreeMap<[usize; 2], ([f64; 2], bool)> = BTreeMap::new();
     for ((ends, v), kept) in network.vessels().zip(kept) {
         let Some(evidence) = v.evidence else { continue };
-        wrong += if *kept { 1.0 - evidence.probability } else { 0.0 };
+        wrong += if *kept { 1.0 - evidence.connection().max(evidence.probability) } else { 0.0 };
         let [a, b] = ends.map(|end| parts.of_node[end]);
         if a == b {
             missed += if *kept { 0.0 } else { evidence.probability };

@@ -29,8 +29,8 @@ pub enum Keep {
     Frequency(f64),
     /// At least so probable by the evidence, in [0, 1].
     Probability(f64),
-    /// In the most probable forest of fragments ([`super::most_probable_forest::probable()`]), the probabilities of staying alone times this root
-    /// factor, from 0 to 1000: the smaller, the fewer fragments stay alone.
+    /// In the most probable forest of fragments ([`super::most_probable_forest::probable()`]), with odds of at least this root factor, from 0
+    /// to 1000, by which the probabilities of staying alone are multiplied too: the smaller, the fewer fragments stay alone.
     Probable(f64),
     /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
     /// ([`super::best_first::best_first()`]).
@@ -43,7 +43,8 @@ pub enum Keep {
 /// The largest root factor.
 const MOST_ROOT_FACTOR: f64 = 1000.0;
 
-const ACCEPTED: &str = "expected probable[=ROOT_FACTOR], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+const ACCEPTED: &str =
+    "expected probable[=ODDS], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.
 const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
 

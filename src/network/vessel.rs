@@ -31,6 +31,13 @@ impl Evidence {
         Self { probability, attached: [0.5 * probability; 2], continuation_odds: [Self::odds(probability); 2] }
     }
 
+    /// The probability that the candidate, or one nearly at the same place, connects what it lies between: the sum of both ends' of
+    /// `attached`, at most 1; where a loop closes, its own.
+    pub fn connection(self) -> f64 {
+        let [a, b] = self.attached;
+        if a + b > 0.0 { f64::min(a + b, 1.0) } else { self.probability }
+    }
+
     /// The odds of continuing by a candidate of weight w.
     pub fn odds_of_weight(weight: f64) -> f64 {
         (weight / END_ODDS).clamp(0.0, MOST_ODDS)

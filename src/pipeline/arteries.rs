@@ -59,10 +59,16 @@ impl ArterySource {
     }
 
     /// Finds the arteries in the network of an input.
-    pub(crate) fn find(&self, input: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
+    pub(crate) fn find(
+        &self,
+        input: &Path,
+        network: &Network,
+        scale: &Scale,
+        phenotypes: &PhenotypeOptions,
+    ) -> Result<FoundArteries> {
         let scheme = match self {
             Self::Landmarks(file) => return by_landmarks(file, network, scale),
-            Self::Geometry | Self::Automatic => return by_geometry(input, network, None),
+            Self::Geometry | Self::Automatic => return by_geometry(input, network, None, &phenotypes.model()?),
             Self::Labels(scheme) => *scheme,
             Self::AnyLabels => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
@@ -89,11 +95,10 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
-pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>) -> Result<FoundArteries> {
-    let model = NamingModel::shipped()?;
+pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>, model: &NamingModel) -> Result<FoundArteries> {
     let names = match like {
-        Some(names) => name_again(network, &model, names),
-        None => name_arteries(network, &model),
+        Some(names) => name_again(network, model, names),
+        None => name_arteries(network, model),
     };
     let here = |fault: Fault| fault.in_file(input);
     let no_vessel = || {
@@ -103,8 +108,8 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>)
         )
     };
     let names = names.ok_or_else(no_vessel).map_err(here)?;
-    let (circle, notes) = names.located(network, &model).map_err(here)?;
-    let named = Some(names.circle(&model));
+    let (circle, notes) = names.located(network, model).map_err(here)?;
+    let named = Some(names.circle(model));
     Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named })
 }
 

@@ -73,7 +73,7 @@ pub fn classify(
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
     let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
-    let found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale))?;
+    let found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?;
     if source.is_none() {
         check_landmarks(input, &found)?;
     }

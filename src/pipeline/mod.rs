@@ -144,7 +144,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     // The vessels. Landmarks are found before candidates make new nodes; labels afterwards, when every vessel has its row.
     let mut network = if by_labels.is_some() && is_fragments { input.divided_by_labels() } else { input.network };
     let mut unnamed = None;
-    let mut arteries = by_landmarks.map(|source| source.find(&path, &network, &scale)).transpose()?;
+    let mut arteries = by_landmarks.map(|source| source.find(&path, &network, &scale, &options.phenotypes)).transpose()?;
     // The prior, whose choice depends on what the file holds.
     let usual = if is_fragments { Prior::Evidence } else { Prior::None };
     let prior = options.prior.as_ref().unwrap_or(&usual).load(kind)?;
@@ -165,7 +165,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
             let given = options.boundary.given(network, &mut Silent)?;
             Ok(prior.graph(network.clone(), is_fragments, &given, &building, None)?.0)
         };
-        match named(&path, &network, over_connected, progress)? {
+        match named(&path, &network, over_connected, &options.phenotypes.model()?, progress)? {
             Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
             Named::Nothing(why) => unnamed = Some(why),
         }
@@ -198,10 +198,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
     let (uniform_prior, decided) = decided(&mut graph, options.decisions.as_deref(), &provenance.sha256, uniform_prior)?;
     if let Some(source) = by_labels {
-        arteries = Some(source.find(&path, &graph, &scale)?);
+        arteries = Some(source.find(&path, &graph, &scale, &options.phenotypes)?);
     }
     if let Some(names) = &names {
-        arteries = Some(arteries::by_geometry(&path, &graph, Some(names))?);
+        arteries = Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.model()?)?);
     }
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
@@ -265,6 +265,7 @@ fn named(
     path: &Path,
     network: &Network,
     over_connected: impl Fn(&Network) -> Result<Network>,
+    model: &NamingModel,
     progress: &mut dyn Progress,
 ) -> Result<Named> {
     let find = || {
@@ -276,8 +277,8 @@ fn named(
             )
             .in_file(path)
         };
-        let names = name_arteries(&graph, &NamingModel::shipped()?).ok_or_else(no_vessel)?;
-        Ok((arteries::by_geometry(path, network, Some(&names))?, names))
+        let names = name_arteries(&graph, model).ok_or_else(no_vessel)?;
+        Ok((arteries::by_geometry(path, network, Some(&names), model)?, names))
     };
     match find() {
         Ok((found, names)) => Ok(Named::Circle(Box::new(found), Box::new(names))),

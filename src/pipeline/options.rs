@@ -106,6 +106,8 @@ pub struct PhenotypeOptions {
     pub frequencies: Option<PathBuf>,
     /// How often a segment that is there is not in the extraction at all, 0 to below 1.
     pub unseen: f64,
+    /// A model of `willis train --model labels` that names arteries, in the place of the one that ships.
+    pub arteries: Option<PathBuf>,
 }
 
 impl PhenotypeOptions {
@@ -119,6 +121,15 @@ impl PhenotypeOptions {
             return Ok(());
         }
         Err(Error::parameter("unseen", self.unseen, "expected a share from 0 to below 1"))
+    }
+
+    /// The model that names arteries.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read or is no model.
+    pub(crate) fn model(&self) -> Result<crate::naming::NamingModel> {
+        super::label::load_model(self.arteries.as_deref())
     }
 
     /// The prior that they mean.

@@ -228,6 +228,7 @@ impl Summary {
                 "contacts": outcome.contacts(),
                 "cut": outcome.cuts().count(),
                 "suggested_cuts": outcome.suggested_cuts.len(),
+                "left_open": answer.left_open.len(),
                 "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
                 "uncertain": result.uncertain.iter().filter(|u| **u).count(),
                 "inlets": outcome.boundary.count(Role::Inlet),

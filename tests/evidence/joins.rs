@@ -191,7 +191,7 @@ fn the_spacing_of_points_changes_no_decision() {
     let text = fs::read_to_string(here.path().join("tree.swc")).expect("a file");
     for prior in ["weights:skeleton", "weights:tracing", "weights:tubes"] {
         let truth = infer("tree.swc", "whole", prior);
-        assert!(truth.len() > 3, "{prior}: {truth:?}");
+        assert!(truth.len() > 1, "{prior}: {truth:?}");
         for (name, step) in [("dense", 0.05), ("finer", 0.2)] {
             fs::write(here.path().join(format!("{name}.swc")), respaced(&text, step)).expect("a file");
             let found = infer(&format!("{name}.swc"), name, prior);

@@ -24,6 +24,9 @@ pub struct ArteryArgs {
     /// How often a segment that is there is not in the extraction at all
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
     unseen: f64,
+    /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
+    #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
+    arteries: Option<PathBuf>,
 }
 
 impl ArteryArgs {
@@ -39,7 +42,7 @@ impl ArteryArgs {
 
     /// What is known of people's circles before one is seen.
     pub fn phenotypes(&self) -> PhenotypeOptions {
-        PhenotypeOptions { frequencies: self.variant_prior.clone(), unseen: self.unseen }
+        PhenotypeOptions { frequencies: self.variant_prior.clone(), unseen: self.unseen, arteries: self.arteries.clone() }
     }
 }
 

@@ -29,7 +29,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
         (Keep::Probability(p), _) => format!("probability >= {p}"),
         (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
         (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
-        (Keep::Probable(_), _) => "the most probable forest".into(),
+        (Keep::Probable(odds), _) => format!("the most probable forest, odds from {odds} on"),
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no uncertain vessel has L > 0".into(),
     };
@@ -52,6 +52,12 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     if outcome.contacts() > 0 {
         let contacts = plural(outcome.contacts(), "contact");
         say("cut", format!("{} of {contacts}: two vessels that only touch", count(outcome.cuts().count() as u64)));
+    }
+    if !answer.left_open.is_empty() {
+        let open = plural(answer.left_open.len(), "connection");
+        let more =
+            if matches!(outcome.rule, Keep::Probable(odds) if odds < 1.0) { "" } else { "; --keep probable=0.3 makes more" };
+        say("open", format!("{open} of the most probable forest not made, for the odds are too low{more}"));
     }
     if let Some(expected) = outcome.expected {
         let [wrong, missed] = [expected.wrong, expected.missed].map(brief);

@@ -13,6 +13,7 @@ use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
+const LEFT_OPEN: &str = "left_open";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
@@ -30,6 +31,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
+    let left_open: HashSet<usize> = outcome.answer.left_open.iter().copied().collect();
+    columns.push(Column::whole(LEFT_OPEN, (0..outcome.network.vessel_count()).map(|row| usize::from(left_open.contains(&row)))));
     if has_evidence(outcome.network) {
         let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |e| e.attached[end]));
         columns.extend(["attached_a", "attached_b"].into_iter().zip([0, 1]).map(|(name, end)| Column::real(name, attached(end))));
@@ -133,6 +136,7 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
         middle: rule.turning_point().filter(|_| no_threshold),
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         uncertain: UNCERTAIN,
+        left_open: LEFT_OPEN,
         nodes: outcome.network.node_count(),
     }
 }

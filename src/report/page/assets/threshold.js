@@ -6,6 +6,7 @@ class Threshold {
     this.rows = vessels.rows;
     this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
+    this.leftOpen = values(source.left_open);
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -84,7 +85,7 @@ class Threshold {
       const x = this.values[row], said = this.decided.get(row);
       const passes = said ?? (asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut));
       this.kept[row] = !this.uncertain[row] || passes ? 1 : 0;
-      this.open[row] = said === undefined && this.uncertain[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row)) ? 1 : 0;
+      this.open[row] = said === undefined && this.uncertain[row] && flip !== null && !(Math.abs(x - flip) >= this.within * this.errorOf(row) && !(asRun && this.leftOpen[row])) ? 1 : 0;
       this.counts.vessels += this.kept[row];
       if (this.uncertain[row]) this.counts[passes ? "kept" : "pruned"] += 1;
       this.counts.undecided += this.open[row];
@@ -148,10 +149,10 @@ class Threshold {
       const stated = this.probability[row];
       if (Number.isNaN(stated)) continue;
       const p = this.decided.size ? this.chance(row) : stated, kept = this.kept[row];
-      if (kept) wrong += 1 - p;
+      const scale = stated > 0 ? p / stated : 0, [x, y] = this.attached.map(of => scale * of[row]);
+      if (kept) wrong += 1 - Math.max(p, Math.min(x + y, 1));
       const [a, b] = this.ends.map(of => fragment[of[row]]);
       if (a === b) { missed += kept ? 0 : p; continue; }
-      const scale = stated > 0 ? p / stated : 0, [x, y] = this.attached.map(of => scale * of[row]);
       const key = a < b ? `${a},${b}` : `${b},${a}`, pair = pairs.get(key) || [0, 0, false];
       pairs.set(key, [Math.max(pair[0], a < b ? x : y), Math.max(pair[1], a < b ? y : x), pair[2] || Boolean(kept)]);
     }
