@@ -1,6 +1,9 @@
 //! Matrices of three rows: rotations, and symmetric ones as xx, yy, zz, xy, xz, yz.
 
+#![expect(clippy::inline_always, reason = "a kernel is compiled as a whole for each instruction set")]
+
 use crate::support::geometry::Point;
+use crate::support::simd::{Kernel, Simd};
 
 /// A matrix by rows.
 pub type Matrix = [[f64; 3]; 3];
@@ -107,6 +110,42 @@ pub fn rotation_vector(r: &Matrix) -> Point {
     }
     let angle = 2.0 * sine.atan2(w.abs()) * if w < 0.0 { -1.0 } else { 1.0 };
     [x, y, z].map(|q| q / sine * angle)
+}
+
+/// The sum of products.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Eight sums side by side, which vector instructions add up.
+    let mut sums = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in chunks_a.zip(chunks_b) {
+        for k in 0..8 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+/// A table, by rows, times a vector.
+pub struct TableTimes<'a> {
+    /// The rows, each as long as the vector.
+    pub table: &'a [f64],
+    /// The vector.
+    pub by: &'a [f64],
+    /// A figure for each row.
+    pub out: &'a mut [f64],
+}
+
+impl Kernel for TableTimes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (row, out) in self.table.chunks_exact(self.by.len()).zip(self.out) {
+            *out = dot(row, self.by);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,9 +4,11 @@
 //! any order, mixed with the pair factors. A gap of probability p has the factor p B + (1 - p): names pass it as far as it is believed.
 //! A loop loses the link that closes it.
 
+use super::algebra::{TableTimes, dot};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
 use super::states::STATES;
+use crate::support::simd::InstructionSet;
 
 /// The share of the pair factors at a bifurcation, for kinds that were never seen.
 const UNSEEN_KIND: f64 = 0.02;
@@ -105,15 +107,14 @@ impl Forest {
 
     /// The probabilities of all states, from the log likelihoods of each node in each state: nodes x states.
     pub fn beliefs(&self, atlas: &Atlas, log_likelihood: &[f64]) -> Beliefs {
-        let own: Vec<f64> = log_likelihood
-            .chunks(STATES)
-            .flat_map(|row| {
-                let with_prior: Vec<f64> = row.iter().zip(&atlas.prior).map(|(e, p)| e + p.ln()).collect();
-                let most = with_prior.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-                with_prior.into_iter().map(move |e| (e - most).exp() + LEAST)
-            })
-            .collect();
-        Pass { forest: self, atlas, own }.run()
+        let prior: Vec<f64> = atlas.prior.iter().map(|p| p.ln()).collect();
+        let mut own = log_likelihood.to_vec();
+        for row in own.chunks_mut(STATES) {
+            row.iter_mut().zip(&prior).for_each(|(e, p)| *e += p);
+            let most = row.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+            row.iter_mut().for_each(|e| *e = (*e - most).exp() + LEAST);
+        }
+        Pass { forest: self, atlas, own, instructions: InstructionSet::detect() }.run()
     }
 }
 
@@ -123,6 +124,7 @@ struct Pass<'a> {
     atlas: &'a Atlas,
     /// The weight of each state of each node by itself.
     own: Vec<f64>,
+    instructions: InstructionSet,
 }
 
 impl Pass<'_> {
@@ -188,13 +190,19 @@ impl Pass<'_> {
         Beliefs { states: all, bridge_ratio }
     }
 
+    fn product(&self, table: &[f64], by: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; table.len() / STATES];
+        self.instructions.run(TableTimes { table, by, out: &mut out });
+        out
+    }
+
     /// A message over a link.
     fn over(&self, link: Link, from: &[f64]) -> Vec<f64> {
         let mut out = match link {
-            Link::Vessel(kind) => product(&self.atlas.pairs[kind], from),
+            Link::Vessel(kind) => self.product(&self.atlas.pairs[kind], from),
             Link::Gap { length, probability, .. } => {
                 let sum: f64 = from.iter().sum();
-                let mut out = product(&self.atlas.gaps[length], from);
+                let mut out = self.product(&self.atlas.gaps[length], from);
                 for m in &mut out {
                     *m = probability * *m / sum + (1.0 - probability);
                 }
@@ -217,7 +225,11 @@ impl Pass<'_> {
             let Some(message) = messages[arm] else { return Vec::new() };
             let sum: f64 = message.iter().sum();
             let table = self.table_of(arms[arm].1);
-            (0..kinds * 3).map(|k| dot(&table[k * STATES..(k + 1) * STATES], message) / sum).collect()
+            {
+                let mut weights = self.product(&table[..kinds * 3 * STATES], message);
+                weights.iter_mut().for_each(|weight| *weight /= sum);
+                weights
+            }
         })
     }
 
@@ -328,23 +340,6 @@ fn row(all: &[f64], node: usize) -> &[f64] {
 
 fn row_mut(all: &mut [f64], node: usize) -> &mut [f64] {
     &mut all[node * STATES..(node + 1) * STATES]
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight sums side by side, which vector instructions add up.
-    let mut sums = [0.0; 8];
-    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in chunks_a.zip(chunks_b) {
-        for k in 0..8 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-fn product(table: &[f64], v: &[f64]) -> Vec<f64> {
-    table.chunks(STATES).map(|row| dot(row, v)).collect()
 }
 
 fn normalise(row: &mut [f64]) {

@@ -5,7 +5,7 @@ use super::atlas::{Atlas, all_states, arteries};
 use super::belief::Forest;
 use super::emission::{Parts, Pose, emission, radius_fit};
 use super::nodes::Nodes;
-use super::pose::{Scored, Search};
+use super::pose::{Pulls, Scored, Search};
 use crate::support::geometry::{distance, dot, sub};
 
 /// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
@@ -84,13 +84,14 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let search = Search { nodes: &named, atlas, weight: &weight, radius: &radius, forest: &forest };
     let all: Vec<usize> = (0..named.len()).collect();
     let mut pose: Pose = pose;
+    let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
     for _ in 0..3 {
         let mut e = emission(&named, [&all, &all_states()], atlas, &pose, &atlas.position, Parts::ALL, &radius);
         for x in &mut e {
             *x *= TEMPER;
         }
         let names = forest.beliefs(atlas, &e).states;
-        pose = search.step([&all, &all_states()], &pose, &atlas.position, &names, true);
+        pose = search.step(&all, &pose, &pulls, &names, true);
     }
     Some((Core { nodes: named, median_log_radius: Some(median) }, vec![Scored { pose, score: 0.0 }]))
 }

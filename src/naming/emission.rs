@@ -53,7 +53,7 @@ impl Parts {
 }
 
 /// Degrees of freedom of Student's t for the position: outliers are no proof.
-const POSITION_FREEDOM: f64 = 8.0;
+pub const POSITION_FREEDOM: f64 = 8.0;
 /// Those for the log radius.
 const RADIUS_FREEDOM: f64 = 4.0;
 
@@ -118,23 +118,4 @@ fn quadratic(s: &Symmetric, d: Point) -> f64 {
         + d[1] * d[1] * s[1]
         + d[2] * d[2] * s[2]
         + 2.0 * (d[0] * d[1] * s[3] + d[0] * d[2] * s[4] + d[1] * d[2] * s[5])
-}
-
-/// Per node the probabilities of its states (so many) by themselves, and the logarithm of what they were divided by.
-pub fn softmax(log_weights: &mut [f64], states: usize) -> Vec<f64> {
-    log_weights
-        .chunks_mut(states)
-        .map(|row| {
-            let most = row.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-            let mut sum = 0.0;
-            for x in row.iter_mut() {
-                *x = (*x - most).exp();
-                sum += *x;
-            }
-            for x in row.iter_mut() {
-                *x /= sum;
-            }
-            most + sum.ln()
-        })
-        .collect()
 }

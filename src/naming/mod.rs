@@ -19,6 +19,7 @@ pub(crate) mod nodes;
 pub(crate) mod pieces;
 pub(crate) mod pose;
 pub(crate) mod presence;
+mod single;
 pub(crate) mod states;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
@@ -117,7 +118,7 @@ pub(crate) fn name_with(
     }
     let (frame, core, poses) = best?;
     let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
-    names_at(network, model, frame, core, &poses, is_false)
+    names_at(network, model, frame, core, Poses::Found(poses), is_false)
 }
 
 /// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
@@ -125,7 +126,15 @@ pub fn name_again(network: &Network, model: &NamingModel, like: &Names) -> Optio
     let all = Nodes::of(network);
     let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
     let core = core::at(all, &model.atlas, &like.pose)?;
-    names_at(network, model, like.frame, core, &[like.pose], |features, pass| model.is_false(features, pass))
+    names_at(network, model, like.frame, core, Poses::Known(like.pose), |features, pass| model.is_false(features, pass))
+}
+
+/// Where a case may lie.
+enum Poses {
+    /// The best first, found without knowing which pieces are false.
+    Found(Vec<Pose>),
+    /// Where the same vessels lie.
+    Known(Pose),
 }
 
 /// The names at some poses.
@@ -134,12 +143,15 @@ fn names_at(
     model: &NamingModel,
     frame: Frame,
     core: core::Core,
-    poses: &[Pose],
+    poses: Poses,
     is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
 ) -> Option<Names> {
     let atlas = &model.atlas;
     let nodes = core.nodes;
-    let pose = *poses.first()?;
+    let pose = match &poses {
+        Poses::Found(poses) => *poses.first()?,
+        Poses::Known(pose) => *pose,
+    };
     let one = vec![1.0; nodes.len()];
 
     let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
@@ -155,11 +167,13 @@ fn names_at(
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
-        let radius = radius_fit(&nodes, atlas, median);
-        let forest = Forest::of(&nodes, &used);
-        let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
-        if let Some(found) = search.around(poses).first() {
-            pose = found.pose;
+        if let Poses::Found(poses) = &poses {
+            let radius = radius_fit(&nodes, atlas, median);
+            let forest = Forest::of(&nodes, &used);
+            let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
+            if let Some(found) = search.around(poses).first() {
+                pose = found.pose;
+            }
         }
     } else {
         weight = one;

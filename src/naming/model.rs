@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -115,7 +116,13 @@ impl NamingModel {
     ///
     /// None in a released version: a test reads it.
     pub fn shipped() -> Result<Self> {
-        Self::read(SHIPPED).map_err(|fault| fault.in_file(Path::new("src/naming/arteries.toml")))
+        // A cohort asks for every subject.
+        static MODEL: OnceLock<NamingModel> = OnceLock::new();
+        if let Some(model) = MODEL.get() {
+            return Ok(model.clone());
+        }
+        let model = Self::read(SHIPPED).map_err(|fault| fault.in_file(Path::new("src/naming/arteries.toml")))?;
+        Ok(MODEL.get_or_init(|| model).clone())
     }
 
     /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.

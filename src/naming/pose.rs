@@ -4,14 +4,16 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 use super::TEMPER;
-use super::algebra::{Symmetric, product, rotation, rotation_vector, symmetric_times, times};
+use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
 use super::belief::Forest;
-use super::emission::{Parts, Pose, emission, softmax};
+use super::emission::{Parts, Pose, emission};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
+use super::single::Single;
 use super::states::{NOWHERE, STATES, State};
-use crate::support::geometry::{Point, distance, norm, sub};
+use crate::support::geometry::{Point, distance, dot, norm, sub};
+use crate::support::simd::InstructionSet;
 
 /// Nodes that serve the search.
 const SEARCH_NODES: usize = 110;
@@ -25,6 +27,10 @@ const GAIN: f64 = 0.25;
 /// Starts that are refined, and optima that are refined by names.
 const REFINED: usize = 12;
 const NAMED: usize = 5;
+/// Optima that are refined again when false pieces are known.
+const AGAIN: usize = 2;
+/// Widths (mm) at which a pose is refined by names.
+const NAMED_WIDTHS: [f64; 4] = [2.0, 1.0, 0.0, 0.0];
 
 /// A case to be posed, with what does not depend on the pose.
 pub struct Search<'a> {
@@ -38,6 +44,36 @@ pub struct Search<'a> {
     pub radius: &'a [f64],
     /// The forest of names.
     pub forest: &'a Forest,
+}
+
+/// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
+pub struct Pulls {
+    states: usize,
+    /// Ten rows over the states.
+    table: Vec<f64>,
+    instructions: InstructionSet,
+}
+
+impl Pulls {
+    /// Of some states at the precisions of the atlas, possibly widened.
+    pub fn of(atlas: &Atlas, states: &[State], precisions: &[(Symmetric, f64)]) -> Self {
+        let mut table = vec![0.0; 10 * states.len()];
+        for (column, state) in states.iter().enumerate().filter(|(_, state)| **state != NOWHERE) {
+            let precision = &precisions[*state].0;
+            let mean = symmetric_times(precision, atlas.data.pieces[*state].mean);
+            for (row, pull) in precision.iter().chain(&mean).chain(&[1.0]).enumerate() {
+                table[row * states.len() + column] = *pull;
+            }
+        }
+        Self { states: states.len(), table, instructions: InstructionSet::detect() }
+    }
+
+    /// The pulls on a node, given the probabilities of its states.
+    fn on(&self, names: &[f64]) -> [f64; 10] {
+        let mut out = [0.0; 10];
+        self.instructions.run(TableTimes { table: &self.table, by: names, out: &mut out });
+        out
+    }
 }
 
 /// A pose and how well it fits.
@@ -57,7 +93,13 @@ impl Search<'_> {
         let coarse: Vec<State> =
             all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
         let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
-        let widths = [12.0, 9.0, 7.0, 5.0].map(|tau| (tau, self.atlas.widened(tau)));
+        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], self.radius, Parts::SEARCH.radius);
+        let [first, second] = [single(&coarse), single(&all)];
+        let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
+            let precisions = self.atlas.widened(tau);
+            let states: &[State] = if tau > 8.0 { &coarse } else { &all };
+            (single, single.places(&precisions), Pulls::of(self.atlas, states, &precisions))
+        });
         let mut starts: Vec<Scored> = Vec::new();
         for turn in start_turns() {
             for offset in START_OFFSETS {
@@ -65,30 +107,30 @@ impl Search<'_> {
                 let to = times(&turn, centre);
                 let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
                 let mut pose = Pose { turn, shift, log_scale: 0.0 };
-                for (k, (_, precisions)) in widths[..3].iter().enumerate() {
-                    let states: &[State] = if k < 2 { &coarse } else { &all };
-                    let mut e = self.with_prior([&subset, states], &pose, precisions, Parts::SEARCH);
-                    softmax(&mut e, states.len());
-                    pose = self.step([&subset, states], &pose, precisions, &e, false);
+                for (single, places, pulls) in &widths[..3] {
+                    let (names, _) = single.probabilities(&pose, places);
+                    pose = self.step(&subset, &pose, pulls, &names, false);
                 }
-                let mut e = self.with_prior([&subset, &all], &pose, &widths[3].1, Parts::SEARCH);
-                let score = softmax(&mut e, STATES).iter().sum::<f64>() / subset.len() as f64;
+                let (single, places, _) = &widths[3];
+                let score = single.probabilities(&pose, places).1 / subset.len() as f64;
                 starts.push(Scored { pose, score });
             }
         }
         let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
-        let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| self.atlas.widened(tau));
+        let single = Single::new(self.nodes, self.atlas, [&subset, &all], self.radius, Parts::REFINE.radius);
+        let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
+            let precisions = self.atlas.widened(tau);
+            (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
+        });
         let refined = starts
             .into_iter()
             .map(|start| {
                 let mut pose = start.pose;
-                for precisions in &widths[..5] {
-                    let mut e = self.with_prior([&subset, &all], &pose, precisions, Parts::REFINE);
-                    softmax(&mut e, STATES);
-                    pose = self.step([&subset, &all], &pose, precisions, &e, true);
+                for (places, pulls) in &widths[..5] {
+                    let (names, _) = single.probabilities(&pose, places);
+                    pose = self.step(&subset, &pose, pulls, &names, true);
                 }
-                let mut e = self.with_prior([&subset, &all], &pose, &widths[5], Parts::REFINE);
-                let fit = softmax(&mut e, STATES).iter().sum::<f64>() / subset.len() as f64;
+                let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
                 Scored { pose, score: fit + 3.0 * pose.log_scale }
             })
             .collect();
@@ -96,22 +138,26 @@ impl Search<'_> {
         self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
     }
 
-    /// The best poses around some that are nearly right, the best first.
+    /// The best poses around the first few that are nearly right, the best first.
     pub fn around(&self, poses: &[Pose]) -> Vec<Scored> {
-        self.refine(poses, &[3.0, 2.0, 1.0])
+        self.refine(&poses[..poses.len().min(AGAIN)], &[3.0, 2.0, 1.0])
     }
 
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
         let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
+        let single = Single::new(self.nodes, self.atlas, [&all, &states], self.radius, Parts::REFINE.radius);
+        let at_width = |tau: f64| {
+            let precisions = self.atlas.widened(tau);
+            (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
+        };
+        let [alone, named] = [widths, &NAMED_WIDTHS].map(|widths| widths.iter().map(|tau| at_width(*tau)).collect::<Vec<_>>());
         let mut found: Vec<(Scored, Pose)> = Vec::new();
         for pose in poses {
             let mut pose = *pose;
-            for tau in widths {
-                let precisions = self.atlas.widened(*tau);
-                let mut e = self.with_prior([&all, &states], &pose, &precisions, Parts::REFINE);
-                softmax(&mut e, STATES);
-                pose = self.step([&all, &states], &pose, &precisions, &e, true);
+            for (places, pulls, _) in &alone {
+                let (names, _) = single.probabilities(&pose, places);
+                pose = self.step(&all, &pose, pulls, &names, true);
             }
             let x = self.nodes.at.first().copied().unwrap_or_default();
             let is_known =
@@ -120,11 +166,10 @@ impl Search<'_> {
                 continue;
             }
             let first = pose;
-            for tau in [2.0, 1.0, 0.0, 0.0] {
-                let precisions = self.atlas.widened(tau);
-                let e = self.tempered(&all, &pose, &precisions);
+            for (_, pulls, precisions) in &named {
+                let e = self.tempered(&all, &pose, precisions);
                 let names = self.forest.beliefs(self.atlas, &e).states;
-                pose = self.step([&all, &states], &pose, &precisions, &names, true);
+                pose = self.step(&all, &pose, pulls, &names, true);
             }
             found.push((Scored { pose, score: self.score(&all, &pose) }, first));
         }
@@ -155,21 +200,6 @@ impl Search<'_> {
         self.nodes.weight[node] * self.weight[node]
     }
 
-    fn with_prior(
-        &self,
-        [subset, states]: [&[usize]; 2],
-        pose: &Pose,
-        precisions: &[(Symmetric, f64)],
-        parts: Parts,
-    ) -> Vec<f64> {
-        let mut e = emission(self.nodes, [subset, states], self.atlas, pose, precisions, parts, self.radius);
-        let prior: Vec<f64> = states.iter().map(|state| self.atlas.prior[*state].ln()).collect();
-        for row in e.chunks_mut(states.len()) {
-            row.iter_mut().zip(&prior).for_each(|(e, p)| *e += p);
-        }
-        e
-    }
-
     fn tempered(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
         let mut e = emission(self.nodes, [subset, &all_states()], self.atlas, pose, precisions, Parts::ALL, self.radius);
         for x in &mut e {
@@ -179,14 +209,7 @@ impl Search<'_> {
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
-    pub fn step(
-        &self,
-        [subset, states]: [&[usize]; 2],
-        pose: &Pose,
-        precisions: &[(Symmetric, f64)],
-        names: &[f64],
-        scales: bool,
-    ) -> Pose {
+    pub fn step(&self, subset: &[usize], pose: &Pose, pulls: &Pulls, names: &[f64], scales: bool) -> Pose {
         let scale = pose.log_scale.exp();
         let placed: Vec<Point> = subset.iter().map(|n| times(&pose.turn, self.nodes.at[*n]).map(|x| scale * x)).collect();
         let length: Vec<f64> = subset.iter().map(|n| self.length(*n)).collect();
@@ -195,36 +218,27 @@ impl Search<'_> {
         let mut hessian = [[0.0; 7]; 7];
         let mut gradient = [0.0; 7];
         let mut counted = 0.0;
-        for ((names, at), w) in names.chunks(states.len()).zip(&placed).zip(&length) {
-            let (mut sum, mut pull) = ([0.0; 6], [0.0; 3]);
-            for (state, p) in states.iter().zip(names) {
-                let (state, share) = (*state, p * w * GAIN);
-                if share < 1e-12 || state == NOWHERE {
-                    continue;
-                }
-                counted += share;
-                let precision = &precisions[state].0;
-                sum.iter_mut().zip(precision).for_each(|(s, p)| *s += share * p);
-                let mean = symmetric_times(precision, self.atlas.data.pieces[state].mean);
-                pull.iter_mut().zip(mean).for_each(|(s, p)| *s += share * p);
-            }
-            let here = [0, 1, 2].map(|k| at[k] + pose.shift[k]);
-            let residual = sub(symmetric_times(&sum, here), pull);
-            let z = sub(*at, centre);
+        for ((names, at), w) in names.chunks(pulls.states).zip(&placed).zip(&length) {
+            let [a, b, c, d, e, f, x, y, z, arteries] = pulls.on(names).map(|pull| pull * w * GAIN);
+            let sum = [a, b, c, d, e, f];
+            counted += arteries;
+            let here = [at[0] + pose.shift[0], at[1] + pose.shift[1], at[2] + pose.shift[2]];
+            let residual = sub(symmetric_times(&sum, here), [x, y, z]);
+            let arm = sub(*at, centre);
             let jacobian: [Point; 7] = [
-                [0.0, -z[2], z[1]],
-                [z[2], 0.0, -z[0]],
-                [-z[1], z[0], 0.0],
+                [0.0, -arm[2], arm[1]],
+                [arm[2], 0.0, -arm[0]],
+                [-arm[1], arm[0], 0.0],
                 [1.0, 0.0, 0.0],
                 [0.0, 1.0, 0.0],
                 [0.0, 0.0, 1.0],
-                z,
+                arm,
             ];
             let pulled = jacobian.map(|column| symmetric_times(&sum, column));
-            for a in 0..7 {
-                gradient[a] += (0..3).map(|k| jacobian[a][k] * residual[k]).sum::<f64>();
-                for b in 0..7 {
-                    hessian[a][b] += (0..3).map(|k| jacobian[a][k] * pulled[b][k]).sum::<f64>();
+            for i in 0..7 {
+                gradient[i] += dot(jacobian[i], residual);
+                for j in 0..7 {
+                    hessian[i][j] += dot(jacobian[i], pulled[j]);
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::circle_of_willis::Side;
 use crate::naming::atlas::{Atlas, AtlasData, Counts, Piece, all_states};
 use crate::naming::belief::Forest;
 use crate::naming::emission::Pose;
-use crate::naming::pose::Search;
+use crate::naming::pose::{Pulls, Search};
 use crate::naming::states::{BA, NOWHERE, OTHER, STATES, Sided, State, StateTables, first_state};
 use crate::naming::{outer_sum, rotation, turned};
 use crate::support::geometry::{Point, sub};
@@ -61,13 +61,14 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
             break;
         }
         let atlas = Atlas::new(data.clone());
+        let pulls = Pulls::of(&atlas, &all_states(), &atlas.position);
         for one in &mut posed {
             let nodes = &one.truth.nodes;
             let (weight, all) = (vec![1.0; nodes.len()], (0..nodes.len()).collect::<Vec<_>>());
             let forest = Forest::of(nodes, &[]);
             let search = Search { nodes, atlas: &atlas, weight: &weight, radius: &[], forest: &forest };
             for _ in 0..POSE_STEPS {
-                one.pose = search.step([&all, &all_states()], &one.pose, &atlas.position, &one.known, false);
+                one.pose = search.step(&all, &one.pose, &pulls, &one.known, false);
             }
         }
     }
