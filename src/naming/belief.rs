@@ -112,7 +112,9 @@ impl Forest {
         for row in own.chunks_mut(STATES) {
             row.iter_mut().zip(&prior).for_each(|(e, p)| *e += p);
             let most = row.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-            row.iter_mut().for_each(|e| *e = (*e - most).exp() + LEAST);
+            for e in row {
+                *e = (*e - most).exp() + LEAST;
+            }
         }
         Pass { forest: self, atlas, own, instructions: InstructionSet::detect() }.run()
     }
@@ -227,7 +229,9 @@ impl Pass<'_> {
             let table = self.table_of(arms[arm].1);
             {
                 let mut weights = self.product(&table[..kinds * 3 * STATES], message);
-                weights.iter_mut().for_each(|weight| *weight /= sum);
+                for weight in &mut weights {
+                    *weight /= sum;
+                }
                 weights
             }
         })

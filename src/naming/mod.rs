@@ -118,7 +118,7 @@ pub(crate) fn name_with(
     }
     let (frame, core, poses) = best?;
     let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
-    names_at(network, model, frame, core, Poses::Found(poses), is_false)
+    names_at(network, model, frame, core, &Poses::Found(poses), is_false)
 }
 
 /// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
@@ -126,7 +126,7 @@ pub fn name_again(network: &Network, model: &NamingModel, like: &Names) -> Optio
     let all = Nodes::of(network);
     let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
     let core = core::at(all, &model.atlas, &like.pose)?;
-    names_at(network, model, like.frame, core, Poses::Known(like.pose), |features, pass| model.is_false(features, pass))
+    names_at(network, model, like.frame, core, &Poses::Known(like.pose), |features, pass| model.is_false(features, pass))
 }
 
 /// Where a case may lie.
@@ -143,12 +143,12 @@ fn names_at(
     model: &NamingModel,
     frame: Frame,
     core: core::Core,
-    poses: Poses,
+    poses: &Poses,
     is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
 ) -> Option<Names> {
     let atlas = &model.atlas;
     let nodes = core.nodes;
-    let pose = match &poses {
+    let pose = match poses {
         Poses::Found(poses) => *poses.first()?,
         Poses::Known(pose) => *pose,
     };
@@ -167,7 +167,7 @@ fn names_at(
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
-        if let Poses::Found(poses) = &poses {
+        if let Poses::Found(poses) = poses {
             let radius = radius_fit(&nodes, atlas, median);
             let forest = Forest::of(&nodes, &used);
             let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };

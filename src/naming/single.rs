@@ -78,7 +78,9 @@ impl<'a> Single<'a> {
             self.instructions.run(Fit { at, direction, weight: &weight[..last], places, along: &self.along, out: arteries });
             nowhere[0] = weight[last] * other;
             let sum: f64 = row.iter().sum();
-            row.iter_mut().for_each(|p| *p /= sum);
+            for p in row {
+                *p /= sum;
+            }
             log += sum.ln();
         }
         (all, log)

@@ -147,21 +147,6 @@ impl FoundArteries {
         write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
     }
 
-    /// What plausible topologies say of the circle, and how they were drawn: by the evidence, or without any those that the samples vote
-    /// for, by the vessels `above_median`. `given` are the nodes whose conditions were stated.
-    pub(crate) fn posterior(
-        &self,
-        network: &Network,
-        boundary: &Boundary,
-        options: &SamplingOptions,
-        given: &[usize],
-        above_median: Option<&[bool]>,
-        phenotypes: &PhenotypeOptions,
-    ) -> Result<(Posterior, String)> {
-        let (topologies, how) = self.topologies(network, boundary, options, given, above_median)?;
-        Ok((self.posterior_from(network, &topologies, phenotypes)?, how))
-    }
-
     /// What topologies say of the circle, with what names say where the arteries were named.
     pub(crate) fn posterior_from(
         &self,
@@ -176,7 +161,8 @@ impl FoundArteries {
         Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
     }
 
-    /// The plausible topologies, and how they were drawn; as [`Self::posterior`]. Names weigh the odds of candidates.
+    /// The plausible topologies, and how they were drawn: by the evidence, or without any those that the samples vote for, by the
+    /// vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
     pub(crate) fn topologies(
         &self,
         network: &Network,

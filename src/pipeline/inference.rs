@@ -8,16 +8,20 @@ use serde_json::{Value, json};
 
 use super::shard::Solver;
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
-use crate::circle_of_willis::Posterior;
+use crate::circle_of_willis::{Posterior, Supply};
 use crate::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
-use crate::io::Column;
+use crate::io::{Column, write_csv};
 use crate::network::Network;
-use crate::output::atomic::StagedFolder;
+use crate::output::atomic::{StagedFolder, write_file};
+use crate::output::names::SUPPLY;
 use crate::output::write_record;
 use crate::report::run_record::Built;
-use crate::report::{Outcome, Summary, phenotype_json, topology_columns, vessel_columns, write_outcome, write_phenotype};
+use crate::report::{
+    Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns, write_outcome,
+    write_phenotype,
+};
 use crate::sampling::{Likelihood, Method, SamplingOptions};
 
 /// What a run found.
@@ -29,6 +33,8 @@ pub struct Inference {
     method: Method,
     decision: Decision,
     posterior: Option<(Posterior, String)>,
+    /// Who feeds each territory and outlet, where the arteries are known.
+    supplies: Vec<Supply>,
     /// How long sampling took, on what; for run.json.
     time: Value,
 }
@@ -53,15 +59,18 @@ impl Prepared {
         time: Value,
     ) -> Result<Inference> {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
-        let mut posterior = None;
+        let (mut posterior, mut supplies) = (None, Vec::new());
         if let Some(found) = &self.arteries {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            posterior =
-                Some(found.posterior(&self.graph, &self.boundary, options, &given, above, &self.options.infer.phenotypes)?);
+            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above)?;
+            posterior = Some((found.posterior_from(&self.graph, &topologies, &self.options.infer.phenotypes)?, how));
+            let viscosity = options.viscosity;
+            supplies = found.supplies(&self.graph, &topologies.weighted, self.outlets, viscosity).unwrap_or_default();
         }
-        Ok(Inference { prepared: self.clone(), sampling: options.clone(), likelihood, method, decision, posterior, time })
+        let sampling = options.clone();
+        Ok(Inference { prepared: self.clone(), sampling, likelihood, method, decision, posterior, supplies, time })
     }
 }
 
@@ -99,6 +108,11 @@ impl Inference {
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
     pub fn posterior(&self) -> Option<(&Posterior, &str)> {
         self.posterior.as_ref().map(|(posterior, how)| (posterior, how.as_str()))
+    }
+
+    /// Who feeds each territory and outlet of the circle, and how late, over the plausible topologies; none where arteries are not known.
+    pub fn supplies(&self) -> &[Supply] {
+        &self.supplies
     }
 
     /// Everything that the files of the run are made of.
@@ -243,6 +257,8 @@ impl Inference {
             let subject = Path::new(&prepared.provenance.input).file_stem().unwrap_or_default().to_string_lossy();
             write_phenotype(folder, &subject, &variant, Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
+            summary.supply = supply_json(&prepared.graph, &self.supplies);
+            write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
         let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;

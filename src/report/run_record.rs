@@ -56,6 +56,9 @@ pub struct Summary {
     solver: Value,
     graph: Value,
     phenotype: Value,
+    /// Who feeds each territory of a Circle of Willis.
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pub supply: Value,
     notes: Vec<String>,
     /// What differs between two runs of one command.
     pub time: Value,
@@ -256,6 +259,7 @@ impl Summary {
             }),
             graph: Value::Null,
             phenotype: Value::Null,
+            supply: Value::Null,
             notes: provenance.notes.clone(),
             time: Value::Null,
         }
