@@ -206,7 +206,17 @@ fn a_folder_of_infer_is_asked_again() {
     let sum: f64 =
         first["probabilities"]["variants"].as_array().unwrap().iter().map(|v| v["probability"].as_f64().unwrap()).sum();
     assert!(sum <= 1.0 + 1e-9 && sum > 0.5, "{sum}");
-    assert_eq!(json(&here.path().join("run/run.json"))["phenotype"], first);
+    let (record, asked) = (json(&here.path().join("run/run.json")), json(&here.path().join("again/run.json")));
+    assert_eq!(record["phenotype"], first);
+    // Who feeds what is told by both, and all that arrives comes by some feeder.
+    assert_eq!(record["supply"], asked["supply"]);
+    let supplies = ["run", "again"].map(|folder| fs::read_to_string(here.path().join(folder).join("supply.csv")).unwrap());
+    assert_eq!(supplies[0], supplies[1]);
+    for (territory, supply) in record["supply"].as_object().unwrap() {
+        let shares = supply["shares"].as_object().unwrap().values();
+        let sum: f64 = shares.map(|share| share["mean"].as_f64().unwrap_or(0.0)).sum();
+        assert!(supply["p_fed"] == 0.0 || (sum - 1.0).abs() < 1e-9, "{territory}: {supply}");
+    }
     let table = fs::read_to_string(here.path().join("again/collateral.csv")).unwrap();
     assert!(table.starts_with("occluded,kind,artery,flow_mL_per_min,") && table.contains("\nL-ICA,territory,L-M1,"), "{table}");
 

@@ -9,6 +9,7 @@ use willis::internals::io::read_waveform;
 use willis::internals::network::units::{cubic_metres_per_second, ml_per_min, mmhg};
 use willis::internals::network::{Condition, Network, Role, Windkessel};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
+use willis::internals::simulation::pulse::typical::Typical;
 use willis::internals::simulation::pulse::womersley::Fluid;
 use willis::internals::simulation::pulse::{Friction, Pulse, Pulses, WallLaw};
 use willis::{FlowOptions, PulseOptions, ReadOptions};
@@ -297,4 +298,20 @@ fn nothing_arrives_before_it_leaves() {
     }
     // About 8 to 9 m/s along 300 mm.
     assert!((0.02..0.06).contains(&(foot(5) - foot(0))), "{}", foot(5) - foot(0));
+}
+
+/// The shapes that ship are those of the model that they name, in the middle of the left internal carotid and of the right vertebral artery,
+/// to the four decimals that are written down.
+#[test]
+fn typical_shapes_are_those_of_their_model() {
+    let Some(folder) = folder() else { return };
+    let (network, pulse) = openbf(&folder, "circle", Friction::Womersley, 40);
+    for (typical, label) in [(Typical::Carotid, "11-L-int-carotidI"), (Typical::Vertebral, "14-R-vertebral")] {
+        let row = (0..network.vessel_count()).find(|row| network.vessel(*row).label == label).expect("the artery");
+        let flow = &pulse.vessels[row].flow[1];
+        for (n, (known, found)) in typical.shape(10).iter().zip(flow).enumerate() {
+            let found = found / flow[0];
+            assert!((known - found).norm() < 1e-4, "{label}, harmonic {n}: {known} for {found}");
+        }
+    }
 }
