@@ -75,6 +75,11 @@ impl ShortestPaths {
         }
     }
 
+    /// The node before a node that was visited, and the edge between; none at a source.
+    pub fn previous(&self, node: usize) -> Option<(usize, usize)> {
+        self.previous[node]
+    }
+
     /// The nodes from a source to a node that was visited, and the edges between them.
     pub fn path_to(&self, node: usize) -> (Vec<usize>, Vec<usize>) {
         let (mut nodes, mut edges) = (vec![node], Vec::new());

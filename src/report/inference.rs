@@ -1,20 +1,16 @@
-//! How far runs with different occlusion probabilities agree.
+//! What an inference writes: tables, topologies, matrices and pictures; and how far runs with different occlusion probabilities agree.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
-use super::figures::convergence::convergence;
-use super::figures::figure::Figure;
-use super::figures::heat_map::{Matrix, heat_map};
-use super::figures::summary::{DrawnVessel, Projection, summary as summary_picture};
-use super::page::{Picture, infer_page, scene, write_page};
+use super::page::{infer_page, write_page};
+use super::pictures::{overview, pictures};
 use super::run_record::Summary;
 use crate::contacts::pairings::Pairings;
-use crate::decision::{Decision, ExpectedErrors, Keep, SuggestedCut, Topology, threshold};
+use crate::decision::{Decision, ExpectedErrors, Keep, SuggestedCut, Topology};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, Circuit, pressures};
 use crate::io::{
@@ -22,13 +18,13 @@ use crate::io::{
 };
 use crate::masks::strips::Strip;
 use crate::network::units::millimetres;
-use crate::network::{Condition, Frame, Network, Origin, Role, fragments};
+use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
 use crate::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
 };
 use crate::output::write_record;
-use crate::sampling::{Likelihood, Method, Snapshot, Uncertain, Weight};
+use crate::sampling::{Likelihood, Method, Uncertain, Weight};
 use crate::support::geometry::Point;
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
@@ -166,7 +162,7 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     if let Some(picture) = overview(outcome, summary) {
         picture.write(folder, dpi)?;
     }
-    let figures = pictures(folder, outcome, &matrix, dpi)?;
+    let figures = pictures(folder, outcome, dpi)?;
     write_record(folder, summary)?;
     if network.vessel_count() <= PAGE_LIMIT {
         let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
@@ -264,90 +260,6 @@ fn topology(
         notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
     }
     Ok(nodes)
-}
-
-/// The largest network that gets the picture of the whole run.
-const OVERVIEW_LIMIT: usize = 5_000;
-
-/// The run in one picture, where the vessels have places and are not too many to be seen.
-fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
-    let (network, answer) = (outcome.network, outcome.answer);
-    let scene = scene(network, outcome.boundary).ok().filter(|_| network.vessel_count() <= OVERVIEW_LIMIT)?;
-    let drawn = network.vessels().zip(scene.vessels).enumerate().map(|(row, ((_, vessel), course))| DrawnVessel {
-        course,
-        probability: vessel.evidence.map(|evidence| evidence.probability),
-        certain: !outcome.result.uncertain[row],
-        kept: answer.kept[row],
-    });
-    let of = |origin: Origin| network.vessels().zip(&answer.kept).filter(move |((_, v), _)| v.origin == origin);
-    let kept = of(Origin::Candidate).filter(|(_, kept)| **kept).count();
-    let mut words = format!("{kept} of {} possible connections kept", of(Origin::Candidate).count());
-    if outcome.contacts() > 0 {
-        let _ = write!(words, ", {} of {} contacts cut", outcome.cuts().count(), outcome.contacts());
-    }
-    let _ = write!(words, "; {} undecided", answer.undecided.len());
-    if let Some(expected) = outcome.expected {
-        let _ = write!(words, "; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
-    }
-    Some(summary_picture(summary.name().to_owned(), words, drawn.collect(), views(network.frame)))
-}
-
-/// From the front and from the patient's left as radiologists see it, where it is known which way that is.
-fn views(frame: Frame) -> [Projection; 2] {
-    let view = |name, right, up, edges| Projection { name, right, up, edges };
-    let up = [0.0, 0.0, 1.0];
-    match frame {
-        Frame::Ras => [view("front", [-1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, -1.0, 0.0], up, ["A", "P"])],
-        Frame::Lps => [view("front", [1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, 1.0, 0.0], up, ["A", "P"])],
-        Frame::Unknown => [view("along y", [1.0, 0.0, 0.0], up, ["", "x"]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])],
-    }
-}
-
-fn pictures(folder: &Path, outcome: &Outcome<'_>, matrix: &[(u32, u32, f64)], dpi: u32) -> Result<Vec<Picture>> {
-    let matrix = heat_map(&Matrix { nodes: outcome.network.node_count(), entries: matrix }, outcome.weight)?;
-    matrix.write(folder, dpi)?;
-    let says = "The likelihood matrix over all pairs of nodes, on a logarithmic scale of colour; light grey is zero.";
-    let matrix = Picture::new("Likelihood matrix", says, &matrix)?;
-
-    let result = outcome.result;
-    let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
-    let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
-    let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
-    let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
-    let threshold: Vec<f64> = result.trace.iter().map(|s| running_threshold(outcome, &uncertain, s)).collect();
-    let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let traces = convergence(&samples, &series, &threshold, &kept, outcome.weight)?;
-    traces.write(folder, dpi)?;
-    let says = if threshold.iter().any(|cut| !cut.is_nan()) {
-        "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \
-         lines that are still moving at the right end call for more samples."
-    } else {
-        "The mean contribution per sample of every uncertain vessel against the number of samples; \
-         lines that are still moving at the right end call for more samples."
-    };
-    Ok(vec![matrix, Picture::new("Convergence", says, &traces)?])
-}
-
-/// The threshold on L/n that the samples so far would give; NaN where the rule is not one on L.
-fn running_threshold(outcome: &Outcome<'_>, uncertain: &[usize], snapshot: &Snapshot) -> f64 {
-    match outcome.rule {
-        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => {
-            return f64::NAN;
-        }
-        Keep::Value(x) => return x / outcome.result.samples as f64,
-        _ => {}
-    }
-    let so_far = Likelihood {
-        likelihood: snapshot.likelihood.clone(),
-        std_error: vec![0.0; uncertain.len()],
-        frequency: vec![0.0; uncertain.len()],
-        uncertain: vec![true; uncertain.len()],
-        network_resilience: 0.0,
-        residual: 0.0,
-        samples: 1,
-        trace: Vec::new(),
-    };
-    threshold(outcome.rule, &so_far).map_or(f64::NAN, |cut| cut / snapshot.samples as f64)
 }
 
 /// The columns of nodes.csv. `pressure` in Pa.

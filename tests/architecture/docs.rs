@@ -273,3 +273,15 @@ fn the_citation_names_this_version() {
     let version = format!("version: {}", env!("CARGO_PKG_VERSION"));
     assert!(citation.lines().any(|line| line == version), "CITATION.cff has no \"{version}\"");
 }
+
+/// The picture of the README and what is said of it are those of this version. Needs `WILLIS_PYTHON`.
+#[test]
+fn the_picture_of_the_readme_is_that_of_this_version() {
+    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+        eprintln!("skipped: WILLIS_PYTHON names no Python");
+        return;
+    };
+    let script = root().join("docs/answer.py");
+    let checked = Command::new(python).arg(script).arg("--check").env("WILLIS", env!("CARGO_BIN_EXE_willis")).output().expect("runs");
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+}

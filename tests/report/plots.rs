@@ -1,8 +1,8 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
 use willis::internals::report::figures::{
-    Boxes, DEFAULT_DPI, Histogram, Histograms, Matrix, Panel, VesselFlow, ZERO, colour, convergence, flow_bars, heat_map,
-    hypertension, modulation,
+    Boxes, Cut, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, Matrix, Panel, Projection, VesselFlow, ZERO, colour,
+    convergence, flow_bars, heat_map, hypertension, modulation, summary,
 };
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
@@ -43,7 +43,9 @@ const KEPT: [u8; 3] = [0x00, 0x72, 0xb2];
 
 fn map(nodes: usize, entries: &[(u32, u32, f64)]) -> Picture {
     Picture::read(
-        &heat_map(&Matrix { nodes, entries }, Weight::Resilience).and_then(|figure| figure.png(DEFAULT_DPI)).expect("a heat map"),
+        &heat_map(&Matrix { nodes, entries, ..Matrix::default() }, Weight::Resilience)
+            .and_then(|figure| figure.png(DEFAULT_DPI))
+            .expect("a heat map"),
     )
 }
 
@@ -59,11 +61,11 @@ fn bounds(places: &[[usize; 2]]) -> [[usize; 2]; 2] {
 fn the_size_and_the_resolution_follow_the_dpi() {
     for dpi in [36, 72, 150, 301, 600] {
         let heat = Picture::read(
-            &heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)] }, Weight::Resilience)
+            &heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)], ..Matrix::default() }, Weight::Resilience)
                 .and_then(|figure| figure.png(dpi))
                 .expect("a heat map"),
         );
-        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], &[1.5, 1.5], &[true], Weight::Resilience)
+        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], (Cut::Threshold, &[1.5, 1.5]), &[true], Weight::Resilience)
             .and_then(|figure| figure.png(dpi))
             .expect("a plot");
         let curves = Picture::read(&curves);
@@ -73,12 +75,14 @@ fn the_size_and_the_resolution_follow_the_dpi() {
         assert_eq!(heat.per_metre, (f64::from(dpi) / 0.0254).round() as u32);
     }
     for dpi in [0, 35, 1201, u32::MAX] {
-        let error = heat_map(&Matrix { nodes: 2, entries: &[] }, Weight::Resilience)
+        let error = heat_map(&Matrix { nodes: 2, ..Matrix::default() }, Weight::Resilience)
             .and_then(|figure| figure.png(dpi))
             .expect_err("out of range")
             .to_string();
         assert!(error.contains(&dpi.to_string()) && error.contains("from 36 to 1200"), "{error}");
-        assert!(convergence(&[], &[], &[], &[], Weight::Resilience).and_then(|figure| figure.png(dpi)).is_err());
+        assert!(
+            convergence(&[], &[], (Cut::Threshold, &[]), &[], Weight::Resilience).and_then(|figure| figure.png(dpi)).is_err()
+        );
     }
 }
 
@@ -102,13 +106,13 @@ fn the_hottest_cell_has_the_top_colour_and_a_zero_the_background() {
 
 #[test]
 fn parallel_vessels_add_up_and_either_order_of_nodes_is_the_same() {
-    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)] }, Weight::Resilience)
+    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)], ..Matrix::default() }, Weight::Resilience)
         .and_then(|figure| figure.png(100))
         .expect("a heat map");
     let parts = [(2, 3, 350.0), (1, 0, 3.0), (3, 2, 350.0)];
     assert_eq!(
         once,
-        heat_map(&Matrix { nodes: 4, entries: &parts }, Weight::Resilience)
+        heat_map(&Matrix { nodes: 4, entries: &parts, ..Matrix::default() }, Weight::Resilience)
             .and_then(|figure| figure.png(100))
             .expect("a heat map")
     );
@@ -120,7 +124,7 @@ fn one_vessel_among_forty_thousand_nodes_is_seen_and_the_largest_wins_a_pixel() 
     entries.extend((1..50).map(|k| (20_000 + k % 7, 30_000 + k, 1.0)));
     let picture = map(40_000, &entries);
     let hot = picture.places(colour(1.0));
-    assert_eq!(hot.len(), 2 * 4, "two marks of a point, 2 x 2 pixels");
+    assert_eq!(hot.len(), 2 * 16, "two marks of two points, 4 x 4 pixels");
     let [[left, right], [top, bottom]] = bounds(&hot);
     assert_eq!(right - left, bottom - top, "symmetric");
 }
@@ -153,12 +157,12 @@ fn the_same_numbers_give_the_same_bytes_on_any_thread() {
     let kept: Vec<bool> = (0..series.len()).map(|k| k > 20).collect();
     let samples: Vec<u64> = (1..9).collect();
     let both = || {
-        let heat = heat_map(&Matrix { nodes: 300, entries: &entries }, Weight::Resilience)
+        let heat = heat_map(&Matrix { nodes: 300, entries: &entries, ..Matrix::default() }, Weight::Resilience)
             .and_then(|figure| figure.png(110))
             .expect("a heat map");
         (
             heat,
-            convergence(&samples, &series, &[3.0; 8], &kept, Weight::Resilience)
+            convergence(&samples, &series, (Cut::Threshold, &[3.0; 8]), &kept, Weight::Resilience)
                 .and_then(|figure| figure.png(110))
                 .expect("a plot"),
         )
@@ -179,7 +183,7 @@ fn nothing_to_draw_is_a_picture_that_says_so() {
         assert!(picture.count(ZERO) > picture.size[0] * picture.size[1] / 3);
     }
     let blank = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
-        convergence(samples, series, threshold, kept, Weight::Resilience)
+        convergence(samples, series, (Cut::Threshold, threshold), kept, Weight::Resilience)
             .and_then(|figure| figure.png(DEFAULT_DPI))
             .expect("a plot")
     };
@@ -199,7 +203,7 @@ fn kept_edges_are_blue_and_pruned_ones_vermilion() {
         let samples: Vec<u64> = (1..=checkpoints as u64).collect();
         let series = [vec![50.0; checkpoints], vec![0.5; checkpoints]];
         for kept in [[true, false], [false, true], [true, true]] {
-            let file = convergence(&samples, &series, &vec![5.0; checkpoints], &kept, Weight::Resilience)
+            let file = convergence(&samples, &series, (Cut::Threshold, &vec![5.0; checkpoints]), &kept, Weight::Resilience)
                 .and_then(|figure| figure.png(DEFAULT_DPI))
                 .expect("a plot");
             let picture = Picture::read(&file);
@@ -219,9 +223,15 @@ fn zeros_huge_ranges_and_single_checkpoints_are_drawn() {
     let (tiny, huge) = (f64::MIN_POSITIVE, f64::MAX);
     for series in [vec![0.0, tiny, huge], vec![0.0; 3], vec![huge; 3], vec![tiny / 1e3; 3]] {
         Picture::read(
-            &convergence(&[1, 2, u64::MAX], std::slice::from_ref(&series), &[0.0, f64::NAN, 1.0], &[true], Weight::Resilience)
-                .and_then(|figure| figure.png(72))
-                .expect("a plot"),
+            &convergence(
+                &[1, 2, u64::MAX],
+                std::slice::from_ref(&series),
+                (Cut::Threshold, &[0.0, f64::NAN, 1.0]),
+                &[true],
+                Weight::Resilience,
+            )
+            .and_then(|figure| figure.png(72))
+            .expect("a plot"),
         );
         let entries: Vec<_> = (0..).zip(&series).map(|(k, v)| (k, 0, *v)).collect();
         map(3, &entries);
@@ -236,7 +246,7 @@ fn thousands_of_edges_are_drawn() {
     let series: Vec<Vec<f64>> = (0..4000).map(row).collect();
     let kept: Vec<bool> = (0..4000).map(|k| k > 2000).collect();
     Picture::read(
-        &convergence(&samples, &series, &[2000.0; 50], &kept, Weight::Resilience)
+        &convergence(&samples, &series, (Cut::Threshold, &[2000.0; 50]), &kept, Weight::Resilience)
             .and_then(|figure| figure.png(DEFAULT_DPI))
             .expect("a plot"),
     );
@@ -244,19 +254,27 @@ fn thousands_of_edges_are_drawn() {
 
 #[test]
 fn wrong_numbers_are_errors_that_name_them() {
-    let heat =
-        |entry| heat_map(&Matrix { nodes: 3, entries: &[entry] }, Weight::Resilience).map(|_| ()).expect_err("wrong").to_string();
+    let heat = |entry| {
+        heat_map(&Matrix { nodes: 3, entries: &[entry], ..Matrix::default() }, Weight::Resilience)
+            .map(|_| ())
+            .expect_err("wrong")
+            .to_string()
+    };
     assert_eq!(heat((0, 3, 1.0)), "matrix entry (0, 3): expected two nodes below 3");
     for value in [-1.0, f64::NAN, f64::INFINITY] {
         let accepted = "expected a finite number from 0 up";
         assert_eq!(heat((0, 2, value)), format!("likelihood of (0, 2) {value}: {accepted}"));
     }
-    let error = heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, u32::MAX - 1, 1.0)] }, Weight::Resilience)
-        .map(|_| ())
-        .expect_err("too many");
+    let error =
+        heat_map(&Matrix { nodes: usize::MAX, entries: &[(0, u32::MAX - 1, 1.0)], ..Matrix::default() }, Weight::Resilience)
+            .map(|_| ())
+            .expect_err("too many");
     assert!(error.to_string().starts_with("nodes 18446744073709551615: "), "{error}");
     let plot = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
-        convergence(samples, series, threshold, kept, Weight::Resilience).map(|_| ()).expect_err("wrong").to_string()
+        convergence(samples, series, (Cut::Threshold, threshold), kept, Weight::Resilience)
+            .map(|_| ())
+            .expect_err("wrong")
+            .to_string()
     };
     let good = [vec![1.0, 2.0]];
     for (error, part) in [
@@ -365,4 +383,20 @@ fn a_histogram_is_as_large_as_its_density() {
     let double = drawn(vec![curve.clone(), curve], &edges);
     assert!(double.size[1] > single.size[1] + 100);
     assert!(drawn(vec![one(Vec::new())], &[]).count([0x1a; 3]) > 50);
+}
+
+/// A vessel that turns back on itself in a plane: nothing is drawn further off than its radius, however sharp its corners.
+#[test]
+fn a_thick_vessel_has_no_spikes_at_its_corners() {
+    let course = (0..9).map(|i| [f64::from(i % 2) * 40.0, 0.0, f64::from(i) * 2.0, 1.0]).collect();
+    let vessel = DrawnVessel { course, probability: None, certain: true, kept: true, undecided: false };
+    let view = || Projection { name: "", right: [1.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], edges: ["", ""] };
+    let picture = summary(String::new(), String::new(), vec![vessel], [view(), view()]);
+    let picture = Picture::read(&picture.png(DEFAULT_DPI).expect("a picture"));
+    let inside = |x: usize| (14.0..=198.0).contains(&(x as f64 * 72.0 / 150.0)) || x * 72 > 206 * 150;
+    let page = |y: usize| (50..240).contains(&(y * 72 / 150));
+    let dirty = |x: usize, y: usize| page(y) && !inside(x) && picture.at(x, y) != [255; 3];
+    assert!((0..picture.size[1]).all(|y| (0..picture.size[0]).all(|x| !dirty(x, y))), "ink beside the panel");
+    let grey = picture.rgb.chunks_exact(3).filter(|p| p[0] < 0xe0 && p[0] > 0x70).count();
+    assert!(grey > 1000, "the vessel itself is there: {grey}");
 }

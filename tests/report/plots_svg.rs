@@ -4,8 +4,8 @@ use crate::command;
 use base64::Engine;
 use roxmltree::{Document, Node};
 use willis::internals::report::figures::{
-    Boxes, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map, hypertension,
-    modulation,
+    Block, Boxes, Cut, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map,
+    hypertension, modulation,
 };
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
@@ -17,7 +17,7 @@ const INK: &str = "#1a1a1a";
 const AXES: [[f64; 2]; 2] = [[62.0, 50.0], [440.0, 284.0]];
 
 fn heat(nodes: usize, entries: &[(u32, u32, f64)]) -> Figure {
-    heat_map(&Matrix { nodes, entries }, Weight::Resilience).expect("a heat map")
+    heat_map(&Matrix { nodes, entries, ..Matrix::default() }, Weight::Resilience).expect("a heat map")
 }
 
 fn bars(flows: &[(&str, f64, Option<f64>)]) -> Figure {
@@ -37,8 +37,14 @@ fn figures() -> Vec<Figure> {
     vec![
         heat(3, &[(0, 1, 3.0), (1, 2, 700.0)]),
         heat(3, &[]),
-        convergence(&[10, 20], &[vec![1.0, 2.0], vec![0.0, 3.0]], &[2.0, 2.0], &[true, false], Weight::Resilience)
-            .expect("curves"),
+        convergence(
+            &[10, 20],
+            &[vec![1.0, 2.0], vec![0.0, 3.0]],
+            (Cut::Threshold, &[2.0, 2.0]),
+            &[true, false],
+            Weight::Resilience,
+        )
+        .expect("curves"),
         bars(&[("L-M1", -20.0, Some(10.0)), ("R-M1", 10.0, None)]),
         modulation(vec!["0\u{2013}0.2".to_owned()], ["p", "q", "r"].map(panel)),
         hypertension(Histograms { edges: vec![0.0, 1.0, 2.0], threshold: 1.5, classes: vec![one] }),
@@ -157,7 +163,8 @@ fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
 #[test]
 fn there_is_a_curve_a_series_through_the_places_worked_out_by_hand() {
     let series = [vec![100.0, 100.0], vec![1.0, 1.0], vec![10.0, 1.0]];
-    let figure = convergence(&[10, 20], &series, &[10.0, 10.0], &[true, false, false], Weight::Resilience).expect("curves");
+    let figure = convergence(&[10, 20], &series, (Cut::Threshold, &[10.0, 10.0]), &[true, false, false], Weight::Resilience)
+        .expect("curves");
     let text = figure.svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
     // Those of the legend are above the axes.
@@ -222,6 +229,63 @@ fn the_cells_of_a_matrix_are_where_they_belong() {
         }));
     }
     assert_eq!(hot.len(), 2);
+}
+
+/// Blocks {2, 0} and {1, 3}: node 2 is in row 0, 0 in 1, 1 in 2 and 3 in 3, each of 318/4 points. The uncertain vessel joins 0 and 1; the second
+/// matrix has these two alone, each of 318/2 points, 92 + 318 points to the right.
+#[test]
+fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
+    let block = |name: &str, nodes: [usize; 2]| Block { name: name.into(), nodes: nodes.to_vec() };
+    let blocks = [block("inlet a", [2, 0]), block("inlet b", [1, 3])];
+    let matrix = Matrix {
+        nodes: 4,
+        entries: &[(2, 0, 1.0), (1, 3, 10.0), (0, 1, 1e6)],
+        uncertain: &[false, false, true],
+        blocks: &blocks,
+    };
+    let text = heat_map(&matrix, Weight::Resilience).and_then(|figure| figure.svg()).expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    let [r, g, b] = colour(1.0);
+    let mut hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    hot.sort_by(|a, b| a[0][0].total_cmp(&b[0][0]));
+    let left = hot.iter().map(|[x, _]| x[0]).collect::<Vec<_>>();
+    let [cell, wide] = [318.0 / 4.0, 318.0 / 2.0];
+    let second = 2.0 * 92.0 + 318.0;
+    for (got, want) in left.iter().zip([92.0 + cell, 92.0 + 2.0 * cell, second, second + wide]) {
+        assert!((got - want).abs() < 0.006, "{left:?}");
+    }
+    assert_eq!(left.len(), 4);
+    for (name, times) in [("inlet a", 2), ("inlet b", 2), ("Likelihood matrix (4 nodes)", 1), ("Uncertain vessels (2 nodes)", 1)]
+    {
+        assert_eq!(paths(&svg, "aria-label", name).len(), times, "{name}");
+    }
+    let refused = |blocks: &[Block], uncertain: &[bool]| {
+        heat_map(&Matrix { uncertain, blocks, ..matrix }, Weight::Resilience).map(|_| ()).expect_err("wrong").to_string()
+    };
+    assert!(refused(&blocks[..1], &[]).starts_with("blocks of 2 nodes"));
+    assert!(refused(&[block("a", [0, 0]), block("b", [1, 9])], &[]).starts_with("blocks of 2 nodes"));
+    assert!(refused(&blocks, &[true]).starts_with("uncertain of 1 values"));
+}
+
+/// The most probable forest does not ask L: the line is the median of L, dashed, with the legend of what it is; and where nothing is
+/// uncertain, a sentence says so.
+#[test]
+fn the_median_is_dashed_and_nothing_uncertain_is_a_sentence() {
+    let series = [vec![100.0, 100.0], vec![1.0, 1.0]];
+    let figure = convergence(&[10, 20], &series, (Cut::Median, &[10.0, 10.0]), &[true, false], Weight::Resilience);
+    let text = figure.and_then(|figure| figure.svg()).expect("an SVG");
+    let svg = Document::parse(&text).expect("well-formed");
+    let [_, [right, _]] = AXES;
+    let dashes: Vec<_> =
+        paths(&svg, "stroke", INK).iter().map(d).filter(|p| p.len() == 2 && (p[1][0] - p[0][0] - 4.0).abs() < 0.02).collect();
+    let heights: Vec<f64> = dashes.iter().map(|p| p[0][1]).filter(|y| *y > AXES[0][1] && *y < AXES[1][1]).collect();
+    let middle = AXES[1][1] - (AXES[1][1] - AXES[0][1]) / 2.0;
+    let length = (right - AXES[0][0]) / (20.0 * 1.02) * 10.0;
+    assert!(heights.iter().filter(|y| (**y - middle).abs() < 0.011).count() >= (length / 7.0) as usize, "{heights:?}");
+    assert_eq!(paths(&svg, "aria-label", "median of L (the rule does not use L)").len(), 1);
+    let none = convergence(&[10], &[], (Cut::Median, &[f64::NAN]), &[], Weight::Resilience).and_then(|figure| figure.svg());
+    let none = none.expect("an SVG");
+    assert!(none.contains("Every vessel is certain") && !none.contains("stroke"), "no axes around nothing");
 }
 
 #[test]
@@ -298,8 +362,9 @@ fn the_threshold_of_a_run_ends_in_the_middle_of_the_vessels() {
 #[test]
 fn the_unit_is_that_of_what_the_likelihood_adds_up() {
     let said = |weight| {
-        let heat = heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 3.0)] }, weight).and_then(|figure| figure.svg());
-        let curves = convergence(&[10], &[vec![1.0]], &[2.0], &[true], weight).and_then(|figure| figure.svg());
+        let heat =
+            heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 3.0)], ..Matrix::default() }, weight).and_then(|figure| figure.svg());
+        let curves = convergence(&[10], &[vec![1.0]], (Cut::Threshold, &[2.0]), &[true], weight).and_then(|figure| figure.svg());
         heat.expect("an SVG") + &curves.expect("an SVG")
     };
     let (resilience, count) = (said(Weight::Resilience), said(Weight::Count));

@@ -70,6 +70,23 @@ impl Page for Bitmap {
         self.draw(|page| page.draw_path(dots.iter().copied(), &ink(rgb, opacity).stroke_width(width)))
     }
 
+    /// plotters draws long spikes at sharp corners of a thick line, so that here each straight stretch and each corner is drawn by itself.
+    fn tube(&mut self, dots: &[Dot], width: u32, rgb: Rgb) -> Result<(), String> {
+        let half = f64::from(width) / 2.0;
+        for (at, dot) in dots.iter().enumerate() {
+            self.draw(|page| page.draw_circle(*dot, half.round() as u32, &ink(rgb, 1.0), true))?;
+            let Some(next) = dots.get(at + 1) else { continue };
+            let [x, y] = [f64::from(next.0 - dot.0), f64::from(next.1 - dot.1)];
+            let aside = |(x, y): Dot, side: f64, across: [f64; 2]| {
+                (x + (side * across[0]).round() as i32, y + (side * across[1]).round() as i32)
+            };
+            let across = [-y, x].map(|c| half * c / x.hypot(y).max(f64::MIN_POSITIVE));
+            let corners = [(*dot, 1.0), (*next, 1.0), (*next, -1.0), (*dot, -1.0)].map(|(dot, side)| aside(dot, side, across));
+            self.draw(|page| page.fill_polygon(corners, &ink(rgb, 1.0)))?;
+        }
+        Ok(())
+    }
+
     fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String> {
         let turn = match run {
             Run::Right => FontTransform::None,

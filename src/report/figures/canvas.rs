@@ -5,20 +5,9 @@ use std::io;
 use super::axis::Label;
 use super::colour::{GRID, INK, Rgb};
 use super::font;
+use super::style::{HAIR, POINTS_PER_INCH, TEXT, TICK, TITLE, TITLE_AT};
 use crate::error::{Error, Result};
 
-/// Places and lengths on a page are in points.
-pub const POINTS_PER_INCH: f64 = 72.0;
-/// Height of text, points.
-pub const TEXT: f64 = 10.0;
-/// Height of a title, points.
-pub const TITLE: f64 = 12.0;
-/// Width of axes and ticks, points.
-pub const HAIR: f64 = 0.6;
-/// Length of a tick, points.
-pub const TICK: f64 = 4.0;
-/// Height of the middle of a title, points.
-const TITLE_HEIGHT: f64 = 15.0;
 /// Height of the digits as a share of the text's.
 const DIGIT: f64 = 0.6;
 /// Height of an exponent as a share of the text's.
@@ -85,6 +74,8 @@ pub trait Page {
     fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String>;
     /// A line through two or more dots.
     fn path(&mut self, dots: &[Dot], width: u32, rgb: Rgb, opacity: f64) -> Result<(), String>;
+    /// A line through one or more dots with round corners and ends.
+    fn tube(&mut self, dots: &[Dot], width: u32, rgb: Rgb) -> Result<(), String>;
     /// A line of text, with its base line half of its size below the place.
     fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String>;
     /// The outline of a rectangle.
@@ -155,17 +146,44 @@ impl<'a> Sheet<'a> {
         self.draw(|page| page.path(&dots, width, rgb, opacity))
     }
 
+    /// A line along `path` with round corners and ends, `width` points wide.
+    pub fn tube(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) -> Result<()> {
+        let mut dots: Vec<_> = path.into_iter().map(|p| self.dot(p)).collect();
+        dots.dedup();
+        let width = self.stroke(width);
+        self.draw(|page| page.tube(&dots, width, rgb))
+    }
+
     /// A straight dashed line: dashes of 4 points, gaps of 3.
-    pub fn dashes(&mut self, [from, to]: [Place; 2], width: f64, rgb: Rgb) -> Result<()> {
-        const DASH: f64 = 4.0;
-        const STEP: f64 = 7.0;
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let at = |along: f64| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * (along / length).min(1.0));
-        for dash in 0..(length / STEP).ceil() as usize {
-            let start = dash as f64 * STEP;
-            self.line([at(start), at(start + DASH)], width, rgb, 1.0)?;
+    pub fn dashes(&mut self, ends: [Place; 2], width: f64, rgb: Rgb) -> Result<()> {
+        self.dashed(ends, width, rgb)
+    }
+
+    /// A dashed line along `path`: dashes of 4 points, gaps of 3.
+    pub fn dashed(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) -> Result<()> {
+        const DASH: [f64; 2] = [4.0, 3.0];
+        let mut path = path.into_iter();
+        let Some(mut at) = path.next() else { return Ok(()) };
+        // What is left of the dash (first) or the gap, and the dash so far.
+        let (mut gap, mut left, mut dash) = (0, DASH[0], vec![at]);
+        for to in path {
+            loop {
+                let length = (to[0] - at[0]).hypot(to[1] - at[1]);
+                if length <= left {
+                    (left, at) = (left - length, to);
+                    dash.push(to);
+                    break;
+                }
+                at = [0, 1].map(|axis| at[axis] + (to[axis] - at[axis]) * left / length);
+                dash.push(at);
+                if gap == 0 {
+                    self.line(dash, width, rgb, 1.0)?;
+                }
+                (gap, dash) = (1 - gap, vec![at]);
+                left = DASH[gap];
+            }
         }
-        Ok(())
+        if gap == 0 { self.line(dash, width, rgb, 1.0) } else { Ok(()) }
     }
 
     /// Fills a rectangle of any corner and size (width, height), points.
@@ -192,9 +210,9 @@ impl<'a> Sheet<'a> {
         Ok(())
     }
 
-    /// The title of a figure, around `x`.
+    /// The title of a figure, from `x`, the left edge of its axes.
     pub fn title(&mut self, text: &str, x: f64) -> Result<()> {
-        self.text(&Label::plain(text), [x, TITLE_HEIGHT], TITLE, Align::Middle, Run::Right)
+        self.text(&Label::plain(text), [x, TITLE_AT], TITLE, Align::Begin, Run::Right)
     }
 
     /// Plain text.

@@ -26,6 +26,8 @@ pub const PURPLE: Rgb = [0xcc, 0x79, 0xa7];
 pub const YELLOW: Rgb = [0xf0, 0xe4, 0x42];
 /// What has no colour of its own.
 pub const GREY: Rgb = [0xa9, 0xad, 0xb3];
+/// Vessels that are certain, from far to near.
+pub const DEPTHS: [Rgb; 2] = [[0xd0, 0xd3, 0xd8], [0x8a, 0x8e, 0x95]];
 /// Text, axes and the threshold.
 pub const INK: Rgb = [0x1a, 0x1a, 0x1a];
 /// Grid lines.
@@ -56,8 +58,10 @@ pub fn colour(t: f64) -> Rgb {
     let place = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) * steps as f64 };
     let low = (place as usize).min(steps - 1);
     let share = place - low as f64;
-    std::array::from_fn(|c| {
-        let (a, b) = (f64::from(MAP[low][c]), f64::from(MAP[low + 1][c]));
-        (a + share * (b - a)).round() as u8
-    })
+    mixed(MAP[low], MAP[low + 1], share)
+}
+
+/// A mixture of two colours: `share` in [0, 1] of the second.
+pub fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
+    std::array::from_fn(|c| (f64::from(a[c]) + share * (f64::from(b[c]) - f64::from(a[c]))).round() as u8)
 }

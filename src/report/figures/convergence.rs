@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::axis::{Label, LogRange, count_ticks, grouped};
-use super::canvas::{Align, Place, Sheet, TEXT, TICK};
+use super::canvas::{Align, Place, Sheet};
 use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
+use super::style::{self, BOLD, CURVE, Key, NAME_BELOW, NAME_LEFT, REFERENCE, TICK};
 use crate::error::{Error, Result};
 use crate::output::names::CONVERGENCE_PICTURE;
 use crate::sampling::Weight;
@@ -13,8 +14,6 @@ use crate::sampling::Weight;
 const INCHES: [f64; 2] = [6.4, 4.6];
 /// Left, top, right and bottom of the axes, points.
 const BOX: [f64; 4] = [62.0, 50.0, 440.0, 284.0];
-/// Height of the legend's middle, points.
-const LEGEND: f64 = 36.0;
 /// Height of the line of zeros, points.
 const ZERO: f64 = BOX[3] - 5.0;
 /// The distance between that line and the lowest positive value, points.
@@ -23,50 +22,69 @@ const GAP: f64 = 16.0;
 /// The largest number of curves of kept vessels, and of pruned ones; more cannot be distinguished.
 const MOST_CURVES: usize = 400;
 
-/// The width of the thinnest and thickest curve and of the threshold, points.
-const WIDTH: [f64; 3] = [0.5, 1.0, 1.8];
+/// The width of the thinnest curve, points.
+const THIN: f64 = 0.5;
+
+/// What the line across the curves is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cut {
+    /// The threshold of the rule: vessels above it are kept.
+    Threshold,
+    /// The median of L, above which lies the topology of that name. The rule decides by something else than L.
+    Median,
+}
 
 /// Draws the mean contribution per sample, L/n, of every uncertain vessel against the number of samples n, on a
-/// logarithmic axis, 6.4 by 4.6 inches.
+/// logarithmic axis, 6.4 by 4.6 inches. The median is a dashed line.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
 /// - `series`: for each vessel L/n at each checkpoint, finite and not negative. Of more than 400 that are kept, or pruned, only a regular selection is drawn.
-/// - `threshold`: the threshold on L/n at each checkpoint; NaN where there is none.
+/// - `threshold`: the threshold or median on L/n at each checkpoint, as `cut` says; NaN where there is none.
 /// - `kept`: for each vessel whether it is kept.
 /// - `weight`: what L adds up, from which its unit follows.
 ///
 /// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
-/// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value says so.
+/// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value is one sentence.
 ///
 /// # Errors
 ///
 /// When lengths disagree, when `samples` does not rise, and when a value is negative or not finite.
-pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], weight: Weight) -> Result<Figure> {
+pub fn convergence(
+    samples: &[u64],
+    series: &[Vec<f64>],
+    (cut, threshold): (Cut, &[f64]),
+    kept: &[bool],
+    weight: Weight,
+) -> Result<Figure> {
     validate(samples, series, threshold, kept)?;
     let name = match weight {
         Weight::Resilience | Weight::Global => "mean contribution per sample L/n (W/m\u{b3})",
         Weight::Count => "share of samples L/n",
     };
     let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
-    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, &threshold, &kept, name)))
+    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, (cut, &threshold), &kept, name)))
 }
 
-fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool], name: &str) -> Result<()> {
+fn draw(
+    sheet: &mut Sheet<'_>,
+    samples: &[u64],
+    series: &[Vec<f64>],
+    (cut, threshold): (Cut, &[f64]),
+    kept: &[bool],
+    name: &str,
+) -> Result<()> {
     let [left, top, right, bottom] = BOX;
-    let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-    sheet.title("Convergence of the likelihood of uncertain vessels", middle[0])?;
+    sheet.title("Convergence of the likelihood of uncertain vessels", left)?;
 
     let values = || series.iter().flatten().chain(threshold).copied();
     let range = if series.is_empty() { None } else { LogRange::of(values()) };
     let Some(range) = range.map(LogRange::padded) else {
         let note = match (series.is_empty(), samples.is_empty()) {
-            (true, _) => "no uncertain vessel",
-            (_, true) => "no checkpoint",
-            _ => "no contribution above zero",
+            (true, _) => "Every vessel is certain: there is no likelihood that could converge.",
+            (_, true) => "No sample was drawn.",
+            _ => "No uncertain vessel carries blood in any sample.",
         };
-        sheet.frame([left, top], [right - left, bottom - top])?;
-        sheet.plain(note, middle, Align::Middle)?;
-        return Ok(());
+        return sheet.plain(note, [left, top], Align::Begin);
     };
 
     let lowest = values().fold(f64::INFINITY, f64::min);
@@ -80,7 +98,7 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
         all.into_iter().step_by(step).collect::<Vec<_>>()
     });
     let sparse = (10.0 / (curves[0].len() + curves[1].len()) as f64).sqrt().clamp(0.0, 1.0);
-    let width = WIDTH[0] + sparse * (WIDTH[1] - WIDTH[0]);
+    let width = THIN + sparse * (CURVE - THIN);
     let opacity = 0.05 + 0.85 * sparse.powf(0.7);
     for (curves, rgb) in curves.iter().zip([PRUNED, KEPT]) {
         // Those at zero lie on each other: each stretch is drawn once, as dark as all of them.
@@ -95,19 +113,26 @@ fn draw(sheet: &mut Sheet<'_>, samples: &[u64], series: &[Vec<f64>], threshold: 
             axes.stroke(sheet, &ends.map(|samples| (samples, -1.0)), width, rgb, 1.0 - (1.0 - opacity).powi(count))?;
         }
     }
-    for (width, rgb, opacity) in [(2.0 * WIDTH[2], PAPER, 0.8), (WIDTH[2], INK, 1.0)] {
-        for run in axes.runs(samples, threshold) {
-            axes.stroke(sheet, &run, width, rgb, opacity)?;
+    for run in axes.runs(samples, threshold) {
+        match cut {
+            Cut::Threshold => {
+                axes.stroke(sheet, &run, 2.0 * BOLD, PAPER, 0.8)?;
+                axes.stroke(sheet, &run, BOLD, INK, 1.0)?;
+            }
+            Cut::Median => axes.dashes(sheet, &run)?,
         }
     }
     sheet.frame([left, top], [right - left, bottom - top])?;
     let stay = kept.iter().filter(|kept| **kept).count();
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
-    let mut keys = vec![(count("kept", stay), WIDTH[1], KEPT), (count("pruned", kept.len() - stay), WIDTH[1], PRUNED)];
-    if threshold.iter().any(|cut| !cut.is_nan()) {
-        keys.push(("threshold".to_owned(), WIDTH[2], INK));
-    }
-    legend(sheet, &keys)
+    let counts = [count("kept", stay), count("pruned", kept.len() - stay)];
+    let line = match cut {
+        Cut::Threshold => ("threshold", Key::Line(BOLD), INK),
+        Cut::Median => ("median of L (the rule does not use L)", REFERENCE.0, REFERENCE.1),
+    };
+    let line = threshold.iter().any(|cut| !cut.is_nan()).then_some(line);
+    let curves = [(&*counts[0], Key::Line(CURVE), KEPT), (&*counts[1], Key::Line(CURVE), PRUNED)];
+    style::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>())
 }
 
 fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
@@ -167,8 +192,8 @@ impl Axes {
         let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
         sheet.ticks_left([left, right], powers.chain(zeros))?;
         let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-        sheet.plain("number of samples, n", [middle[0], bottom + TICK + 25.0], Align::Middle)?;
-        sheet.upright(name, [10.0, middle[1]])
+        sheet.plain("number of samples, n", [middle[0], bottom + TICK + NAME_BELOW], Align::Middle)?;
+        sheet.upright(name, [NAME_LEFT, middle[1]])
     }
 
     /// The stretches of a curve, each a number of samples and a share of the axis: interrupted at NaN and between zero and positive values.
@@ -187,23 +212,13 @@ impl Axes {
         }
         sheet.line(path, width, rgb, opacity)
     }
-}
 
-/// The legend, in a row between the title and the axes.
-fn legend(sheet: &mut Sheet<'_>, keys: &[(String, f64, Rgb)]) -> Result<()> {
-    const KEY: f64 = 20.0;
-    const SPACE: f64 = 5.0;
-    const APART: f64 = 18.0;
-    let mut widths = Vec::new();
-    for (text, ..) in keys {
-        widths.push(KEY + SPACE + sheet.text_width(text, TEXT)?);
+    /// Draws a stretch of the median, a dash a checkpoint or more.
+    fn dashes(&self, sheet: &mut Sheet<'_>, run: &[(u64, f64)]) -> Result<()> {
+        let place = |(n, share): &(u64, f64)| [self.x(*n as f64), self.y(*share)];
+        if run.len() < 2 {
+            return self.stroke(sheet, run, BOLD, INK, 1.0);
+        }
+        sheet.dashed(run.iter().map(place), 1.2, INK)
     }
-    let whole = widths.iter().sum::<f64>() + APART * (keys.len() as f64 - 1.0);
-    let mut x = f64::midpoint(BOX[0], BOX[2]) - whole / 2.0;
-    for ((text, width, rgb), wide) in keys.iter().zip(widths) {
-        sheet.line([[x, LEGEND], [x + KEY, LEGEND]], width.max(1.5), *rgb, 1.0)?;
-        sheet.plain(text, [x + KEY + SPACE, LEGEND], Align::Begin)?;
-        x += wide + APART;
-    }
-    Ok(())
 }

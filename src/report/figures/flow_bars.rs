@@ -1,9 +1,10 @@
 //! The flows of a simulation as horizontal bars: the flow of each vessel before and after a perturbation.
 
 use super::axis::{Label, LinearRange};
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TICK};
+use super::canvas::{Align, Run, Sheet};
 use super::colour::{INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
+use super::style::{self, HAIR, Key, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use crate::error::{Error, Result};
 use crate::output::names::FLOW_PICTURE;
 
@@ -16,8 +17,6 @@ const BOTTOM: f64 = 46.0;
 const BAR: f64 = 8.0;
 /// Between the bars of two vessels, points.
 const GAP: f64 = 7.0;
-/// Height of the numbers at the bars, points.
-const FIGURE: f64 = 8.0;
 /// Space for a number at the end of a bar, points.
 const ROOM: f64 = 40.0;
 /// The largest width of a vessel's name, points. Longer names are cut.
@@ -88,16 +87,16 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]:
     let mut names = Vec::new();
     let mut widest: f64 = 0.0;
     for flow in shown {
-        let name = fitting(sheet, &flow.name)?;
+        let name = style::fitting(sheet, &flow.name, NAME, TEXT)?;
         widest = widest.max(sheet.text_width(&name, TEXT)?);
         names.push(name);
     }
     let axis = Axis::new(shown, [widest + 22.0, WIDTH - 14.0]);
     axis.draw(sheet, [top, bottom], pair)?;
-    let middle = f64::midpoint(axis.span[0], axis.span[1]);
-    sheet.title(title, middle)?;
+    sheet.title(title, axis.span[0])?;
     if pair {
-        legend(sheet, middle)?;
+        let keys = [("unperturbed", Key::Box, UNPERTURBED), ("perturbed", Key::Box, PERTURBED)];
+        style::legend(sheet, axis.span[0], &keys)?;
     }
     for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
         let above = top + GAP / 2.0 + each * row as f64;
@@ -111,25 +110,6 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]:
     }
     let zero = axis.x(0.0);
     sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
-}
-
-/// More letters than fit, even narrow ones.
-const MOST_LETTERS: usize = 200;
-
-/// A name without its middle where it is too long.
-fn fitting(sheet: &Sheet<'_>, name: &str) -> Result<String> {
-    let letters: Vec<char> = name.chars().collect();
-    let shortened = |kept: usize| {
-        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
-        first.iter().chain(&['\u{2026}']).chain(last).collect::<String>()
-    };
-    let mut kept = letters.len().min(MOST_LETTERS);
-    let mut cut = if kept < letters.len() { shortened(kept) } else { name.to_owned() };
-    while sheet.text_width(&cut, TEXT)? > NAME {
-        kept -= 1;
-        cut = shortened(kept);
-    }
-    Ok(cut)
 }
 
 /// The positions of flows across the page.
@@ -159,7 +139,7 @@ impl Axis {
         sheet.line([[self.span[0], bottom], [self.span[1], bottom]], HAIR, INK, 1.0)?;
         let name = if pair { "flow along its unperturbed direction (mL/min)" } else { "flow (mL/min)" };
         let middle = f64::midpoint(self.span[0], self.span[1]);
-        sheet.plain(name, [middle, bottom + TICK + 25.0], Align::Middle)
+        sheet.plain(name, [middle, bottom + TICK + NAME_BELOW], Align::Middle)
     }
 
     fn bar(&self, sheet: &mut Sheet<'_>, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
@@ -168,7 +148,7 @@ impl Axis {
         let [above, below] = [top, top + BAR].map(|y| sheet.pixels(y));
         sheet.fill([from, above], [to - from, below - above], rgb)?;
         let (at, align) = if flow < 0.0 { (end - 3.0, Align::End) } else { (end + 3.0, Align::Begin) };
-        sheet.text(&figure(flow), [at, top + BAR / 2.0], FIGURE, align, Run::Right)
+        sheet.text(&figure(flow), [at, top + BAR / 2.0], SMALL, align, Run::Right)
     }
 }
 
@@ -183,16 +163,4 @@ fn figure(flow: f64) -> Label {
     }
     let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
     Label::plain(format!("{sign}{size:.decimals$}"))
-}
-
-/// The legend, between the title and the bars.
-fn legend(sheet: &mut Sheet<'_>, middle: f64) -> Result<()> {
-    const HEIGHT: f64 = 36.0;
-    for (x, name, rgb) in [(middle - 84.0, "unperturbed", UNPERTURBED), (middle + 14.0, "perturbed", PERTURBED)] {
-        let corner = [x, HEIGHT - BAR / 2.0].map(|p| sheet.pixels(p));
-        let size = [14.0, BAR].map(|p| sheet.pixels(p));
-        sheet.fill(corner, size, rgb)?;
-        sheet.plain(name, [x + 19.0, HEIGHT], Align::Begin)?;
-    }
-    Ok(())
 }

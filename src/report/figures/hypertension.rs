@@ -1,10 +1,11 @@
 //! The distribution of hypertension forces: for each class a histogram, the fitted gamma distribution and the threshold of risk.
 
 use super::axis::LinearRange;
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Place, Run, Sheet, TEXT, TICK};
+use super::canvas::{Align, Place, Run, Sheet};
 use super::colour::{EACH, INK, PRUNED};
 use super::figure::Figure;
 use super::modulation::{SIDES, TOP, WIDTH_INCHES};
+use super::style::{self, HAIR, Key, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TEXT, TICK};
 use crate::error::Result;
 use crate::output::names::HYPERTENSION_PICTURE;
 use crate::support::gamma::Gamma;
@@ -50,12 +51,16 @@ pub fn hypertension(histograms: Histograms) -> Figure {
 fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
-    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", middle)?;
+    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", left)?;
     let Some(last) = histograms.edges.last() else {
         sheet.plain("no force above zero", [middle, points / 2.0], Align::Middle)?;
         return Ok(());
     };
-    legend(sheet)?;
+    let curve = histograms.classes.iter().any(|class| class.fit.is_some());
+    let fit = curve.then_some(("gamma distribution, fitted", Key::Line(1.6), PRUNED));
+    let keys = [("vessels and instances", Key::Box, EACH)].into_iter().chain(fit);
+    let keys: Vec<_> = keys.chain([("threshold of risk", REFERENCE.0, REFERENCE.1)]).collect();
+    style::legend(sheet, left, &keys)?;
     // The threshold is always visible.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
@@ -85,26 +90,6 @@ fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<(
         sheet.line([[x(tick.at), bottom], [x(tick.at), bottom + TICK]], HAIR, INK, 1.0)?;
         sheet.text(&tick.label, [x(tick.at), bottom + TICK + 8.0], TEXT, Align::Middle, Run::Right)?;
     }
-    sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + 25.0], Align::Middle)?;
-    sheet.upright("density (mm\u{b2}/mmHg)", [9.0, f64::midpoint(TOP, bottom)])
-}
-
-fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
-    const KEY: f64 = 20.0;
-    const SPACE: f64 = 5.0;
-    const Y: f64 = 36.0;
-    let mut x = SIDES[0];
-    for (at, text) in ["vessels and instances", "gamma distribution, fitted", "threshold of risk"].into_iter().enumerate() {
-        match at {
-            0 => {
-                sheet.rectangle([x, Y - 4.0], [KEY, 8.0], EACH)?;
-                sheet.frame([x, Y - 4.0], [KEY, 8.0])?;
-            }
-            1 => sheet.line([[x, Y], [x + KEY, Y]], 1.6, PRUNED, 1.0)?,
-            _ => sheet.dashes([[x, Y], [x + KEY, Y]], 1.2, INK)?,
-        }
-        sheet.plain(text, [x + KEY + SPACE, Y], Align::Begin)?;
-        x += KEY + SPACE + sheet.text_width(text, TEXT)? + 20.0;
-    }
-    Ok(())
+    sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + NAME_BELOW], Align::Middle)?;
+    sheet.upright("density (mm\u{b2}/mmHg)", [NAME_LEFT, f64::midpoint(TOP, bottom)])
 }

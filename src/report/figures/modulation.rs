@@ -1,9 +1,10 @@
 //! The response to resistance modulation: for each class a box over all vessels or nodes, and one for the whole network.
 
 use super::axis::LinearRange;
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Sheet, TEXT, TICK};
+use super::canvas::{Align, Sheet};
 use super::colour::{EACH, INK, Rgb, WHOLE};
 use super::figure::Figure;
+use super::style::{self, BOLD, CURVE, HAIR, Key, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TICK};
 use crate::error::Result;
 use crate::output::names::MODULATION_PICTURE;
 
@@ -69,8 +70,9 @@ fn room(classes: &[String]) -> f64 {
 fn draw(sheet: &mut Sheet<'_>, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) -> Result<()> {
     let ([left, right], room) = (SIDES, room(classes));
     let middle = f64::midpoint(left, right);
-    sheet.title("Response to resistance modulation, against the unperturbed network", middle)?;
-    legend(sheet)?;
+    sheet.title("Response to resistance modulation, against the unperturbed network", left)?;
+    let keys = [("every vessel (pressure: node)", Key::Box, EACH), ("whole network", Key::Box, WHOLE)];
+    style::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)])?;
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
@@ -92,7 +94,7 @@ fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl 
     if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
         let y = |value: f64| bottom - HEIGHT * range.share(value);
         sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)))?;
-        sheet.dashes([[left, y(panel.unchanged)], [right, y(panel.unchanged)]], 1.0, INK)?;
+        sheet.dashes([[left, y(panel.unchanged)], [right, y(panel.unchanged)]], CURVE, INK)?;
         for (class, boxes) in panel.boxes.iter().enumerate() {
             for (quantiles, aside, rgb) in [(boxes.each, -ASIDE, EACH), (boxes.whole, ASIDE, WHOLE)] {
                 if quantiles.iter().all(|q| q.is_finite()) {
@@ -102,32 +104,18 @@ fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl 
         }
     }
     sheet.frame([left, top], [right - left, HEIGHT])?;
-    sheet.upright(&panel.name, [9.0, top + HEIGHT / 2.0])
+    sheet.upright(&panel.name, [NAME_LEFT, top + HEIGHT / 2.0])
 }
 
 /// A box around x, with its quantiles at the heights `y`.
 fn boxed(sheet: &mut Sheet<'_>, x: f64, width: f64, y: [f64; 5], rgb: Rgb) -> Result<()> {
     let [left, right] = [x - width / 2.0, x + width / 2.0];
-    sheet.line([[x, y[0]], [x, y[1]]], 1.0, INK, 1.0)?;
-    sheet.line([[x, y[3]], [x, y[4]]], 1.0, INK, 1.0)?;
+    sheet.line([[x, y[0]], [x, y[1]]], CURVE, INK, 1.0)?;
+    sheet.line([[x, y[3]], [x, y[4]]], CURVE, INK, 1.0)?;
     for whisker in [y[0], y[4]] {
-        sheet.line([[x - width / 4.0, whisker], [x + width / 4.0, whisker]], 1.0, INK, 1.0)?;
+        sheet.line([[x - width / 4.0, whisker], [x + width / 4.0, whisker]], CURVE, INK, 1.0)?;
     }
     sheet.rectangle([left, y[3]], [width, y[1] - y[3]], rgb)?;
     sheet.frame([left, y[3]], [width, y[1] - y[3]])?;
-    sheet.line([[left, y[2]], [right, y[2]]], 1.8, INK, 1.0)
-}
-
-fn legend(sheet: &mut Sheet<'_>) -> Result<()> {
-    const KEY: [f64; 2] = [16.0, 8.0];
-    const Y: f64 = 36.0;
-    let mut x = SIDES[0];
-    for (text, rgb) in [("every vessel (pressure: node)", EACH), ("whole network", WHOLE)] {
-        sheet.rectangle([x, Y - KEY[1] / 2.0], KEY, rgb)?;
-        sheet.frame([x, Y - KEY[1] / 2.0], KEY)?;
-        sheet.plain(text, [x + KEY[0] + 5.0, Y], Align::Begin)?;
-        x += KEY[0] + 5.0 + sheet.text_width(text, TEXT)? + 20.0;
-    }
-    sheet.dashes([[x, Y], [x + 22.0, Y]], 1.0, INK)?;
-    sheet.plain("unperturbed", [x + 27.0, Y], Align::Begin)
+    sheet.line([[left, y[2]], [right, y[2]]], BOLD, INK, 1.0)
 }

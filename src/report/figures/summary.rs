@@ -1,9 +1,12 @@
 //! A run in one picture: the vessels from two sides, the candidates by their probability, and the counts.
 
 use super::axis::Label;
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TICK, TITLE};
-use super::colour::{GREY, INK, MAP, Rgb, colour};
+use super::canvas::{Align, Sheet};
+use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
+use super::colour_bar::colour_bar;
+use super::course::smoothed;
 use super::figure::Figure;
+use super::style::LEGEND_AT;
 use crate::error::Result;
 use crate::output::names::SUMMARY_PICTURE;
 
@@ -12,19 +15,21 @@ const INCHES: [f64; 2] = [6.4, 3.9];
 const LEFT: [f64; 2] = [14.0, 206.0];
 const TOP: f64 = 46.0;
 const SIZE: [f64; 2] = [184.0, 204.0];
-/// Height of the two lines of text above them, points.
-const LINES: [f64; 2] = [16.0, 33.0];
-/// The colour bar: left, top, width, height, points.
-const BAR: [f64; 4] = [412.0, 76.0, 10.0, 144.0];
+/// Upper left corner of the colour bar, and its height, points.
+const BAR: [f64; 2] = [404.0, 76.0];
+const BAR_HEIGHT: f64 = 144.0;
 /// The scale bar stands so far above the lower edge of its panel, points.
 const FOOT: f64 = 8.0;
-/// The thinnest vessel, points.
-const THIN: f64 = 0.45;
-/// Widths of vessels are these shares of their diameters: one that was kept or seen, one that was left out.
-const SHARE: [f64; 2] = [1.0, 0.4];
+/// The thinnest vessel, and the thinnest connection that was kept, points.
+const THIN: [f64; 2] = [0.45, 1.8];
+/// The width of a connection that was left out as a share of its diameter, and how far its colour is that of the page.
+const LEFT_OUT: [f64; 2] = [0.4, 0.3];
+/// The radius of a ring around an undecided connection, and its width, points; more than so many are not drawn.
+const RING: [f64; 2] = [6.0, 0.8];
+const MOST_RINGS: usize = 30;
 
 /// So many steps of a course are drawn in one line, as wide as the vessel is on average.
-const TOGETHER: usize = 24;
+const TOGETHER: usize = 6;
 
 /// A vessel of the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +42,8 @@ pub struct DrawnVessel {
     pub certain: bool,
     /// Whether it is kept.
     pub kept: bool,
+    /// Whether it is undecided.
+    pub undecided: bool,
 }
 
 /// A view: which way is right and which way is up on the page, and what each is called.
@@ -52,9 +59,13 @@ pub struct Projection {
     pub edges: [&'static str; 2],
 }
 
-/// Draws a run in one picture, 6.4 by 3.9 inches: what was found in words, and two views on one scale. Certain vessels are grey; the
-/// others are coloured by probability, from 0 to 1, those that are left out thinner and paler.
-pub fn summary(title: String, words: String, vessels: Vec<DrawnVessel>, views: [Projection; 2]) -> Figure {
+/// Draws a run in one picture, 6.4 by 3.9 inches: what was found in words, and two views on one scale. Certain vessels are grey, darker
+/// where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. A ring is
+/// around each undecided one, up to 30. Radii and courses are smoothed along each vessel, for display only.
+pub fn summary(title: String, words: String, mut vessels: Vec<DrawnVessel>, views: [Projection; 2]) -> Figure {
+    for vessel in &mut vessels {
+        vessel.course = smoothed(&vessel.course);
+    }
     Figure::new(SUMMARY_PICTURE, INCHES, move |sheet| draw(sheet, &title, &words, &vessels, &views))
 }
 
@@ -64,12 +75,11 @@ struct Piece {
     path: Vec<[f64; 2]>,
     width: f64,
     rgb: Rgb,
-    opacity: f64,
 }
 
 fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel], views: &[Projection; 2]) -> Result<()> {
-    sheet.text(&Label::plain(title), [LEFT[0], LINES[0]], TITLE, Align::Begin, Run::Right)?;
-    sheet.plain(words, [LEFT[0], LINES[1]], Align::Begin)?;
+    sheet.title(title, LEFT[0])?;
+    sheet.plain(words, [LEFT[0], LEGEND_AT - 3.0], Align::Begin)?;
     let boxes = [0, 1].map(|at| extent(vessels, &views[at]));
     // One scale for both views, points a millimetre.
     let fits = |[[west, east], [south, north]]: [[f64; 2]; 2]| {
@@ -85,7 +95,14 @@ fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel]
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
         for piece in pieces(vessels, view, scale, place) {
-            sheet.line(piece.path, piece.width, piece.rgb, piece.opacity)?;
+            sheet.tube(piece.path, piece.width, piece.rgb)?;
+        }
+        for vessel in vessels.iter().filter(|vessel| vessel.undecided).take(MOST_RINGS) {
+            if let Some(middle) = vessel.course.get(vessel.course.len() / 2) {
+                let [x, y] = place(middle);
+                let turn = |step: i32| std::f64::consts::TAU * f64::from(step) / 36.0;
+                sheet.line((0..=36).map(|k| [x + RING[0] * turn(k).cos(), y + RING[0] * turn(k).sin()]), RING[1], INK, 1.0)?;
+            }
         }
         sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle)?;
         for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
@@ -116,27 +133,31 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
     let ([a, b, c], [d, e, f]) = (view.right, view.up);
     let back = [b * f - c * e, c * d - a * f, a * e - b * d];
     let depth = |p: &[f64; 4]| (0..3).map(|axis| back[axis] * p[axis]).sum::<f64>();
+    let certain = || vessels.iter().filter(|vessel| vessel.certain).flat_map(|vessel| &vessel.course).map(&depth);
+    let [far, near] = [certain().fold(f64::INFINITY, f64::min), certain().fold(f64::NEG_INFINITY, f64::max)];
     let mut all = Vec::new();
     for vessel in vessels {
-        let rgb = if vessel.certain { GREY } else { vessel.probability.map_or(INK, colour) };
-        let share = SHARE[usize::from(!vessel.certain && !vessel.kept)];
-        let opacity = if vessel.certain || vessel.kept { 1.0 } else { 0.7 };
-        let order = match (vessel.certain, vessel.kept) {
-            (true, _) => 0.0,
-            (false, false) => 1e6,
-            (false, true) => 2e6,
+        let (order, thin) = match (vessel.certain, vessel.kept) {
+            (true, _) => (0.0, THIN[0]),
+            (false, false) => (1e6, THIN[0]),
+            (false, true) => (2e6, THIN[1]),
         };
+        let left_out = !vessel.certain && !vessel.kept;
+        let share = if left_out { LEFT_OUT[0] } else { 1.0 };
+        let own = vessel.probability.map_or(INK, colour);
+        let own = if left_out { mixed(own, PAPER, LEFT_OUT[1]) } else { own };
         // A piece begins where the one before it ends.
         let last = vessel.course.len().saturating_sub(1);
         all.extend((0..last).step_by(TOGETHER).map(|first| {
             let part = &vessel.course[first..=(first + TOGETHER).min(last)];
             let mean = |of: &dyn Fn(&[f64; 4]) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
+            let at = mean(&depth);
+            let share_near = ((at - far) / (near - far).max(1e-9)).clamp(0.0, 1.0);
             Piece {
-                near: order + mean(&depth),
+                near: order + at,
                 path: part.iter().map(&place).collect(),
-                width: (2.0 * share * scale * mean(&|p| p[3])).max(THIN),
-                rgb,
-                opacity,
+                width: (2.0 * share * scale * mean(&|p| p[3])).max(thin),
+                rgb: if vessel.certain { mixed(DEPTHS[0], DEPTHS[1], share_near) } else { own },
             }
         }));
     }
@@ -154,18 +175,6 @@ fn scale_bar(sheet: &mut Sheet<'_>, scale: f64) -> Result<()> {
 }
 
 fn bar(sheet: &mut Sheet<'_>) -> Result<()> {
-    let [left, top, width, height] = BAR.map(|p| sheet.pixels(p));
-    let drawn = sheet.ramp([left, top], [width, height], &MAP)?;
-    for y in 0..if drawn { 0 } else { height } {
-        let share = 1.0 - y as f64 / (height - 1).max(1) as f64;
-        sheet.fill([left, top + y], [width, 1], colour(share))?;
-    }
-    let [left, top, width, height] = BAR;
-    sheet.frame([left, top], [width, height])?;
-    for share in [0.0, 0.5, 1.0] {
-        let y = top + (1.0 - share) * height;
-        sheet.line([[left + width, y], [left + width + TICK, y]], HAIR, INK, 1.0)?;
-        sheet.plain(&share.to_string(), [left + width + TICK + 3.0, y], Align::Begin)?;
-    }
-    sheet.upright("probability", [INCHES[0] * POINTS_PER_INCH - TEXT / 2.0 - 2.0, top + height / 2.0])
+    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, Label::plain(share.to_string())));
+    colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability")
 }

@@ -1,9 +1,10 @@
 //! Whose blood every outlet gets: a bar an outlet, divided by inlet, with the mean time since entry beside it.
 
 use super::axis::Label;
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TICK};
+use super::canvas::{Align, Run, Sheet};
 use super::colour::{INK, Rgb};
 use super::figure::Figure;
+use super::style::{self, HAIR, Key, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use crate::error::Result;
 use crate::output::names::TERRITORY_PICTURE;
 
@@ -18,8 +19,6 @@ const BAR: f64 = 9.0;
 const GAP: f64 = 7.0;
 /// For the time at the end of a bar, points.
 const ROOM: f64 = 52.0;
-/// Height of the times, points.
-const TIME: f64 = 8.0;
 /// The largest number of outlets shown, and of entries in a line of the legend.
 const MOST: usize = 40;
 const IN_A_LINE: usize = 4;
@@ -74,14 +73,14 @@ fn draw(
     }
     let (left, right) = (widest.min(WIDTH / 3.0) + 22.0, WIDTH - 14.0 - ROOM);
     let x = |share: f64| left + (right - left) * share;
-    sheet.title(title, f64::midpoint(left, right))?;
+    sheet.title(title, left)?;
     legend(sheet, inlets, left)?;
     let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), Label::plain(format!("{:.0}", 100.0 * share))));
     sheet.ticks_below([top, bottom], ticks)?;
     sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0)?;
     let pair = shown.iter().any(|outlet| outlet.states.len() > 1);
     let name = if pair { "share of the blood (%), as it is above, perturbed below" } else { "share of the blood (%)" };
-    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + 25.0], Align::Middle)?;
+    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle)?;
     let mut above = top;
     for outlet in shown {
         let bars = BAR * outlet.states.len() as f64;
@@ -92,7 +91,7 @@ fn draw(
                 sheet.text(
                     &Label::plain("no blood".to_owned()),
                     [left + 3.0, place + BAR / 2.0],
-                    TIME,
+                    SMALL,
                     Align::Begin,
                     Run::Right,
                 )?;
@@ -106,7 +105,7 @@ fn draw(
                 from += share;
             }
             let time = Label::plain(format!("{time:.0} ms"));
-            sheet.text(&time, [right + 4.0, place + BAR / 2.0], TIME, Align::Begin, Run::Right)?;
+            sheet.text(&time, [right + 4.0, place + BAR / 2.0], SMALL, Align::Begin, Run::Right)?;
         }
         above += height(outlet);
     }
@@ -118,11 +117,7 @@ fn legend(sheet: &mut Sheet<'_>, inlets: &[(String, Rgb)], left: f64) -> Result<
     let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
     for (at, (name, rgb)) in inlets.iter().enumerate() {
         let (line, place) = (at / IN_A_LINE, at % IN_A_LINE);
-        let [x, y] = [left + step * place as f64, TOP + LEGEND * line as f64];
-        let corner = [x, y].map(|p| sheet.pixels(p));
-        let size = [12.0, 8.0].map(|p| sheet.pixels(p));
-        sheet.fill(corner, size, *rgb)?;
-        sheet.plain(name, [x + 17.0, y + 4.0], Align::Begin)?;
+        style::key(sheet, [left + step * place as f64, LEGEND_AT + LEGEND * line as f64], name, Key::Box, *rgb)?;
     }
     Ok(())
 }

@@ -68,6 +68,20 @@ impl Page for SvgPage {
         Ok(())
     }
 
+    fn tube(&mut self, dots: &[Dot], width: u32, rgb: Rgb) -> Result<(), String> {
+        let mut d = Path::default();
+        let end = dots.last().copied();
+        // A single dot is a line to itself, which has round ends.
+        for (at, dot) in dots.iter().copied().chain(end.filter(|_| dots.len() == 1)).enumerate() {
+            d.go(if at == 0 { 'M' } else { 'l' }, &[dot]);
+        }
+        let (rgb, d) = (hex(rgb), d.text);
+        self.element(format_args!(
+            "<path fill=\"none\" stroke=\"{rgb}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" d=\"{d}\"/>"
+        ));
+        Ok(())
+    }
+
     fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String> {
         // As in plotters, the base line is half of the size below the place.
         let place = |[x, y]: [f64; 2]| {

@@ -1,9 +1,10 @@
 //! The flow of arteries over a cycle, a panel each, with mean and pulsatility index above, as ultrasound shows them.
 
 use super::axis::{Label, LinearRange};
-use super::canvas::{Align, HAIR, POINTS_PER_INCH, Run, Sheet, TEXT, TICK};
+use super::canvas::{Align, Run, Sheet};
 use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
+use super::style::{self, HAIR, Key, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use crate::error::Result;
 use crate::output::names::WAVEFORM_PICTURE;
 
@@ -19,8 +20,6 @@ const BELOW: f64 = 24.0;
 const TOP: f64 = 42.0;
 const BOTTOM: f64 = 20.0;
 const MARGIN: f64 = 12.0;
-/// Height of small text, points.
-const SMALL: f64 = 8.0;
 const LINE: f64 = 1.2;
 /// Less flow is none, mL/min.
 const NONE: f64 = 1e-3;
@@ -57,9 +56,10 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
 }
 
 fn draw(sheet: &mut Sheet<'_>, shown: &[ArteryWaveform], period: f64, title: &str, [width, height]: [f64; 2]) -> Result<()> {
-    sheet.title(title, width / 2.0)?;
+    sheet.title(title, MARGIN + LEFT)?;
     if shown.iter().any(|artery| artery.states.len() > 1) {
-        legend(sheet, width)?;
+        let keys = [("as it is", Key::Line(LINE), UNPERTURBED), ("perturbed", Key::Line(LINE), PERTURBED)];
+        style::legend(sheet, MARGIN + LEFT, &keys)?;
     }
     for (at, artery) in shown.iter().enumerate() {
         let left = MARGIN + (at % IN_A_ROW) as f64 * (LEFT + PANEL[0]) + LEFT;
@@ -67,15 +67,6 @@ fn draw(sheet: &mut Sheet<'_>, shown: &[ArteryWaveform], period: f64, title: &st
         panel(sheet, artery, period, [left, top])?;
     }
     sheet.plain("time (s); flow in mL/min", [width / 2.0, height - BOTTOM / 2.0 - 2.0], Align::Middle)
-}
-
-fn legend(sheet: &mut Sheet<'_>, width: f64) -> Result<()> {
-    let y = 33.0;
-    for (x, name, rgb) in [(width / 2.0 - 110.0, "as it is", UNPERTURBED), (width / 2.0 + 10.0, "perturbed", PERTURBED)] {
-        sheet.line([[x, y], [x + 20.0, y]], LINE, rgb, 1.0)?;
-        sheet.plain(name, [x + 26.0, y], Align::Begin)?;
-    }
-    Ok(())
 }
 
 fn panel(sheet: &mut Sheet<'_>, artery: &ArteryWaveform, period: f64, [left, top]: [f64; 2]) -> Result<()> {

@@ -59,23 +59,59 @@ fn quantiles(figures: impl Iterator<Item = f64>) -> [f64; 5] {
     Distribution::of(figures.filter(|x| !x.is_nan()).collect()).quantiles
 }
 
-/// The picture `hypertension`: the bins of equal width. The last bin is in hypertension.csv only.
+/// A fit further from the forces than this over the root of the number of vessels is not drawn: the Kolmogorov-Smirnov bound of 5 %. The
+/// instances of one vessel are nearly equal, so that vessels are what counts.
+const FAR: f64 = 1.36;
+
+/// How many of the bins of hypertension.csv the picture draws as one: so many that at least 2 n^⅓ remain for n vessels (Rice's rule).
+fn bins_in_one(vessels: usize) -> usize {
+    let wanted = 2.0 * (vessels as f64).cbrt();
+    (1..=BINS).rev().find(|many| BINS.is_multiple_of(*many) && (BINS / many) as f64 >= wanted).unwrap_or(1)
+}
+
+/// The picture `hypertension`: the bins of equal width, some of them drawn as one. The last bin is in hypertension.csv only.
 pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
     let found = outcome.hypertension;
-    let edges: Vec<f64> = found.edges.iter().take(BINS + 1).map(|edge| mmhg_per_mm2(*edge)).collect();
-    let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
+    let vessels = outcome.result.unperturbed.force.iter().filter(|force| **force > 0.0).count();
+    let many = bins_in_one(vessels);
+    let edges: Vec<f64> = found.edges.iter().take(BINS + 1).step_by(many).map(|edge| mmhg_per_mm2(*edge)).collect();
     let one = |(class, found): (Class, &Hypertension)| {
         let total = found.counts.iter().sum::<u64>() as f64;
-        let density = found.counts.iter().zip(edges.windows(2)).map(|(count, bin)| *count as f64 / (total * (bin[1] - bin[0])));
-        let fit = found.fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
-        let figures =
-            fit.map(|g| format!("shape {:.2}, scale {:.3} mmHg/mm\u{b2}, KS {:.2}; ", g.shape, g.scale, found.distance));
-        let risk = format!("above threshold {}, by fit {}", percent(found.above), percent(found.above_by_fit));
-        let heading = format!("u {}: {}{risk}", name(class), figures.unwrap_or_default());
+        let counts = found.counts.chunks(many).map(|counts| counts.iter().sum::<u64>() as f64);
+        let density = counts.zip(edges.windows(2)).map(|(count, bin)| count / (total * (bin[1] - bin[0])));
+        let fit = found.fit.filter(|_| found.distance <= FAR / (vessels as f64).sqrt());
+        let fit = fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
+        let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
+        let risk = format!("{} above the threshold", percent(found.above));
+        let heading = match fit {
+            Some(gamma) => {
+                let (shape, mean, by_fit) = (gamma.shape, figures(gamma.shape * gamma.scale), percent(found.above_by_fit));
+                format!("u {}: {risk}, {by_fit} by the fit (shape {shape:.2}, mean {mean} mmHg/mm\u{b2})", name(class))
+            }
+            None if found.distance.is_nan() => format!("u {}: {risk}", name(class)),
+            None => format!("u {}: {risk}; no gamma distribution fits", name(class)),
+        };
         Histogram { heading, density: density.collect(), fit }
     };
     let classes = outcome.result.classes.iter().map(|(class, _)| *class).zip(&found.classes);
     let histograms =
         Histograms { threshold: mmhg_per_mm2(found.threshold), classes: classes.map(one).collect(), edges: edges.clone() };
     crate::report::figures::hypertension::hypertension(histograms)
+}
+
+/// A positive number with three digits.
+fn figures(x: f64) -> String {
+    let decimals = (2.0 - x.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{x:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2 n^⅓ is 2, 5.4, 12.6 and 43.1, and 50 is divided by 1, 2, 5, 10, 25 and 50.
+    #[test]
+    fn a_picture_has_as_many_bins_as_its_vessels_carry() {
+        assert_eq!([1, 20, 250, 10_000, 100_000].map(|vessels| BINS / bins_in_one(vessels)), [2, 10, 25, 50, 50]);
+    }
 }
