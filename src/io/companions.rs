@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Fault, Result};
 use crate::io::format::{Format, HEAD, format_of};
 use crate::io::images::metaimage::file_of_voxels;
-use crate::io::input::bytes_within;
+use crate::io::input::{content_within, unpacked_head, unpacked_name};
 use crate::io::read::{ReadOptions, without_mark};
 use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
 use crate::io::tables::reader::TableReader;
@@ -70,7 +70,7 @@ fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     // A file that cannot be read gives an error later, when it is read.
     let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
-    bytes
+    unpacked_head(&bytes, HEAD as usize)
 }
 
 /// The table of nodes in the folder of a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
@@ -92,7 +92,15 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
         names.extend([name.replace(from, to), name.replace(&capital(from), &capital(to))]);
         plain.push(format!("{to}.csv"));
     }
-    names.into_iter().chain(plain).filter(|n| n != name).map(|n| path.with_file_name(n)).find(|p| p.is_file())
+    // Each of the two tables may be packed or not.
+    let unpacked = unpacked_name(Path::new(name)).to_string_lossy().into_owned();
+    let either = |name: String| {
+        let plain = unpacked_name(Path::new(&name)).to_string_lossy().into_owned();
+        [name, plain.clone(), format!("{plain}.gz")]
+    };
+    let others = names.into_iter().chain(plain).flat_map(either);
+    let is_other = |other: &String| unpacked_name(Path::new(other)).to_string_lossy() != unpacked;
+    others.filter(is_other).map(|other| path.with_file_name(other)).find(|path| path.is_file())
 }
 
 /// Whether a table is that of the edges, and the other table, if it is in the same folder.
@@ -174,7 +182,7 @@ fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> 
     };
     let (is_edges, other) = other_table(path, bytes).map_err(|fault| fault.in_file(path))?;
     let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
-    let found = (other.clone(), bytes_within(&other, most)?);
+    let found = (other.clone(), content_within(&other, most)?);
     if is_edges {
         Ok((found, given(), format!("nodes are those of {}", other.display())))
     } else {
@@ -204,7 +212,7 @@ pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
 pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
     let found = find_nodes_table(path);
     let read = |nodes: &PathBuf| {
-        let bytes = bytes_within(nodes, options.max_input)?;
+        let bytes = content_within(nodes, options.max_input)?;
         read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
     };
     let nodes = found.as_ref().map(read).transpose()?;

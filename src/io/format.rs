@@ -8,8 +8,7 @@ use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
 use super::images::numpy::{read_npy_image, read_npy_mask};
-use super::images::{is_gzip, unpacked_head};
-use super::input::{bytes_within, checksum};
+use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, Document, ReadOptions};
@@ -290,7 +289,7 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
     let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let first = lines.next().unwrap_or_default();
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+    match unpacked_name(path).extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("swc") => return Ok(Format::Swc),
         Some("csv" | "tsv") => return Ok(table(path, first).unwrap_or(Format::Csv)),
         _ => {}
@@ -315,7 +314,7 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         return Ok(Some(Format::Nifti));
     }
     if is_gzip(bytes) {
-        return Err(Fault::file("the file is compressed by gzip", "expected a mask in NIfTI, or an unpacked file (gunzip)"));
+        return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
     }
     if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
         return Ok(Some(Format::VTrails));

@@ -1,10 +1,11 @@
-//! Reads input files: how large one may be, on the disk and unpacked, and its SHA-256.
+//! Reads input files, packed by gzip or not: how large one may be, on the disk and unpacked, and its SHA-256.
 
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, Read, Sink, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Fault, Result};
@@ -119,6 +120,62 @@ pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>>
         return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
     }
     Ok(bytes)
+}
+
+/// All bytes of a file that has at most `most`, without the gzip around them.
+///
+/// # Errors
+///
+/// The file cannot be read, is larger, or is damaged; it unpacks to too much.
+pub(crate) fn content_within(path: &Path, most: u64) -> Result<Vec<u8>> {
+    unpacked(bytes_within(path, most)?, most).map_err(|fault| fault.in_file(path))
+}
+
+/// Whether a file is packed by gzip.
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x1f\x8b")
+}
+
+/// The bytes of a file without the gzip around them, of which `most` are allowed.
+///
+/// # Errors
+///
+/// A damaged file, and one that unpacks to too much.
+pub(crate) fn unpacked(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, Fault> {
+    if !is_gzip(&bytes) {
+        return Ok(bytes);
+    }
+    let limit = UnpackLimit::of(bytes.len(), most);
+    let mut content = Vec::new();
+    let read = MultiGzDecoder::new(&*bytes).take(limit.left() as u64 + 1).read_to_end(&mut content);
+    read.map_err(|error| Fault::file(format!("damaged gzip: {error}"), "expected a whole file"))?;
+    limit.take(content.len()).map_err(|(found, accepted)| Fault::file(found, accepted))?;
+    Ok(content)
+}
+
+/// The first bytes of a file after gzip, at most `most`; the first bytes themselves where it is not packed.
+pub(crate) fn unpacked_head(bytes: &[u8], most: usize) -> Vec<u8> {
+    if !is_gzip(bytes) {
+        return bytes[..bytes.len().min(most)].to_vec();
+    }
+    let mut head = vec![0; most];
+    let mut decoder = MultiGzDecoder::new(bytes);
+    let mut filled = 0;
+    // What is damaged is said by whoever reads all of it.
+    while let Ok(count @ 1..) = decoder.read(&mut head[filled..]) {
+        filled += count;
+    }
+    head.truncate(filled);
+    head
+}
+
+/// The name that a packed file has without gzip: `a.swc` for `a.swc.gz`.
+pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz")) {
+        path.with_extension("")
+    } else {
+        path.to_owned()
+    }
 }
 
 /// A limit on how much the compressed parts of a file may unpack to, all together.

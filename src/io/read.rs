@@ -10,7 +10,8 @@ use super::unit_check::{check_extent, unit_check};
 use super::xml;
 use crate::error::{Error, Fault, Result};
 use crate::io::graphml::read_graphml;
-use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, bytes_within, checksum};
+use crate::io::images::nifti::{self, is_nifti};
+use crate::io::input::{LimitedFile, MAX_INPUT, bytes_up_to, checksum, content_within, unpacked, unpacked_head};
 use crate::io::tables::lists::add_loops;
 use crate::io::tables::reader::plural;
 use crate::masks::{Foreground, RadiusFrom};
@@ -143,9 +144,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
 ///
 /// As [`read`].
 pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Document> {
-    let bytes = without_mark(bytes);
-    let format = format_of(name, bytes).map_err(|fault| fault.in_file(name))?;
-    completed(format.read(name, bytes, checksum(bytes), options)?, name, options)
+    completed(read_content(name, bytes.to_vec(), checksum(bytes), options)?, name, options)
 }
 
 /// What was read, checked, with the links of the file beside it.
@@ -157,7 +156,7 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
             return Err(Error::parameter("loops", loops.display(), accepted));
         };
-        let bytes = bytes_within(loops, options.max_input)?;
+        let bytes = content_within(loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
@@ -165,7 +164,17 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
     Ok(document)
 }
 
-/// Reads a file and computes its SHA-256. GraphML is read as a stream.
+/// Reads what a file holds, whose checksum is given. Gzip around it is taken off, but for NIfTI, whose reader does so piece by piece.
+fn read_content(path: &Path, mut bytes: Vec<u8>, sha256: String, options: &ReadOptions) -> Result<Document> {
+    let here = |fault: Fault| fault.in_file(path);
+    if !is_nifti(&unpacked_head(&bytes, nifti::HEAD)) {
+        bytes = unpacked(bytes, options.max_input).map_err(here)?;
+    }
+    let bytes = without_mark(&bytes);
+    format_of(path, bytes).map_err(here)?.read(path, bytes, sha256, options)
+}
+
+/// Reads a file and computes its SHA-256. GraphML is read as a stream where it is not packed.
 fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
     let mut file = LimitedFile::open(path, options.max_input)?;
     let unread = |source| Error::Read { path: path.to_owned(), source };
@@ -179,17 +188,16 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
     }
     file.read_to_end(&mut all).map_err(unread)?;
     let sha256 = file.checksum();
-    let bytes = without_mark(&all);
-    format_of(path, bytes).map_err(|fault| fault.in_file(path))?.read(path, bytes, sha256, options)
+    read_content(path, all, sha256, options)
 }
 
-/// All bytes of a file.
+/// All bytes of a file, without the gzip around them.
 ///
 /// # Errors
 ///
-/// The file cannot be read, or has more than `MAX_INPUT` bytes; the error names it.
+/// The file cannot be read, is damaged, or has more than `MAX_INPUT` bytes; the error names it.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    bytes_up_to(path, MAX_INPUT, "")
+    unpacked(bytes_up_to(path, MAX_INPUT, "")?, MAX_INPUT).map_err(|fault| fault.in_file(path))
 }
 
 /// The bytes after a byte order mark.

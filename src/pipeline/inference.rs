@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::shard::Solver;
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
 use crate::circle_of_willis::{Posterior, Supply};
-use crate::decision::{Decision, Keep, Topology, decide, expected_errors, has_evidence};
+use crate::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::io::{Column, write_csv};
@@ -32,6 +32,8 @@ pub struct Inference {
     likelihood: Likelihood,
     method: Method,
     decision: Decision,
+    /// Whether every decision on L is clear, where the run was to go on until it is.
+    stable: Option<bool>,
     posterior: Option<(Posterior, String)>,
     /// Who feeds each territory and outlet, where the arteries are known.
     supplies: Vec<Supply>,
@@ -59,6 +61,8 @@ impl Prepared {
         time: Value,
     ) -> Result<Inference> {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
+        let until_stable = self.options.infer.until_stable;
+        let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
         let (mut posterior, mut supplies) = (None, Vec::new());
         if let Some(found) = &self.arteries {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
@@ -69,8 +73,8 @@ impl Prepared {
             let viscosity = options.viscosity;
             supplies = found.supplies(&self.graph, &topologies.weighted, self.outlets, viscosity).unwrap_or_default();
         }
-        let sampling = options.clone();
-        Ok(Inference { prepared: self.clone(), sampling, likelihood, method, decision, posterior, supplies, time })
+        let (prepared, sampling) = (self.clone(), options.clone());
+        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, supplies, time })
     }
 }
 
@@ -129,6 +133,7 @@ impl Inference {
             result: &self.likelihood,
             rule: *keep,
             answer: &self.decision,
+            stable: self.stable,
             kept: topology(&self.decision.kept),
             above_median: topology(&self.decision.above_median),
             expected: expected_errors(graph, &self.decision.kept),

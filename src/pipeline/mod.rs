@@ -327,7 +327,7 @@ impl Prepared {
         let options = &self.sampled_with(options);
         let until_stable = self.options.infer.until_stable;
         let begun = Instant::now();
-        progress.step(Step::Sampling { graph: &self.graph, options });
+        progress.step(Step::Sampling { graph: &self.graph, options, until_stable });
         let first = SamplingOptions { samples: if until_stable { FIRST_STABLE } else { options.samples }, ..options.clone() };
         let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
         let samples = sampling.samples();

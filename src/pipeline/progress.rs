@@ -89,5 +89,7 @@ pub enum Step<'a> {
         graph: &'a Network,
         /// How.
         options: &'a SamplingOptions,
+        /// Whether it goes on until every decision on L is clear.
+        until_stable: bool,
     },
 }

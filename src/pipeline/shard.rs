@@ -122,7 +122,7 @@ impl Prepared {
         let stored = serde_json::to_string(self).and_then(|text| serde_json::from_str::<Self>(&text));
         stored
             .map_err(|e| Error::parameter("range", "cannot be stored", format!("expected finite numbers in the graph ({e})")))?;
-        progress.step(Step::Sampling { graph: &self.graph, options: &options });
+        progress.step(Step::Sampling { graph: &self.graph, options: &options, until_stable: false });
         let begun = Instant::now();
         let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
         let range = samples_of(blocks, options.samples);

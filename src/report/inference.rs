@@ -86,6 +86,8 @@ pub struct Outcome<'a> {
     pub rule: Keep,
     /// The decisions.
     pub answer: &'a Decision,
+    /// Whether every decision on L is clear; `None` where the run was not to go on until it is.
+    pub stable: Option<bool>,
     /// The kept graph.
     pub kept: Topology,
     /// The graph above the median.

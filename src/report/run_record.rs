@@ -244,6 +244,7 @@ impl Summary {
             threshold: json!({ "rule": outcome.rule, "value": answer.threshold, "median": answer.median }),
             convergence: json!({
                 "undecided": answer.undecided.len(),
+                "stable": outcome.stable,
                 "undecided_edges": answer.undecided,
                 "within_standard_errors": (!by_evidence).then_some(UNDECIDED_Z),
                 "within_probability": by_evidence.then_some(UNDECIDED_BAND),

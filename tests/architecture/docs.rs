@@ -282,6 +282,7 @@ fn the_picture_of_the_readme_is_that_of_this_version() {
         return;
     };
     let script = root().join("docs/answer.py");
-    let checked = Command::new(python).arg(script).arg("--check").env("WILLIS", env!("CARGO_BIN_EXE_willis")).output().expect("runs");
+    let checked =
+        Command::new(python).arg(script).arg("--check").env("WILLIS", env!("CARGO_BIN_EXE_willis")).output().expect("runs");
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }

@@ -15,6 +15,7 @@ mod conditions;
 mod convert;
 mod damaged;
 mod frames;
+mod gzip;
 mod hostile;
 mod hostile_outputs;
 mod icafe;

@@ -173,7 +173,12 @@ fn name(network: &Network, row: usize) -> String {
 
 /// The change as a share of what was before.
 fn relative(before: f64, after: f64) -> String {
-    if before == 0.0 { String::new() } else { format!(" ({:+.1} %)", 100.0 * (after / before - 1.0)) }
+    let percent = 100.0 * (after / before - 1.0);
+    match percent.abs() {
+        _ if before == 0.0 => String::new(),
+        0.0..0.05 => " (by less than 0.05 %)".to_owned(),
+        _ => format!(" ({percent:+.1} %)"),
+    }
 }
 
 fn more(all: usize, shown: usize) -> String {

@@ -24,6 +24,12 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
     say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    if let Some(stable) = outcome.stable {
+        let about = if outcome.rule.asks_evidence() { "about the median of L" } else { "of the rule" };
+        let clear = format!("every decision {about} is two standard errors from turning");
+        let open = format!("not yet: after so many samples a decision {about} is still within two standard errors of turning");
+        say("stable", if stable { clear } else { open });
+    }
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (Keep::Probability(p), _) => format!("probability >= {p}"),

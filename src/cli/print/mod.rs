@@ -310,11 +310,12 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
         }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
         Step::Note(note) => terminal.say("note", note),
-        Step::Sampling { graph, options } => {
+        Step::Sampling { graph, options, until_stable } => {
+            let samples =
+                if *until_stable { "samples until stable".to_owned() } else { format!("{} samples", count(options.samples)) };
             let uncertain = options.uncertain.vessels(graph).iter().filter(|u| **u).count();
             let threads = plural(rayon::current_num_threads(), "thread");
-            let how =
-                format!("epsilon {}, {} samples, seed {}, {threads}", options.epsilon, count(options.samples), options.seed);
+            let how = format!("epsilon {}, {samples}, seed {}, {threads}", options.epsilon, options.seed);
             let vessels = plural(graph.vessel_count(), "vessel");
             terminal.say("sampling", format!("{how}: {} of {vessels} uncertain", count(uncertain as u64)));
         }

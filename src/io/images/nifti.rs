@@ -9,10 +9,10 @@ use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
 
-use super::is_gzip;
 use super::voxels::Voxels;
 use crate::error::Fault;
 use crate::io::binary::{NumberType, signed, word};
+use crate::io::input::is_gzip;
 use crate::masks::{Affine, Image, Mask};
 use crate::support::geometry::norm;
 

@@ -1,7 +1,5 @@
 //! Finds the columns of an input that are not read, such as the results of an earlier run.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use super::graph::{self, END_POSITION_COLUMNS};
@@ -41,7 +39,8 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
 
 /// An attribute of every XML element of one name, up to the first element called `end`.
 fn named(path: &Path, (element, attribute): (&str, &str), end: &str) -> Option<Vec<String>> {
-    let mut events = Events::new(BufReader::new(File::open(path).ok()?));
+    let bytes = bytes_of(path).ok()?;
+    let mut events = Events::new(&*bytes);
     let mut names = Vec::new();
     let mut add = |tag: &Tag| -> Result<bool, Fault> {
         if tag.name() == element {

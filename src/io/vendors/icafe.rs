@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Fault, Result};
 use crate::io::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
 use crate::io::format::Format;
-use crate::io::input::bytes_within;
+use crate::io::input::{bytes_within, content_within};
 use crate::io::read::{Content, ReadOptions, without_mark};
 use crate::io::swc::read_swc;
 use crate::io::tables::reader::TableReader;
@@ -162,7 +162,7 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
     if let Some(table) = find_table_of_vessels(path)
-        && let Some(note) = name_vessels(&mut lines, &bytes_within(&table, options.max_input)?, &table, &options.scale)?
+        && let Some(note) = name_vessels(&mut lines, &content_within(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
         notes.push(note);
@@ -175,7 +175,7 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
     let tracing = find_tracing(path).map_err(here)?;
-    let traced = bytes_within(&tracing, options.max_input)?;
+    let traced = content_within(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
     let wrong = || {

@@ -21,6 +21,7 @@ pub fn page(page: &Page) -> io::Result<Value> {
     Ok(json!({
         "title": page.title,
         "record": page.record,
+        "lead": page.lead,
         "warnings": page.warnings,
         "facts": page.facts,
         "scene": page.scene.as_ref().map_or(Value::Null, scene),

@@ -76,6 +76,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
     Page {
         title: title("infer", &record),
+        lead: Vec::new(),
         warnings,
         facts: facts(&record, &names),
         record,

@@ -3,6 +3,7 @@
 pub(crate) mod cohort;
 mod encode;
 mod inference;
+mod lead;
 mod modulation;
 pub(crate) mod phenotype;
 mod pulse;
@@ -36,9 +37,11 @@ pub struct Page {
     pub title: String,
     /// The record of the run, as in run.json: command, seed, parameters, notes.
     pub record: Value,
+    /// The sentence that it begins with; empty where the page makes one of its vessels.
+    pub lead: Vec<lead::Part>,
     /// What a reader should know before anything else.
     pub warnings: Vec<String>,
-    /// The figures at the top of the page.
+    /// The figures at the end of the page.
     pub facts: Vec<Fact>,
     /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
     pub phenotype: Option<Value>,

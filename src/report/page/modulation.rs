@@ -33,6 +33,7 @@ const VARIATION: [&str; 4] =
 pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Picture>) -> Page {
     let mut record = record(of_run);
     let warnings = super::warnings(&record);
+    let lead = super::lead::modulation(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let facts = facts(
         &record,
@@ -65,6 +66,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
     Page {
         title: title("modulate", &record),
         record,
+        lead,
         warnings,
         facts,
         phenotype: None,

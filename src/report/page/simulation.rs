@@ -29,6 +29,7 @@ pub fn page(
     let perturbed = simulated.result.perturbed.is_some();
     let mut record = record(flow_record);
     let warnings = super::warnings(&record);
+    let lead = super::lead::simulation(&record);
     let mut facts = facts(&record, &FACTS);
     facts.extend(super::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
     let mut part = |name| take(&mut record, name);
@@ -54,6 +55,7 @@ pub fn page(
     Page {
         title: title("simulate", &record),
         record,
+        lead,
         warnings,
         facts,
         phenotype: None,

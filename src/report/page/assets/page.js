@@ -70,13 +70,7 @@ function showAnswer() {
     if (threshold.decided.size) words.push(" ", figure(`${grouped(threshold.decided.size)} decided by a person.`, false));
     else if (!threshold.asRun && threshold.now !== threshold.cut) words.push(" ", figure("At another threshold than that of the run.", false));
   }
-  if (!threshold) {
-    // What a simulation leads with: the inflow and what became of it.
-    const of = name => data.facts.find(([fact]) => fact === name), inflow = of("inflow"), after = of("inflow perturbed"), reversed = of("reversed flows");
-    if (inflow) words.push(figure(after ? `Inflow ${shown(inflow[1], 3)} → ${shown(after[1], 3)} ${inflow[2]}` : `Inflow ${shown(inflow[1], 3)} ${inflow[2]}`));
-    if (reversed) words.push("; ", figure(reversed[1] === 0 ? "no flow is reversed" : `${count(reversed[1], "flow is", "flows are")} reversed`));
-    if (inflow) words.push(".");
-  }
+  words.push(...data.lead.map(([text, strong]) => figure(text, strong)));
   const phenotype = data.phenotype;
   if (phenotype) {
     const known = phenotype.probabilities;
@@ -90,10 +84,8 @@ function showFacts() {
   const [warnings, facts] = [data.warnings || [], data.facts.filter(([, value]) => value !== null)];
   byId("warnings").hidden = warnings.length === 0;
   byId("warnings").append(...warnings.map(text => make("li", { text })));
-  byId("facts").hidden = Boolean(threshold);
   const tiles = facts.map(([name, value, unit]) => make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit }))));
-  (threshold ? make("dl", { class: "facts" }, ...tiles) : byId("facts")).append(...tiles);
-  if (threshold) byId("settings").prepend(byId("settings").firstElementChild, make("dl", { class: "facts" }, ...tiles));
+  byId("facts").append(...tiles);
   const { input, willis } = data.record;
   byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
 }
@@ -206,7 +198,7 @@ function showThreshold() {
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = threshold.asRun || threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
+    number.value = threshold.asRun || threshold.now === null ? "" : String(threshold.now).length > 8 ? threshold.round(threshold.stop()) : threshold.now;
     histogram.show(byId("histogram"));
     showAnswer();
     dress();

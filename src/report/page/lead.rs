@@ -1,0 +1,141 @@
+//! The sentence that a page of a simulation or a modulation begins with: what came of it, from its record.
+
+use serde_json::Value;
+
+/// A part of the sentence, and whether it stands out.
+pub type Part = (String, bool);
+
+/// A number with three digits, in full below a million.
+fn brief(x: f64) -> String {
+    let size = x.abs();
+    if size == 0.0 || !size.is_finite() {
+        return x.to_string();
+    }
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{x:.2e}");
+    }
+    let decimals = (2.0 - size.log10().floor()).max(0.0) as usize;
+    format!("{x:.decimals$}").replace('-', "\u{2212}")
+}
+
+/// A change as a percentage.
+fn change(before: f64, after: f64) -> String {
+    let percent = 100.0 * (after / before - 1.0);
+    match percent.abs() {
+        size if !size.is_finite() => String::new(),
+        0.0..0.05 => " (by less than 0.05 %)".to_owned(),
+        _ => format!(" ({}{:.1} %)", if percent < 0.0 { "\u{2212}" } else { "+" }, percent.abs()),
+    }
+}
+
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// What a simulation is about: its inflow, what the perturbations change, which flows turn round.
+pub fn simulation(record: &Value) -> Vec<Part> {
+    let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64);
+    let list = |name: &str| record[name].as_array().map_or(&[][..], Vec::as_slice);
+    let name = |vessel: &Value| match vessel["label"].as_str() {
+        Some(label) if !label.is_empty() => label.to_owned(),
+        _ => format!("edge {}", vessel["edge"]),
+    };
+    let Some(inflow) = number("/total_inflow_mL_per_min") else { return Vec::new() };
+    let Some(after) = number("/total_inflow_mL_per_min_perturbed") else {
+        let [carrying, all] = ["/counts/diffused", "/counts/vessels"].map(|pointer| number(pointer).unwrap_or_default());
+        return vec![
+            (format!("{} mL/min flow in", brief(inflow)), true),
+            (format!("; blood flows in {carrying} of {}.", counted(all as usize, "vessel", "vessels")), false),
+        ];
+    };
+    let mut parts = vec![
+        (format!("Inflow {} \u{2192} {} mL/min{}", brief(inflow), brief(after), change(inflow, after)), true),
+        ("; ".to_owned(), false),
+    ];
+    let reversed = list("reversed");
+    parts.push(match reversed {
+        [] => ("no flow is reversed".to_owned(), true),
+        [one] => (format!("the flow of {} is reversed", name(one)), true),
+        many => (format!("{} flows are reversed", many.len()), true),
+    });
+    if let Some(first) = list("collaterals").first() {
+        let gain = first["gain_mL_per_min"].as_f64().unwrap_or_default();
+        parts.push((format!("; {} gains most, {} mL/min", name(first), brief(gain)), false));
+    }
+    let changed = list("perturbations");
+    let what = match changed {
+        [] => String::new(),
+        [one] => format!(" Changed was {}.", name(one)),
+        many => format!(" Changed were {}.", counted(many.len(), "vessel", "vessels")),
+    };
+    parts.push((format!(".{what}"), false));
+    parts
+}
+
+/// What a modulation is about: how the class of the strongest modulation changes inflow, resilience and hypertension.
+pub fn modulation(record: &Value) -> Vec<Part> {
+    let class = record["classes"].as_array().and_then(|classes| classes.last());
+    let (Some(class), rest) = (class, &record["unperturbed"]) else { return Vec::new() };
+    let of = |name: &str| Some((rest[name].as_f64()?, class[name].as_f64()?));
+    let Some((inflow, modulated)) = of("total_inflow_mL_per_min") else { return Vec::new() };
+    let range = class["class"].as_str().unwrap_or_default().replace(':', "\u{2013}");
+    let mut parts = vec![
+        (format!("With u in {range} "), false),
+        (format!("inflow goes from {} to {} mL/min{}", brief(inflow), brief(modulated), change(inflow, modulated)), true),
+    ];
+    if let Some((before, after)) = of("rho_G_W_per_m3") {
+        parts.push((", ".to_owned(), false));
+        parts.push((
+            format!("resilience \u{3c1}_G from {} to {} W/m\u{b3}{}", brief(before), brief(after), change(before, after)),
+            true,
+        ));
+    }
+    if let Some((before, after)) = of("share_above_threshold") {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        parts.push((
+            format!("; {} of the vessels are above the threshold of hypertension, before {}", percent(after), percent(before)),
+            false,
+        ));
+    }
+    parts.push((".".to_owned(), false));
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn read(parts: &[Part]) -> String {
+        parts.iter().map(|(text, _)| text.as_str()).collect()
+    }
+
+    /// 600 -> 540 is a tenth less; 1000 -> 1000.1 is a hundredth of a percent.
+    #[test]
+    fn a_page_begins_with_what_came_of_the_run() {
+        let plain = json!({ "total_inflow_mL_per_min": 641.638, "counts": { "diffused": 51, "vessels": 52 } });
+        assert_eq!(read(&simulation(&plain)), "642 mL/min flow in; blood flows in 51 of 52 vessels.");
+        let of = |reversed: Value| {
+            json!({
+                "total_inflow_mL_per_min": 600.0,
+                "total_inflow_mL_per_min_perturbed": 540.0,
+                "perturbations": [{ "edge": 4, "label": "BA" }],
+                "collaterals": [{ "edge": 15, "label": "", "gain_mL_per_min": 28.53 }],
+                "reversed": reversed,
+            })
+        };
+        assert_eq!(
+            read(&simulation(&of(json!([])))),
+            "Inflow 600 \u{2192} 540 mL/min (\u{2212}10.0 %); no flow is reversed; edge 15 gains most, 28.5 mL/min. Changed was BA."
+        );
+        assert!(read(&simulation(&of(json!([{ "edge": 7, "label": "" }])))).contains("the flow of edge 7 is reversed"));
+        let class = |inflow: f64| json!({ "class": "0.3:0.5", "total_inflow_mL_per_min": inflow, "rho_G_W_per_m3": 2.0, "share_above_threshold": 0.041 });
+        let record = json!({ "unperturbed": class(1000.0), "classes": [class(1.0), class(1000.1)] });
+        assert_eq!(
+            read(&modulation(&record)),
+            "With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience \u{3c1}_G from 2.00 to 2.00 W/m\u{b3} \
+             (by less than 0.05 %); 4.1 % of the vessels are above the threshold of hypertension, before 4.1 %."
+        );
+        assert!(simulation(&json!({})).is_empty() && modulation(&json!({})).is_empty());
+    }
+}

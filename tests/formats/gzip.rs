@@ -1,0 +1,99 @@
+//! Files that are packed by gzip (by flate2, as gzip(1) packs them): read as what they hold, bounded, with errors that name the file.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use crate::command;
+
+fn pack(from: &Path, to: &Path) {
+    fs::write(to, packed(&fs::read(from).expect("a file"))).expect("packed");
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut out = GzEncoder::new(Vec::new(), Compression::default());
+    out.write_all(bytes).expect("packed");
+    out.finish().expect("packed")
+}
+
+/// Each format converts to the same bytes packed and unpacked, whatever the name of the packed file.
+#[test]
+fn a_packed_file_of_any_format_is_read_as_what_it_holds() {
+    let here = command::folder();
+    let place = |name: &str| here.path().join(name);
+    let run = |arguments: &[&str]| {
+        let ran = command::willis(here.path(), arguments);
+        assert!(ran.status.success(), "{arguments:?}: {}", command::stderr(&ran));
+    };
+    let scan = command::data("broken-circle-of-willis.swc");
+    for (plain, name) in [
+        ("a.swc", "a.swc.gz"),
+        ("a.vtp", "a.vtp.gz"),
+        ("a.vtk", "a.VTK.GZ"),
+        ("a.graphml", "graph.gz"),
+        ("a.json", "a.mrk.json.gz"),
+        ("a.tre", "a.tre.gz"),
+        ("a.npz", "a.npz.gz"),
+    ] {
+        run(&["convert", &scan, plain]);
+        pack(&place(plain), &place(name));
+        run(&["convert", plain, "one.graphml", "--force"]);
+        run(&["convert", name, "two.graphml", "--force"]);
+        assert_eq!(fs::read(place("one.graphml")).expect("one"), fs::read(place("two.graphml")).expect("two"), "{name}");
+    }
+    // A table of vessels finds that of the nodes, either of them packed.
+    run(&["convert", &scan, "b-edges.csv"]);
+    run(&["convert", "b-edges.csv", "one.graphml", "--force"]);
+    fs::create_dir(place("packed")).expect("a folder");
+    for (edges, nodes) in [("b-edges.csv.gz", "b-nodes.csv.gz"), ("b-edges.csv", "b-nodes.csv.gz"), ("b-edges.csv.gz", "b-nodes.csv")] {
+        for (plain, name) in [("b-edges.csv", edges), ("b-nodes.csv", nodes)] {
+            let to = place("packed").join(name);
+            if name == plain { drop(fs::copy(place(plain), &to)) } else { pack(&place(plain), &to) }
+        }
+        run(&["convert", &format!("packed/{edges}"), "two.graphml", "--force"]);
+        assert_eq!(fs::read(place("one.graphml")).expect("one"), fs::read(place("two.graphml")).expect("two"), "{edges}, {nodes}");
+        fs::remove_dir_all(place("packed")).and_then(|()| fs::create_dir(place("packed"))).expect("an empty folder");
+    }
+}
+
+/// Landmarks and conditions are read packed too: the answer is that of the plain files.
+#[test]
+fn the_files_beside_an_input_may_be_packed() {
+    let here = command::folder();
+    let marks = command::data("broken-circle-of-willis.landmarks.csv");
+    pack(Path::new(&marks), &here.path().join("marks.csv.gz"));
+    let scan = command::data("broken-circle-of-willis.swc");
+    for (file, out) in [(&*marks, "one"), ("marks.csv.gz", "two")] {
+        let ran = command::willis(here.path(), &["infer", &scan, "-n", "64", "--landmarks", file, "-o", out]);
+        assert!(ran.status.success(), "{}", command::stderr(&ran));
+    }
+    let table = |out: &str| fs::read(here.path().join(out).join("phenotype.csv")).expect("a table");
+    assert_eq!(table("one"), table("two"));
+}
+
+/// A file of nothing but zeros packs to a thousandth; one that is cut is damaged; one that is packed twice is no format.
+#[test]
+fn what_is_damaged_or_unpacks_to_too_much_is_refused_by_name() {
+    let here = command::folder();
+    let good = packed(&fs::read(command::data("broken-circle-of-willis.swc")).expect("the example"));
+    let refused = |name: &str, bytes: &[u8], options: &[&str]| {
+        fs::write(here.path().join(name), bytes).expect("a file");
+        let ran = command::willis(here.path(), &[&["convert", name, "out.vtp"], options].concat());
+        assert_eq!(ran.status.code(), Some(2), "{}", command::stderr(&ran));
+        assert!(!here.path().join("out.vtp").exists());
+        command::stderr(&ran)
+    };
+    let said = refused("bomb.swc.gz", &packed(&vec![b' '; 100 << 20]), &[]);
+    assert!(said.contains("bomb.swc.gz") && said.contains("more than 64.0 MiB unpacked"), "{said}");
+    let said = refused("cut.swc.gz", &good[..good.len() / 2], &[]);
+    assert!(said.contains("cut.swc.gz") && said.contains("damaged gzip"), "{said}");
+    let said = refused("twice.swc.gz", &packed(&good), &[]);
+    assert!(said.contains("twice.swc.gz") && said.contains("packed by gzip twice"), "{said}");
+    let said = refused("much.swc.gz", &good, &["--max-input", "60kB"]);
+    assert!(said.contains("much.swc.gz") && said.contains("--max-input"), "{said}");
+    let fault = refused("fault.swc.gz", &packed(b"1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n"), &[]);
+    assert!(fault.contains("fault.swc.gz") && fault.contains('2'), "{fault}");
+}
