@@ -265,3 +265,33 @@ fn an_option_for_found_outlets_says_when_there_are_none() {
         assert!(output.status.success() && stderr(&output).contains("--outlets changes nothing"), "{}", stderr(&output));
     }
 }
+
+/// At 1,024 samples and more a run goes on until every decision on L is clear, and says so; run.json has it, and only then.
+#[test]
+fn a_run_until_stable_says_that_it_is() {
+    let here = folder();
+    let scan = data("broken-circle-of-willis.swc");
+    let record = |out: &str| -> serde_json::Value {
+        serde_json::from_slice(&fs::read(here.path().join(out).join("run.json")).expect("a record")).expect("JSON")
+    };
+    let ran = willis(here.path(), &["infer", &scan, "--keep", "median", "--until", "stable", "-o", "stable"]);
+    let said = stderr(&ran);
+    assert!(
+        said.contains("samples until stable") && said.contains("stable  every decision of the rule is two standard errors"),
+        "{said}"
+    );
+    let stable = record("stable");
+    assert_eq!((&stable["convergence"]["stable"], &stable["convergence"]["undecided"]), (&true.into(), &0.into()));
+    willis(here.path(), &["infer", &scan, "-n", "64", "-o", "fixed"]);
+    assert!(record("fixed")["convergence"]["stable"].is_null());
+}
+
+/// A perturbation of less than 0.05 % is no `+0.0 %`.
+#[test]
+fn a_change_that_is_too_small_to_show_is_said_in_words() {
+    let here = folder();
+    let graph = data("circle-of-willis/complete.graphml");
+    let ran = willis(here.path(), &["simulate", &graph, "--stenosis", "edge:0=0.01%", "-o", "out"]);
+    let said = stderr(&ran);
+    assert!(ran.status.success() && said.contains("(by less than 0.05 %)") && !said.contains("0.0 %)"), "{said}");
+}

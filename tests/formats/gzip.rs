@@ -48,13 +48,19 @@ fn a_packed_file_of_any_format_is_read_as_what_it_holds() {
     run(&["convert", &scan, "b-edges.csv"]);
     run(&["convert", "b-edges.csv", "one.graphml", "--force"]);
     fs::create_dir(place("packed")).expect("a folder");
-    for (edges, nodes) in [("b-edges.csv.gz", "b-nodes.csv.gz"), ("b-edges.csv", "b-nodes.csv.gz"), ("b-edges.csv.gz", "b-nodes.csv")] {
+    for (edges, nodes) in
+        [("b-edges.csv.gz", "b-nodes.csv.gz"), ("b-edges.csv", "b-nodes.csv.gz"), ("b-edges.csv.gz", "b-nodes.csv")]
+    {
         for (plain, name) in [("b-edges.csv", edges), ("b-nodes.csv", nodes)] {
             let to = place("packed").join(name);
             if name == plain { drop(fs::copy(place(plain), &to)) } else { pack(&place(plain), &to) }
         }
         run(&["convert", &format!("packed/{edges}"), "two.graphml", "--force"]);
-        assert_eq!(fs::read(place("one.graphml")).expect("one"), fs::read(place("two.graphml")).expect("two"), "{edges}, {nodes}");
+        assert_eq!(
+            fs::read(place("one.graphml")).expect("one"),
+            fs::read(place("two.graphml")).expect("two"),
+            "{edges}, {nodes}"
+        );
         fs::remove_dir_all(place("packed")).and_then(|()| fs::create_dir(place("packed"))).expect("an empty folder");
     }
 }

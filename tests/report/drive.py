@@ -177,6 +177,10 @@ def check_threshold(page):
     before = page.counts()["kept"]
     slider.send_keys(Keys.ARROW_RIGHT)
     assert page.counts()["kept"] < before and page.counts() == recount(page, page.threshold())
+    if page.one("#to-median").is_displayed():
+        page.click("#to-median")
+        assert page.counts()["kept"] == page.record["counts"]["topology_median"]["kept"]
+        assert len(page.one("#number").get_property("value")) <= 12
     page.click("#to-run")
     assert page.counts() == start
 
@@ -279,6 +283,17 @@ def check_picking(page):
         assert marked == "true"
 
 
+def check_lead(page):
+    """Every page begins with a sentence whose figures are those of run.json; the equal tiles stand with the settings, folded."""
+    said, record = page.text("#answer-words"), page.record
+    assert said.endswith(".") and not page.one("#facts").is_displayed(), said
+    inflows = [record.get("total_inflow_mL_per_min"), record.get("total_inflow_mL_per_min_perturbed")]
+    if "classes" in record:
+        inflows = [part["total_inflow_mL_per_min"] for part in (record["unperturbed"], record["classes"][-1])]
+    for inflow in filter(None, inflows):
+        assert f"{inflow:.0f}" in said or f"{inflow:.3g}" in said, (inflow, said)
+
+
 def check_colours(page):
     """Every figure to colour by gives its own picture and a scale."""
     options = page.driver.execute_script("return [...document.querySelectorAll('#colour-by option')].map(o => o.textContent)")
@@ -362,6 +377,7 @@ def main():
                     print(folder, "holds")
                     continue
                 check_labels(page)
+                check_lead(page)
                 if page.one("#threshold").is_displayed():
                     check_threshold(page)
                     check_toggles(page)

@@ -52,6 +52,11 @@ impl Figure {
         self.name
     }
 
+    /// Whether it is so wide for its height that it needs the width of a page.
+    pub fn is_wide(&self) -> bool {
+        self.inches[0] > 1.7 * self.inches[1]
+    }
+
     /// The PNG file, 8-bit RGB, with its resolution: `dpi` pixels per inch (36 to 1200).
     ///
     /// # Errors

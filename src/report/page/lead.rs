@@ -48,8 +48,22 @@ pub fn simulation(record: &Value) -> Vec<Part> {
             (format!("; blood flows in {carrying} of {}.", counted(all as usize, "vessel", "vessels")), false),
         ];
     };
+    let what = match list("perturbations") {
+        [] => "Without a change".to_owned(),
+        [one] => {
+            let kind = match one["kind"].as_str() {
+                Some("stenosis") => "Stenosis",
+                Some("occlusion") => "Occlusion",
+                Some("tortuosity") => "Tortuosity",
+                _ => "Change",
+            };
+            format!("{kind} of {}", name(one))
+        }
+        many => format!("{} vessels changed", many.len()),
+    };
     let mut parts = vec![
-        (format!("Inflow {} \u{2192} {} mL/min{}", brief(inflow), brief(after), change(inflow, after)), true),
+        (format!("{what}: "), false),
+        (format!("inflow {} \u{2192} {} mL/min{}", brief(inflow), brief(after), change(inflow, after)), true),
         ("; ".to_owned(), false),
     ];
     let reversed = list("reversed");
@@ -62,13 +76,7 @@ pub fn simulation(record: &Value) -> Vec<Part> {
         let gain = first["gain_mL_per_min"].as_f64().unwrap_or_default();
         parts.push((format!("; {} gains most, {} mL/min", name(first), brief(gain)), false));
     }
-    let changed = list("perturbations");
-    let what = match changed {
-        [] => String::new(),
-        [one] => format!(" Changed was {}.", name(one)),
-        many => format!(" Changed were {}.", counted(many.len(), "vessel", "vessels")),
-    };
-    parts.push((format!(".{what}"), false));
+    parts.push((".".to_owned(), false));
     parts
 }
 
@@ -85,10 +93,7 @@ pub fn modulation(record: &Value) -> Vec<Part> {
     ];
     if let Some((before, after)) = of("rho_G_W_per_m3") {
         parts.push((", ".to_owned(), false));
-        parts.push((
-            format!("resilience \u{3c1}_G from {} to {} W/m\u{b3}{}", brief(before), brief(after), change(before, after)),
-            true,
-        ));
+        parts.push((format!("resilience from {} to {} W/m\u{b3}{}", brief(before), brief(after), change(before, after)), true));
     }
     if let Some((before, after)) = of("share_above_threshold") {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
@@ -119,21 +124,21 @@ mod tests {
             json!({
                 "total_inflow_mL_per_min": 600.0,
                 "total_inflow_mL_per_min_perturbed": 540.0,
-                "perturbations": [{ "edge": 4, "label": "BA" }],
+                "perturbations": [{ "edge": 4, "label": "BA", "kind": "stenosis" }],
                 "collaterals": [{ "edge": 15, "label": "", "gain_mL_per_min": 28.53 }],
                 "reversed": reversed,
             })
         };
         assert_eq!(
             read(&simulation(&of(json!([])))),
-            "Inflow 600 \u{2192} 540 mL/min (\u{2212}10.0 %); no flow is reversed; edge 15 gains most, 28.5 mL/min. Changed was BA."
+            "Stenosis of BA: inflow 600 \u{2192} 540 mL/min (\u{2212}10.0 %); no flow is reversed; edge 15 gains most, 28.5 mL/min."
         );
         assert!(read(&simulation(&of(json!([{ "edge": 7, "label": "" }])))).contains("the flow of edge 7 is reversed"));
         let class = |inflow: f64| json!({ "class": "0.3:0.5", "total_inflow_mL_per_min": inflow, "rho_G_W_per_m3": 2.0, "share_above_threshold": 0.041 });
         let record = json!({ "unperturbed": class(1000.0), "classes": [class(1.0), class(1000.1)] });
         assert_eq!(
             read(&modulation(&record)),
-            "With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience \u{3c1}_G from 2.00 to 2.00 W/m\u{b3} \
+            "With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience from 2.00 to 2.00 W/m\u{b3} \
              (by less than 0.05 %); 4.1 % of the vessels are above the threshold of hypertension, before 4.1 %."
         );
         assert!(simulation(&json!({})).is_empty() && modulation(&json!({})).is_empty());

@@ -305,6 +305,8 @@ pub struct Picture {
     pub caption: &'static str,
     /// The picture itself as a data URL.
     source: String,
+    /// Whether it takes the width of two.
+    wide: bool,
 }
 
 impl Picture {
@@ -317,7 +319,8 @@ impl Picture {
         let drawing = figure.svg()?;
         let (kind, bytes) =
             if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
-        Ok(Self { title, caption, source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)) })
+        let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+        Ok(Self { title, caption, source, wide: figure.is_wide() })
     }
 }
 

@@ -92,8 +92,8 @@ function showFacts() {
 
 function showFigures() {
   byId("figures").hidden = data.figures.length === 0;
-  byId("pictures").append(...data.figures.map(({ title, caption, source }) =>
-    make("figure", {}, make("img", { src: source, alt: caption }), make("figcaption", {}, make("b", { text: title }), `. ${caption}`))));
+  byId("pictures").append(...data.figures.map(({ title, caption, source, wide }) =>
+    make("figure", { class: wide ? "wide" : null }, make("img", { src: source, alt: caption }), make("figcaption", {}, make("b", { text: title }), `. ${caption}`))));
 }
 
 function showTables() {
@@ -198,7 +198,7 @@ function showThreshold() {
     for (const name of ["kept", "pruned", "undecided", "components", "cycles"]) byId(`count-${name}`).textContent = grouped(counts[name]);
     slider.value = threshold.stop();
     slider.setAttribute("aria-valuetext", value);
-    number.value = threshold.asRun || threshold.now === null ? "" : String(threshold.now).length > 8 ? threshold.round(threshold.stop()) : threshold.now;
+    number.value = threshold.asRun || threshold.now === null ? "" : threshold.now === threshold.cut ? threshold.round(threshold.stop()) : threshold.now;
     histogram.show(byId("histogram"));
     showAnswer();
     dress();
@@ -215,7 +215,11 @@ function showThreshold() {
   number.addEventListener("change", () => { if (number.value !== "" && Number.isFinite(Number(number.value))) set(Number(number.value)); else show(); });
   byId("to-run").addEventListener("click", () => { threshold.toRun(); show(); });
   byId("to-median").hidden = threshold.median === null;
-  byId("to-median").addEventListener("click", () => set(threshold.median));
+  // The median in few digits, which keeps the same vessels.
+  byId("to-median").addEventListener("click", () => {
+    threshold.set(threshold.median);
+    if (threshold.median === threshold.cut) show(); else set(threshold.round(threshold.stop()));
+  });
   for (const box of Object.values(shownState)) box.addEventListener("change", dress);
   show();
   return show;
