@@ -38,13 +38,14 @@ WORDS = ["none", "one", "two", "three", "four", "five", "six", "seven", "eight",
 
 
 def topology():
-    """The vessels of topology.graphml as the main job writes it, each a dictionary of its attributes."""
+    """The vessels of topology.graphml as the main job writes it, each a dictionary of its attributes, and how many connections are undecided."""
     willis = [os.environ["WILLIS"]] if "WILLIS" in os.environ else ["cargo", "run", "--release", "--"]
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([*willis, "infer", SCAN, "-o", f"{folder}/out", "--quiet"], check=True, cwd=ROOT)
         root = ET.parse(f"{folder}/out/topology.graphml").getroot()
+        undecided = json.loads(Path(f"{folder}/out/run.json").read_text())["convergence"]["undecided"]
     names = {key.get("id"): key.get("attr.name") for key in root.iter(f"{GRAPHML}key")}
-    return [{names[data.get("key")]: data.text for data in edge} for edge in root.iter(f"{GRAPHML}edge")]
+    return [{names[data.get("key")]: data.text for data in edge} for edge in root.iter(f"{GRAPHML}edge")], undecided
 
 
 def course(vessel):
@@ -66,14 +67,15 @@ def closes(vessel, gap):
     return any(max(math.dist(a, p), math.dist(b, q)) < NEAR for a, b in (ends, ends[::-1]) for p, q in [gap])
 
 
-def words(added):
+def words(added, undecided):
     """What the README says of the picture."""
     right = [v for v in added if any(closes(v, gap) for gap in gaps())]
     wrong = sorted((float(v["probability"]) for v in added if v not in right), reverse=True)
     closed = sum(any(closes(v, gap) for v in added) for gap in gaps())
-    said = f"willis closes {WORDS[closed]} of the {WORDS[len(gaps())]}."
+    left = f", and leaves {WORDS[undecided]} possible connection{'s' * (undecided != 1)} to a person" if undecided else ""
+    said = f"willis closes {WORDS[closed]} of the {WORDS[len(gaps())]}{left}."
     if not wrong:
-        return f"{said} It makes no wrong connection."
+        return said
     which = "One connection that it makes is wrong; its probability is" if len(wrong) == 1 else f"{WORDS[len(wrong)].capitalize()} connections that it makes are wrong; their probabilities are"
     return f"{said} {which} {', '.join(f'{p:.2f}' for p in wrong)}."
 
@@ -131,12 +133,12 @@ def picture(vessels, added):
 
 
 def main():
-    vessels = topology()
+    vessels, undecided = topology()
     added = [v for v in vessels if v["origin"] == "candidate"]
     # What is drawn, in so few digits that no processor differs.
     drawn = sorted([[round(float(x), 3) for x in course(v).ravel()], round(float(v["probability"]), 3) if v in added else None] for v in vessels)
     digest = hashlib.sha256(json.dumps(drawn).encode()).hexdigest()
-    figure, said = picture(vessels, added), words(added)
+    figure, said = picture(vessels, added), words(added, undecided)
     text = README.read_text()
     caption = re.compile(r"(Circles mark the gaps\.)\s.*?\s(`docs/answer\.py`)", re.DOTALL)
     told = re.sub(r"\s+", " ", caption.search(text).group(0))
