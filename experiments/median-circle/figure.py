@@ -13,10 +13,10 @@ def draw(folder, results, radii, epsilons):
     shares = [[100 * sum(ring[i] == "1" for ring in group) / len(group) for group in groups] for i in range(len(RING))]
     shares.append([100 * sum("0" not in ring for ring in group) / len(group) for group in groups])
     drawing, axis = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
-    image = axis.imshow(shares, cmap="cividis", vmin=0, vmax=100, aspect="auto")
+    image = axis.imshow(shares, cmap="cividis_r", vmin=0, vmax=100, aspect="auto")
     for row, line in enumerate(shares):
         for column, share in enumerate(line):
-            axis.text(column, row, f"{share:.0f}", ha="center", va="center", fontsize=8, color="white" if share < 55 else "black")
+            axis.text(column, row, f"{share:.0f}", ha="center", va="center", fontsize=8, color="white" if share > 45 else "black")
     axis.set_xticks(range(len(columns)), [f"ε {epsilon}" for _, epsilon in columns], fontsize=7)
     axis.set_yticks(range(len(shares)), [*RING, "whole ring"])
     axis.axhline(len(RING) - 0.5, color="white", lw=3)
