@@ -25,7 +25,7 @@ const MOST_SCALE: f64 = 0.2;
 /// The share of its length that a node counts for: neighbours lie on one vessel.
 const GAIN: f64 = 0.25;
 /// Starts that are refined, and optima that are refined by names.
-const REFINED: usize = 12;
+const REFINED: usize = 16;
 const NAMED: usize = 5;
 /// Optima that are refined again when false pieces are known.
 const AGAIN: usize = 2;
@@ -320,14 +320,22 @@ fn angle_between(a: &Pose, b: &Pose) -> f64 {
     norm(rotation_vector(&product(&a.turn, &super::algebra::transposed(&b.turn))))
 }
 
-/// Offsets of the middle, mm.
-const START_OFFSETS: [Point; 5] = [[0.0, 0.0, 0.0], [0.0, 0.0, 14.0], [0.0, 0.0, -14.0], [12.0, 0.0, 0.0], [-12.0, 0.0, 0.0]];
+/// Offsets of the middle, mm: a tracing may show one side alone.
+const START_OFFSETS: [Point; 7] = [
+    [0.0, 0.0, 0.0],
+    [0.0, 0.0, 14.0],
+    [0.0, 0.0, -14.0],
+    [12.0, 0.0, 0.0],
+    [-12.0, 0.0, 0.0],
+    [24.0, 0.0, 0.0],
+    [-24.0, 0.0, 0.0],
+];
 
-/// Rotation vectors in degrees: none, 25 about each axis, 18 about all three.
+/// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {
     let mut turns = vec![[0.0; 3]];
     for axis in 0..3 {
-        for degrees in [25.0, -25.0] {
+        for degrees in [25.0, -25.0, 42.0, -42.0] {
             let mut turn = [0.0; 3];
             turn[axis] = degrees;
             turns.push(turn);
