@@ -1,10 +1,13 @@
 """Patients of INSIST, whole and damaged, each named by the model of the others: other draws, other frames, and segments deleted unseen."""
+import json
+import os
+import shutil
 
 import answer
 import cases
 import common
+import numpy as np
 import score
-
 
 
 def models(work, options):
@@ -50,17 +53,38 @@ def frames(work, options):
     return common.table(["frame of the file", "turned", "cases", "length right", "worst case"], lines)
 
 
+def classified(work, options, name, told, **draw):
+    """What `willis classify` says of the segments of a draw of the cases, told a rate of segments out of sight: as score.judge has it."""
+    folder, answers = work / "cases" / name, work / "answers" / f"{name}-classify-{told}"
+    if not folder.exists():
+        cases.make(folder, levels=("medium",), **draw)
+    answers.mkdir(parents=True, exist_ok=True)
+    of = answer.models(models(work, options))
+
+    def one(case):
+        known = json.loads((case / "truth.json").read_text())
+        kept, out = answers / f"{case.name}.json", answers / case.name
+        if not kept.exists():
+            loops = ["--loops", case / "loops.csv"] if (case / "loops.csv").exists() else []
+            common.willis("classify", case / "fragments.swc", "-o", out, *loops, "--arteries", of[known["subject"]], "--unseen", told)
+            os.replace(out / "phenotype.json", kept)
+            shutil.rmtree(out)
+        said = json.loads(kept.read_text())["probabilities"]["segments"]
+        return {"subject": known["subject"], "segments": [(s["segment"], bool(s["present"]), said[s["segment"]]) for s in known["phenotype"]]}
+
+    return common.everywhere(one, sorted(case for case in folder.iterdir() if (case / "truth.json").exists()))
+
+
 def unseen(work, options):
     """Present segments deleted entirely at a rate: are those that are not seen as often present as is said?"""
     lines = []
     for rate in (0.15, 0.30):
-        for told in (None, rate / 2, rate, min(0.9, rate * 2)):
-            label = () if told is None else ("--unseen", told)
-            rows = named(work, options, f"deleted-{rate}", ("medium",), label, seed=1, deleted=rate)
+        for told in (0, rate / 2, rate, 2 * rate):
+            rows = classified(work, options, f"deleted-{rate}", told, seed=1, deleted=rate)
             pairs = [(p, there) for r in rows for _, there, p in r["segments"]]
-            error = score.estimate(rows, lambda r: score.bins([p for *_, p in r["segments"]], [t for _, t, _ in r["segments"]], [1.0] * len(r["segments"]), 10), score.expected_error)
+            error = score.estimate(rows, lambda r: score.bins([p for *_, p in r["segments"]], [t for _, t, _ in r["segments"]], np.ones(len(r["segments"])), 10), score.expected_error)
             brier = score.estimate(rows, lambda r: (sum((p - t) ** 2 for _, t, p in r["segments"]), len(r["segments"])), score.share)
             low = [(p, t) for p, t in pairs if p < 0.5]
             sure = sum(p > 0.999 and not t or p < 0.001 and t for p, t in pairs)
-            lines.append([f"{rate:.2f}", "as shipped" if told is None else f"{told:.3g}", len(pairs), score.shown(error), score.shown(brier), f"{sum(t for _, t in low) / max(len(low), 1):.2f} of {len(low)}", f"{sum(p for p, _ in low) / max(len(low), 1):.2f}", sure])
-    return common.table(["deleted", "rate that willis is told", "segments", "ECE", "Brier", "present of those called absent", "their mean probability", "wrong with P > .999 or < .001"], lines)
+            lines.append([f"{rate:.2f}", f"{told:.3g}", len(pairs), score.shown(error), score.shown(brier), f"{sum(t for _, t in low) / max(len(low), 1):.2f} of {len(low)}", f"{sum(p for p, _ in low) / max(len(low), 1):.2f}", sure])
+    return common.table(["deleted", "`--unseen`", "segments", "ECE", "Brier", "present of those called absent", "their mean probability", "wrong with P > .999 or < .001"], lines)
