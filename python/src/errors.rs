@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use willis::Error;
 use willis::error::Place;
+use willis::internals::support::printable::printable;
 
 /// The exception for an error.
 pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
@@ -32,5 +33,5 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         _ => {}
     }
     let class = py.import("willis._errors")?.getattr("WillisError")?;
-    Ok(PyErr::from_value(class.call((error.to_string(),), Some(&fields))?))
+    Ok(PyErr::from_value(class.call((printable(&error.to_string()),), Some(&fields))?))
 }

@@ -1,5 +1,6 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
+mod clusters;
 pub mod features;
 pub mod joins;
 pub mod kind;
@@ -15,6 +16,7 @@ use crate::masks::{Scene, Unseen, View};
 use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
+use clusters::{Cluster, clusters};
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
@@ -124,13 +126,17 @@ pub enum NetworkPoint {
 /// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
 pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
     options.validate()?;
-    let resampled = Resampled::new(network, Kind::Tracing);
-    let e = resampled.extraction(&[])?;
-    let found = search_nearest(&e, options)?.into_iter().map(|candidate| {
-        let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
-        NewVessel { candidate, radii: [e.ends[candidate.end].mean_radius, there], evidence: None, course: None }
-    });
-    Ok(over_connected(network, &resampled, &e, found.collect(), options).0)
+    let mut found = Vec::new();
+    for cluster in clusters(network, &[]) {
+        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+        let e = resampled.extraction(&[])?;
+        found.extend(search_nearest(&e, options)?.into_iter().map(|candidate| {
+            let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
+            let radii = [e.ends[candidate.end].mean_radius, there];
+            NewVessel::of(candidate, radii, &e, &resampled, &cluster)
+        }));
+    }
+    Ok(over_connected(network, found, options).0)
 }
 
 /// Joins the fragments of the observed vessels by the candidates that the evidence allows.
@@ -148,8 +154,32 @@ pub fn build_with_evidence(
     weights: &Weights,
 ) -> Result<Network> {
     options.validate()?;
-    let resampled = Resampled::new(network, Kind::Tracing);
-    let e = resampled.extraction(inlets)?;
+    let (mut found, mut roots) = (Vec::new(), Vec::new());
+    for cluster in clusters(network, inlets) {
+        let (vessels, scores) = found_by_evidence(&cluster, options, weights)?;
+        found.extend(vessels);
+        roots.extend(scores);
+    }
+    let (mut graph, node_at) = over_connected(network, found, options);
+    for (place, score) in roots {
+        let node = match place {
+            NetworkPoint::Node(node) => Some(node),
+            NetworkPoint::Along { .. } => node_at.get(&place).copied(),
+        };
+        if let Some(node) = node {
+            graph.node_mut(node).root_score = Some(score);
+        }
+    }
+    Ok(graph)
+}
+
+/// Places in the network, each with how probably its fragment is a root.
+type Roots = Vec<(NetworkPoint, f64)>;
+
+/// The candidates of a cluster that the evidence allows, and how probably the fragment of each place is a root.
+fn found_by_evidence(cluster: &Cluster, options: &CandidateOptions, weights: &Weights) -> Result<(Vec<NewVessel>, Roots)> {
+    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+    let e = resampled.extraction(&cluster.inlets)?;
     let mut candidates = search(
         &e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
@@ -167,19 +197,12 @@ pub fn build_with_evidence(
     }));
     let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        NewVessel { candidate, radii: [e.ends[candidate.end].radius, there], evidence: Some(evidence), course: None }
+        let radii = [e.ends[candidate.end].radius, there];
+        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
     };
-    let (mut graph, node_at) = over_connected(network, &resampled, &e, found.into_iter().map(new_vessel).collect(), options);
-    for (place, fragment) in e.place.iter().zip(&e.fragment) {
-        let node = match place {
-            NetworkPoint::Node(node) => Some(node),
-            NetworkPoint::Along { .. } => node_at.get(place),
-        };
-        if let Some(node) = node {
-            graph.node_mut(*node).root_score = Some(posterior.root_scores[*fragment]);
-        }
-    }
-    Ok(graph)
+    let vessels = found.into_iter().map(new_vessel).collect();
+    let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
+    Ok((vessels, e.place.iter().zip(&e.fragment).map(root).collect()))
 }
 
 /// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
@@ -199,7 +222,27 @@ pub fn build_joins(
 ) -> Result<(Network, Option<Looked>)> {
     options.validate()?;
     let branches = options.k.unwrap_or(SearchOptions::default().branches);
-    let table = JoinTable::new(network, branches)?;
+    // An image shows all of them alike.
+    let whole = Cluster::whole(network, &[]);
+    let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
+    let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
+    for cluster in parts {
+        let (found, seen) = found_by_joins(&cluster, options, model, view.take(), branches)?;
+        vessels.extend(found);
+        looked = seen;
+    }
+    Ok((over_connected(network, vessels, options).0, looked))
+}
+
+/// The candidates of a cluster that the join model allows, and the image as it was measured.
+fn found_by_joins(
+    cluster: &Cluster,
+    options: &CandidateOptions,
+    model: &JoinModel,
+    view: Option<View>,
+    branches: usize,
+) -> Result<(Vec<NewVessel>, Option<Looked>)> {
+    let table = JoinTable::new(&cluster.network, branches)?;
     let e = &table.extraction;
     let scores = table.scores(model);
     let looked = view.map(|view| Scene::new(&e.centerlines(), view));
@@ -215,15 +258,16 @@ pub fn build_joins(
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
         let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        let radii = [e.ends[candidate.end].radius, there];
         let course = image.as_ref().filter(|_| model.image.is_some());
         stays.then(|| NewVessel {
-            candidate,
-            radii: [e.ends[candidate.end].radius, there],
             evidence: Some(Evidence::undirected(probability)),
             course: course.and_then(|image| image.between.course(pair, e.ends[candidate.end].point, pairs)),
+            ..NewVessel::of(candidate, radii, e, &table.resampled, cluster)
         })
     });
-    Ok((over_connected(network, &table.resampled, e, found.collect(), options).0, looked))
+    let found = found.collect();
+    Ok((found, looked))
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::clusters::Cluster;
 use super::features::extraction::Extraction;
 use super::resample::Resampled;
 use super::search::Candidate;
@@ -11,10 +12,20 @@ use crate::network::units::as_stored;
 use crate::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use crate::support::geometry::{Point, distance};
 
+/// One end of a candidate that becomes a vessel.
+pub struct NewEnd {
+    /// Where it is in the network.
+    pub place: NetworkPoint,
+    /// The place on the path of the vessel that is split there; `None` at a node.
+    pub on_path: Option<PathPlace>,
+    /// Its position where its node has none, m.
+    pub position: Point,
+}
+
 /// A candidate that becomes a vessel.
 pub struct NewVessel {
-    /// The candidate.
-    pub candidate: Candidate,
+    /// Its free end and the point it reaches.
+    pub ends: [NewEnd; 2],
     /// The radii (m) at its free end and at the point it reaches.
     pub radii: [f64; 2],
     /// What the evidence says of it; `None` without evidence.
@@ -23,24 +34,35 @@ pub struct NewVessel {
     pub course: Option<Vec<Point>>,
 }
 
+impl NewVessel {
+    /// A straight candidate of a cluster without evidence, that of the resampled cluster's extraction.
+    pub fn of(candidate: Candidate, radii: [f64; 2], e: &Extraction, resampled: &Resampled, cluster: &Cluster) -> Self {
+        let ends = [e.ends[candidate.end].point, candidate.point].map(|point| {
+            let on_path = match e.place[point] {
+                NetworkPoint::Along { vessel, point } => Some(resampled.place(vessel, point)),
+                NetworkPoint::Node(_) => None,
+            };
+            NewEnd { place: cluster.in_whole(e.place[point]), on_path, position: e.position[point] }
+        });
+        Self { ends, radii, evidence: None, course: None }
+    }
+}
+
 /// The network with candidates between places that no vessel joins yet, each pair once, and the new node at every place where
-/// a vessel is split. The extraction is that of the resampled network.
+/// a vessel is split.
 pub fn over_connected(
     network: &Network,
-    resampled: &Resampled,
-    extraction: &Extraction,
     mut found: Vec<NewVessel>,
     options: &CandidateOptions,
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
     let pair = |[a, b]: [NetworkPoint; 2]| [a.min(b), a.max(b)];
-    let points = |new: &NewVessel| [extraction.ends[new.candidate.end].point, new.candidate.point];
-    let places = |new: &NewVessel| points(new).map(|point| extraction.place[point]);
+    let places = |new: &NewVessel| [new.ends[0].place, new.ends[1].place];
     let mut joined: BTreeSet<[NetworkPoint; 2]> = network.vessels().map(|(ends, _)| pair(ends.map(NetworkPoint::Node))).collect();
     found.retain(|new| joined.insert(pair(places(new))));
     let mut cuts: BTreeMap<usize, BTreeMap<usize, PathPlace>> = BTreeMap::new();
-    for place in found.iter().flat_map(places) {
-        if let NetworkPoint::Along { vessel, point } = place {
-            cuts.entry(vessel).or_default().insert(point, resampled.place(vessel, point));
+    for end in found.iter().flat_map(|new| &new.ends) {
+        if let (NetworkPoint::Along { vessel, point }, Some(on_path)) = (end.place, end.on_path) {
+            cuts.entry(vessel).or_default().insert(point, on_path);
         }
     }
     let (mut graph, node_at) = split(network, &cuts, options.radius_rule);
@@ -55,7 +77,7 @@ pub fn over_connected(
             CandidateRadius::Mean => 0.5 * (a + b),
         };
         let radius = options.max_radius.map_or(radius, |most| radius.min(most));
-        let [from, to] = [0, 1].map(|end| graph.node(ends[end]).position.unwrap_or(extraction.position[points(&new)[end]]));
+        let [from, to] = [0, 1].map(|end| graph.node(ends[end]).position.unwrap_or(new.ends[end].position));
         let course = new.course.as_deref().unwrap_or_default();
         let inner = course.get(1..course.len().saturating_sub(1)).unwrap_or_default();
         let points = std::iter::once(from).chain(inner.iter().copied()).chain([to]);

@@ -21,8 +21,9 @@ use serde_json::{Value, json};
 
 use super::command_line::command_line;
 use super::print::notes::{counted, say_notes};
-use super::print::{Terminal, is_stopped, listen, plural};
+use super::print::{Terminal, plural};
 use super::shell::print_json;
+use super::signals::{is_stopped, listen};
 use super::subjects::Subject;
 use super::with_flags;
 
@@ -180,7 +181,7 @@ impl Cohort<'_> {
         if let Some(row) = subjects.iter().find_map(|subject| subject.row.as_ref()).filter(|row| !row.others.is_empty()) {
             terminal.say("note", format!("columns of the manifest that are no options: {}", row.others.join(", ")));
         }
-        listen();
+        listen(2);
         let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(s))).collect();
         let ledger = Ledger::new(self.command, &self.parameters, entries);
         let earlier = self.earlier(&ledger)?;

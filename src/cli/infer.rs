@@ -30,8 +30,9 @@ use super::cohort::{Cohort, Failure, Work};
 use super::command_line::{command_line, command_line_of, command_line_of_words};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
-use super::print::{Terminal, count, listen, say_read};
+use super::print::{Terminal, count, say_read};
 use super::shell::print_json;
+use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
 use super::{Command, with_flags};
 
@@ -240,7 +241,7 @@ impl<'a> Inferences<'a> {
         force: bool,
     ) -> Result<Vec<Summary>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
-        listen();
+        listen(1);
         let folder = StagedFolder::new(output, force)?;
         let records = match range {
             None => self.write(&prepared, &folder, terminal)?,

@@ -14,8 +14,9 @@ use serde_json::Value;
 use super::cohort::{Cohort, Failure, gather};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
-use super::print::{Terminal, count, listen, plural};
+use super::print::{Terminal, count, plural};
 use super::shell::print_json;
+use super::signals::listen;
 use super::subjects::{named, paths};
 
 /// Put together what was made separately: the shards of one run to the run, runs of many subjects to a cohort
@@ -58,7 +59,7 @@ impl MergeArgs {
         let (inference, save) = merge(&folders, |parts, samples, seed| {
             terminal.say("merging", format!("{}: {} samples, seed {seed}", plural(parts, "shard"), count(samples)));
         })?;
-        listen();
+        listen(1);
         let folder = StagedFolder::new(&self.output, force)?;
         say_outcome(terminal, &inference.outcome(), inference.seconds());
         let (record, notes) = inference.write(&folder.path(), &save)?;

@@ -19,6 +19,7 @@ mod phantom;
 mod print;
 mod refusal;
 mod shell;
+mod signals;
 mod simulate;
 mod subjects;
 mod train;
@@ -33,7 +34,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use crate::error::{Error, Result};
 use args::figures::whole;
 use print::Terminal;
-pub use print::ask_to_stop;
+pub use signals::ask_to_stop;
 
 /// Find the plausible topology of vascular centerlines.
 ///
@@ -70,7 +71,7 @@ enum Command {
 #[command(next_help_heading = "Common options")]
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
-    #[arg(long, global = true, env = "WILLIS_THREADS", value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    #[arg(long, global = true, env = THREADS, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
@@ -82,6 +83,9 @@ struct Common {
     #[arg(long, global = true)]
     force: bool,
 }
+
+/// The variable that says how many threads.
+const THREADS: &str = "WILLIS_THREADS";
 
 /// The command line that is at work.
 static GIVEN: RwLock<Given> = RwLock::new(Given { words: Vec::new(), command: String::new() });
@@ -100,6 +104,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(refused) => return refused.say(),
     };
+    signals::outlive_limits();
     match cli.run() {
         Ok(()) => 0,
         Err(error) => {
@@ -117,7 +122,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
 ///
 /// What is wrong with the words, or what went wrong.
 pub fn call(words: Vec<String>) -> Result<()> {
-    print::stay_inside();
+    signals::stay_inside();
     let verbose = words.iter().any(|word| word == "--verbose");
     let quiet = (!verbose).then(|| OsString::from("--quiet"));
     let words = [OsString::from("willis")].into_iter().chain(words.into_iter().map(OsString::from)).chain(quiet);
@@ -169,10 +174,13 @@ impl Cli {
     /// The parser; options that a command shares but refuses are not in its help.
     pub fn builder() -> clap::Command {
         const REFUSE: [&str; 5] = ["simulate", "modulate", "classify", "convert", "skeleton"];
-        Self::command().mut_subcommands(|command| {
+        let command = Self::command().mut_subcommands(|command| {
             let refuses = REFUSE.contains(&command.get_name());
             if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
-        })
+        });
+        // A variable that is empty is one that is not set.
+        let is_empty = std::env::var_os(THREADS).is_some_and(|value| value.is_empty());
+        if is_empty { command.mut_arg("threads", |arg| arg.env(None)) } else { command }
     }
 
     /// The command line; from then on errors name its options as they are typed, where that is wanted.

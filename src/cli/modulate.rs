@@ -18,8 +18,9 @@ use super::args::reading::InputArgs;
 use super::args::words;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, brief, is_stopped, plural, say_read};
+use super::print::{Terminal, brief, plural, say_read};
 use super::shell::print_json;
+use super::signals::is_stopped;
 
 /// Modulate the resistances of a network at random, and see what pressures, flows, resilience and hypertension become
 #[derive(Debug, Args)]
@@ -139,8 +140,8 @@ impl ModulateArgs {
     /// The threshold, Pa/m².
     fn threshold(&self) -> Result<Option<f64>> {
         match self.threshold {
-            Some(x) if !(x.is_finite() && x > 0.0) => {
-                Err(Error::parameter("threshold", x, "expected a positive number of mmHg/mm2"))
+            Some(x) if !(1e-30..=1e30).contains(&x) => {
+                Err(Error::parameter("threshold", x, "expected a positive number of mmHg/mm2, from 1e-30 to 1e30"))
             }
             given => Ok(given.map(pascals_per_square_metre)),
         }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::error::{Error, Result};
 use crate::internals::output::StagedFile;
 use crate::internals::output::atomic::write_file;
+use crate::internals::support::printable::printable_json;
 use clap::Args;
 
 use super::Cli;
@@ -73,5 +74,5 @@ impl ManArgs {
 /// Prints a record on standard output, in one line of JSON.
 pub fn print_json(record: &impl serde::Serialize) -> Result<()> {
     let text = serde_json::to_string(record).map_err(|e| Error::Write { path: "standard output".into(), source: e.into() })?;
-    print(format!("{text}\n").as_bytes())
+    print(format!("{}\n", printable_json(&text)).as_bytes())
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::balance::{AT_REST, Balanced};
 use super::boundary_conditions::Boundary;
 use super::circuit::Circuit;
 use super::poiseuille::Tube;
@@ -62,7 +63,8 @@ impl State {
         Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }
 
-    /// The state of `tubes` between the nodes of a circuit at known pressures, Pa above its level.
+    /// The state of `tubes` between the nodes of a circuit at the pressures that a solver found, Pa above its level. Where flows do not
+    /// balance at these to 1e-12, they are refined.
     pub fn at_pressures(
         circuit: &Circuit,
         boundary: &Boundary,
@@ -70,10 +72,17 @@ impl State {
         viscosity: f64,
         above_level: &[Option<f64>],
     ) -> Self {
-        let vessel = |(tube, ends): (&Tube, &[usize; 2])| {
-            VesselState::between(ends.map(|node| above_level[node]), circuit.level, tube, viscosity)
+        let conductance: Vec<f64> = tubes.iter().map(|tube| if tube.is_open() { 1.0 / tube.resistance } else { 0.0 }).collect();
+        let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above_level);
+        let through = |(row, drop): (usize, &f64)| if tubes[row].is_open() { (drop / tubes[row].resistance).abs() } else { 0.0 };
+        let rest = AT_REST * drop.iter().enumerate().map(through).filter(|flow| flow.is_finite()).fold(0.0, f64::max);
+        let vessel = |(row, (tube, ends)): (usize, (&Tube, &[usize; 2]))| {
+            let ends = ends.map(|node| above_level[node]);
+            let [Some(a), Some(b)] = ends else { return VesselState::at_rest(tube) };
+            let flows = is_diffused(drop[row], a + circuit.level, b + circuit.level) || through((row, &drop[row])) > rest;
+            if flows && tube.is_open() { VesselState::at(drop[row], tube, viscosity) } else { VesselState::at_rest(tube) }
         };
-        let vessels: Vec<VesselState> = tubes.iter().zip(&circuit.ends).map(vessel).collect();
+        let vessels: Vec<VesselState> = tubes.iter().zip(&circuit.ends).enumerate().map(vessel).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();
         let total: f64 = vessels.iter().map(|v| v.resilience).sum();
         let mut out = vec![0.0; above_level.len()];
@@ -83,7 +92,7 @@ impl State {
         }
         let inflow = boundary.conditions.iter().map(|(node, _)| out[*node].max(0.0)).sum();
         let network_resilience = if open > 0 { total / open as f64 } else { 0.0 };
-        Self { pressure: circuit.pressures(above_level), vessels, network_resilience, inflow }
+        Self { pressure: circuit.pressures(&above_level), vessels, network_resilience, inflow }
     }
 
     /// How many vessels carry blood.
@@ -99,14 +108,13 @@ impl State {
 }
 
 impl VesselState {
-    /// A vessel between two pressures, Pa above `level`.
-    fn between(ends: [Option<f64>; 2], level: f64, tube: &Tube, viscosity: f64) -> Self {
-        let at_rest = Self { resistance: tube.resistance, ..Self::default() };
-        let [Some(a), Some(b)] = ends else { return at_rest };
-        let drop = a - b;
-        if !tube.is_open() || !is_diffused(drop, a + level, b + level) {
-            return at_rest;
-        }
+    /// A vessel in which nothing flows.
+    fn at_rest(tube: &Tube) -> Self {
+        Self { resistance: tube.resistance, ..Self::default() }
+    }
+
+    /// A vessel along which the pressure drops so much, Pa.
+    fn at(drop: f64, tube: &Tube, viscosity: f64) -> Self {
         let flow = drop / tube.resistance;
         let velocity = flow / (PI * tube.radius * tube.radius);
         Self {

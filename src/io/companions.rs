@@ -9,7 +9,7 @@ use crate::io::format::{Format, HEAD, format_of};
 use crate::io::images::metaimage::file_of_voxels;
 use crate::io::input::{content_within, unpacked_head, unpacked_name};
 use crate::io::read::{ReadOptions, without_mark};
-use crate::io::tables::graph::{read_csv_edges, read_csv_nodes};
+use crate::io::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
 use crate::io::tables::reader::TableReader;
 use crate::io::vendors::icafe::image_spacing;
 use crate::network::units::Scale;
@@ -73,15 +73,28 @@ fn head(path: &Path) -> Vec<u8> {
     unpacked_head(&bytes, HEAD as usize)
 }
 
-/// The table of nodes in the folder of a table of edges: its name with `nodes` or `vertices` for `edges`, or `nodes.csv` or
-/// `vertices.csv`.
+/// The table of nodes in the folder of a table of edges: its name with `.nodes` before the ending, or with `nodes` or `vertices` for
+/// `edges`, or `nodes.csv` or `vertices.csv`.
 pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
-    first(edges, NODES.into_iter().map(|nodes| ("edges", nodes)))
+    let own = with_nodes(edges).filter(|path| path.is_file());
+    own.or_else(|| first(edges, NODES.into_iter().map(|nodes| ("edges", nodes))))
 }
 
 /// The table of edges in the folder of a table of nodes, by the same names.
 pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
-    first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges")))
+    let own = || {
+        let (stem, ending) = nodes.file_name()?.to_str()?.rsplit_once('.')?;
+        let edges = nodes.with_file_name(format!("{}.{ending}", stem.strip_suffix(".nodes")?));
+        edges.is_file().then_some(edges)
+    };
+    own().or_else(|| first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges"))))
+}
+
+/// `A.nodes.csv` for `A.csv`.
+fn with_nodes(edges: &Path) -> Option<PathBuf> {
+    let name = edges.file_name()?.to_string_lossy();
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, "csv"));
+    Some(edges.with_file_name(format!("{stem}.nodes.{ending}")))
 }
 
 fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>) -> Option<PathBuf> {
@@ -116,11 +129,14 @@ pub(crate) fn edges_refer_to_rows(edges: &Path) -> bool {
         .is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
 }
 
-/// The path of the table of nodes for a table of edges that is written; `None` if the two would be the same.
+/// The path of the table of nodes for a table of edges that is written: a name of its own, so that no other pair has it; `None` for the name
+/// of a table of nodes.
 pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
     let name = edges.file_name()?.to_string_lossy();
-    let nodes = if name.contains("edges") { name.replace("edges", "nodes") } else { "nodes.csv".to_owned() };
-    (nodes != name).then(|| edges.with_file_name(nodes))
+    if NODES.iter().any(|nodes| name == format!("{nodes}.csv")) {
+        return None;
+    }
+    if name.contains("edges") { Some(edges.with_file_name(name.replace("edges", "nodes"))) } else { with_nodes(edges) }
 }
 
 /// The table of vessels in the folder of an iCafe tracing.
@@ -213,10 +229,16 @@ pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) 
     let found = find_nodes_table(path);
     let read = |nodes: &PathBuf| {
         let bytes = content_within(nodes, options.max_input)?;
-        read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))
+        let table = read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))?;
+        Ok((table, checksum_of_pair(&bytes)))
     };
-    let nodes = found.as_ref().map(read).transpose()?;
+    let (nodes, checksum) = found.as_ref().map(read).transpose()?.unzip();
     let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
-    notes.extend(found.map(|nodes| format!("nodes are those of {}", nodes.display())));
+    if let Some(nodes) = found {
+        notes.push(format!("nodes are those of {}", nodes.display()));
+        if stated_checksum(bytes).is_some_and(|stated| checksum.is_none_or(|found| found != stated)) {
+            notes.push(format!("{} is not as it was when {} was written with it", nodes.display(), path.display()));
+        }
+    }
     Ok((network, notes))
 }

@@ -19,6 +19,7 @@ use crate::flow::state::State;
 use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube};
 use crate::network::Network;
 use crate::sampling::Progress;
+use crate::support::limits;
 use crate::support::random;
 use crate::support::random::{BLOCK, stream};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd};
@@ -52,6 +53,7 @@ pub fn modulate(
     progress: &mut impl Progress,
 ) -> Result<Modulation> {
     params.validate()?;
+    check_memory(network, params)?;
     drives_flow(network, boundary)?;
     let tubes = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
@@ -188,6 +190,26 @@ impl<'a> Job<'a> {
 
     fn state(&self, tubes: &[Tube], above_level: &[Option<f64>]) -> State {
         State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, above_level)
+    }
+}
+
+/// Refuses a run whose figures do not fit into memory: 8 bytes for each pressure of a node, for seven figures of a vessel and two of the network,
+/// in blocks and then in tables.
+fn check_memory(network: &Network, params: &ModulationOptions) -> Result<()> {
+    /// Blocks and tables, and the copies that tables and histograms are sorted in.
+    const TIMES: f64 = 2.5;
+    let figures = (network.node_count() + 7 * network.vessel_count() + 2) as f64;
+    let each = 8.0 * TIMES * figures * params.classes.len() as f64;
+    match limits::memory().map(|bytes| bytes as f64) {
+        Some(most) if each * params.samples as f64 > most => {
+            let [needed, free] = [each * params.samples as f64, most].map(|bytes| bytes / f64::from(1 << 30));
+            let accepted = format!(
+                "needs {needed:.1} GiB of memory, and {free:.1} are left; expected at most {:.0} here",
+                (most / each).floor()
+            );
+            Err(Error::parameter("samples", params.samples, accepted))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Centerlines {
     pub radii: Vec<f64>,
     /// The point's number in the file (SWC index, VTP row).
     pub ids: Vec<u64>,
-    /// The polyline (VTP cell, SWC tree) to which a point belongs first.
+    /// The tree (SWC, VTP lines that share points) or polyline to which a point belongs.
     pub strand: Vec<u32>,
     /// Pairs of linked points.
     pub links: Vec<[u32; 2]>,

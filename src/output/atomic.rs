@@ -1,40 +1,16 @@
 //! Output that appears complete or not at all: written next to its place, flushed to the disk, then renamed.
 
 use std::fs;
-use std::io::{BufWriter, ErrorKind};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::in_progress::{
-    HIDDEN_PREFIX, InProgress, UNFINISHED, clear_dead_runs, clear_leftovers_beside, has_checkpoint, is_in_progress, sync_folder,
-    write_error,
-};
+use super::in_progress::{InProgress, UNFINISHED, clear_dead_runs, has_checkpoint, is_in_progress, sync_folder, write_error};
+use super::lock::is_own_folder;
 use super::own_files::{entries, foreign_file};
+use super::target::{check_file_size, check_vacant};
 use crate::error::{Error, Result};
 use crate::output::files::DiskFile;
-
-/// Checks that an output does not exist, or may be replaced, and that its folder can be written to.
-fn check_vacant(target: &Path, force: bool) -> Result<()> {
-    if target.exists() && !force {
-        return Err(Error::Exists { path: target.to_owned() });
-    }
-    let standing = target.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
-    let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match tempfile::Builder::new().prefix(HIDDEN_PREFIX).tempdir_in(folder) {
-        Ok(_) => Ok(()),
-        Err(e) => {
-            // Other system messages mislead: a folder that exists but takes no entry is "not found".
-            let why = match e.kind() {
-                kind @ (ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::StorageFull) => {
-                    format!(": {kind}")
-                }
-                _ => String::new(),
-            };
-            let accepted = format!("cannot be made: nothing can be written into {}{why}", folder.display());
-            Err(Error::parameter("output", target.display(), accepted))
-        }
-    }
-}
 
 /// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
 ///
@@ -43,7 +19,7 @@ fn check_vacant(target: &Path, force: bool) -> Result<()> {
 /// The system refuses.
 pub fn clear_leftovers(folder: &Path) -> Result<()> {
     clear_dead_runs(folder);
-    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir());
+    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path));
     for path in left.filter(|path| !has_checkpoint(path)) {
         fs::remove_dir_all(&path).map_err(write_error(&path))?;
     }
@@ -59,14 +35,14 @@ pub struct StagedFolder {
 }
 
 impl StagedFolder {
-    /// Checks, before the work begins, that a run may write to `target`. Removes what killed runs left next to it.
+    /// Checks, before the work begins, that a run may write to `target`. Removes what a killed run left of it.
     ///
     /// # Errors
     ///
     /// It exists and `force` is off, it holds files that willis did not write, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        clear_leftovers_beside(target);
         Self::check_target(target, force)?;
+        check_file_size(target)?;
         InProgress::check(target)
     }
 
@@ -91,7 +67,7 @@ impl StagedFolder {
         Self::check_target(target, true)?;
         let in_progress = InProgress::new(target)?;
         // Under this name it is not moved back.
-        fs::rename(target, in_progress.folder().join("new")).map_err(write_error(target))
+        fs::rename(in_progress.target(), in_progress.new_path()).map_err(write_error(target))
     }
 
     /// Starts a folder that will replace `target`.
@@ -161,13 +137,12 @@ pub struct StagedFile {
 }
 
 impl StagedFile {
-    /// Checks, before the work begins, that a run may write to `target`. Removes what killed runs left next to it.
+    /// Checks, before the work begins, that a run may write to `target`. Removes what a killed run left of it.
     ///
     /// # Errors
     ///
     /// It exists and `force` is off, it is a folder, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        clear_leftovers_beside(target);
         Self::check_target(target, force)?;
         InProgress::check(target)
     }
@@ -213,6 +188,8 @@ impl StagedFile {
 /// As [`write_file`]; the earlier one then stays.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
     let unfinished = path.with_extension(UNFINISHED);
+    // What a killed run left of it, or a link that somebody put there.
+    let _ = fs::remove_file(&unfinished);
     let written = write_file(&unfinished, fill).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
     if written.is_err() {
         // It may be the file that filled the disk.
@@ -222,14 +199,14 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
     sync_folder(path.parent().unwrap_or(Path::new(".")))
 }
 
-/// Writes a file through a buffer and flushes it to the disk; an error names the file.
+/// Writes a new file through a buffer and flushes it to the disk; an error names the file.
 ///
 /// # Errors
 ///
 /// The error of the system or of `fill`, with the path.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
     let write = || -> std::io::Result<()> {
-        let mut out = BufWriter::new(DiskFile::create(path)?);
+        let mut out = BufWriter::new(DiskFile::create_new(path)?);
         fill(&mut out)?;
         out.into_inner()?.finish()
     };

@@ -24,9 +24,13 @@ pub struct DiskFile {
 }
 
 impl DiskFile {
-    /// An empty file.
-    pub fn create(path: &Path) -> io::Result<Self> {
-        Ok(Self { file: File::create(path)?, fault: None, at: 0, length: 0 })
+    /// A new empty file in place of one that is there, or of a link, which is not followed.
+    pub fn create_new(path: &Path) -> io::Result<Self> {
+        match std::fs::remove_file(path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+            _ => {}
+        }
+        Ok(Self { file: File::create_new(path)?, fault: None, at: 0, length: 0 })
     }
 
     /// Flushes the file to the disk, or returns the first error.

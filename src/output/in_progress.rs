@@ -1,18 +1,18 @@
 //! The hidden, locked folder `.willis-NAME` in which an output is built; folders that killed runs left behind are cleared.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::Duration;
 
+use super::lock::{LOCK, LockError, TRIES, is_own_folder, lock};
+use super::target::followed;
 use crate::error::{Error, Result};
 use crate::io::checksum;
 use crate::output::own_files::entries;
 
 /// The beginning of the name of every unfinished output.
-pub const HIDDEN_PREFIX: &str = ".willis-";
+const HIDDEN_PREFIX: &str = ".willis-";
 const NEW: &str = "new";
 const OLD: &str = "old";
 /// The beginning of the name of every checkpoint.
@@ -43,29 +43,45 @@ pub struct InProgress {
 }
 
 impl InProgress {
-    /// Creates the hidden folder next to `target`, with missing parents, and locks it.
+    /// Creates the hidden folder next to `target`, or next to what that is a link to, with missing parents, and locks it.
     ///
     /// # Errors
     ///
-    /// Another process is writing the same output, or the system refuses.
+    /// Another process is writing the same output, something that this user did not make is in the way, or the system refuses.
     pub fn new(target: &Path) -> Result<Self> {
+        let place = followed(target);
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
-        let parents = target.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
-        let folder = folder_of(target);
-        let mut started = Self { target: target.to_owned(), folder, parents, lock: None };
+        let parents = place.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
+        let folder = folder_of(&place);
+        let mut started = Self { target: place, folder, parents, lock: None };
         started.lock = Some(lock(&started.folder, TRIES).map_err(|refused| refused.of(target))?);
-        clear(&started.folder, Some(target));
+        clear(&started.folder, Some(&started.target));
         Ok(started)
     }
 
-    /// Checks that no other process is writing the output at the moment.
+    /// Checks that no other process is writing the output at the moment, and clears what a killed one left of it.
     ///
     /// # Errors
     ///
     /// As [`InProgress::new`].
     pub fn check(target: &Path) -> Result<()> {
-        let folder = folder_of(target);
-        if folder.join(LOCK).exists() { lock(&folder, TRIES).map(drop).map_err(|refused| refused.of(target)) } else { Ok(()) }
+        let place = followed(target);
+        let folder = folder_of(&place);
+        if fs::symlink_metadata(&folder).is_err() {
+            return Ok(());
+        }
+        if !is_own_folder(&folder) {
+            return Err(LockError::Foreign(folder).of(target));
+        }
+        let _lock = lock(&folder, TRIES).map_err(|refused| refused.of(target))?;
+        clear(&folder, Some(&place));
+        discard(&folder);
+        Ok(())
+    }
+
+    /// Where the output goes.
+    pub fn target(&self) -> &Path {
+        &self.target
     }
 
     /// The folder.
@@ -123,9 +139,6 @@ fn parent(target: &Path) -> &Path {
 
 /// The hidden folder in which an output is written.
 fn folder_of(target: &Path) -> PathBuf {
-    // Paths such as `.` and `a/..` have no name of their own.
-    let whole = if target.file_name().is_none() { target.canonicalize().ok() } else { None };
-    let target = whole.as_deref().unwrap_or(target);
     let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
     if name.len() > LONGEST {
         hidden.push(checksum(name.as_encoded_bytes()));
@@ -140,14 +153,21 @@ fn folder_of(target: &Path) -> PathBuf {
 fn clear(folder: &Path, target: Option<&Path>) {
     let old = folder.join(OLD);
     // What cannot be removed now can be removed later.
-    if old.exists()
+    if let Ok(about) = fs::symlink_metadata(&old)
         && let Some(target) = target
     {
-        let _ = if target.exists() { fs::remove_dir_all(&old) } else { fs::rename(&old, target) };
+        let _ = if about.is_symlink() {
+            fs::remove_file(&old)
+        } else if target.exists() {
+            fs::remove_dir_all(&old)
+        } else {
+            fs::rename(&old, target)
+        };
     }
     let made = entries(folder).unwrap_or_default();
     for path in made.iter().filter(|path| path.ends_with(NEW) || path.extension().is_some_and(|e| e == UNFINISHED)) {
-        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        let is_folder = fs::symlink_metadata(path).is_ok_and(|about| about.is_dir());
+        let _ = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
 }
 
@@ -160,11 +180,11 @@ fn discard(folder: &Path) {
     }
 }
 
-/// Removes what killed runs left in a folder. Output of a run at work, checkpoints, and files that others
-/// may have put there stay.
+/// Removes what killed runs left in a folder that willis wrote. Output of a run at work, checkpoints, links, what other users made, and files
+/// that others may have put there stay.
 pub fn clear_dead_runs(folder: &Path) {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && path.is_dir()) {
-        if !path.join(LOCK).exists() {
+    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path)) {
+        if fs::symlink_metadata(path.join(LOCK)).is_err() {
             // Only if it is empty.
             let _ = fs::remove_dir(&path);
         } else if let Ok(_lock) = lock(&path, 1) {
@@ -198,11 +218,6 @@ pub fn final_path(path: &Path) -> PathBuf {
     known
 }
 
-/// As [`clear_dead_runs`], in the folder of an output.
-pub fn clear_leftovers_beside(target: &Path) {
-    clear_dead_runs(parent(target));
-}
-
 fn is_checksum(name: &str) -> bool {
     name.len() == 64 && name.bytes().all(|b| b.is_ascii_hexdigit())
 }
@@ -218,70 +233,4 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
         _ => {}
     }
     Ok(())
-}
-
-/// The name of the file that is locked.
-pub const LOCK: &str = "lock";
-/// How often a lock is tried, which another process may hold only for a moment, to clean up.
-pub const TRIES: usize = 25;
-const BETWEEN: Duration = Duration::from_millis(20);
-
-/// Why a lock was not taken.
-pub enum LockError {
-    /// Another process holds it; its number where that is known.
-    Busy(String),
-    /// The error of the system.
-    System(io::Error),
-}
-
-impl LockError {
-    /// The error for an output.
-    pub fn of(self, target: &Path) -> Error {
-        match self {
-            Self::Busy(process) => {
-                let accepted = format!("another willis{process} is writing there; wait for it, or choose another `output`");
-                Error::parameter("output", target.display(), accepted)
-            }
-            Self::System(source) => Error::Write { path: target.to_owned(), source },
-        }
-    }
-}
-
-/// Creates a folder and takes its lock, which ends with the process, however that ends.
-pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
-    let path = folder.join(LOCK);
-    for at in 0..tries {
-        fs::create_dir_all(folder).map_err(LockError::System)?;
-        let file = match File::options().write(true).create(true).truncate(false).open(&path) {
-            // The folder was removed in this moment.
-            Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
-            opened => opened.map_err(LockError::System)?,
-        };
-        match file.try_lock() {
-            Ok(()) if is_at(&file, &path) => {
-                // For users; the lock works without it.
-                let _ = fs::write(&path, std::process::id().to_string());
-                return Ok(file);
-            }
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => sleep(BETWEEN),
-            // A file system without locks is no reason to stop.
-            Err(TryLockError::Error(_)) => return Ok(file),
-        }
-    }
-    let process = fs::read_to_string(&path).ok().filter(|id| !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()));
-    Err(LockError::Busy(process.map(|id| format!(" (process {id})")).unwrap_or_default()))
-}
-
-/// Whether an open file is still the one at a path: its last holder may have removed it.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let same = |a: &fs::Metadata, b: &fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-    file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(a, b)| same(&a, &b))
-}
-
-#[cfg(not(unix))]
-fn is_at(_: &File, path: &Path) -> bool {
-    path.exists()
 }

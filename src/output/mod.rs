@@ -3,9 +3,11 @@
 pub mod atomic;
 mod files;
 mod in_progress;
+mod lock;
 pub mod names;
 mod own_files;
 pub mod partial_run_file;
+mod target;
 
 pub use atomic::{StagedFile, StagedFolder};
 pub use files::{read_json, write_json, write_record};

@@ -94,6 +94,9 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let [likelihood, square, count] = vectors.each_ref().map(|v| v[at * vessels..(at + 1) * vessels].to_vec());
         let samples = samples.ok_or_else(|| wrong("samples"))?;
         let sums = Sums { likelihood, square, count, network_resilience: rho[at], residual: residual[at], samples };
+        if !sums.are_possible() {
+            return Err(Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY));
+        }
         part.insert(first, blocks, sums, &mut Vec::new());
     }
     let (steps, trace) = (take("step", 1)?, take("trace", uncertain_count)?);
@@ -104,8 +107,8 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let number = whole(*step).filter(|n| part.holds_step(*n)).ok_or_else(|| wrong("step"))?;
         part.insert_step(number, trace[at * uncertain_count..(at + 1) * uncertain_count].to_vec());
     }
-    if !part.is_traced() {
-        return Err(wrong("step"));
+    if !part.is_traced() || !part.is_trace_of_its_sums() {
+        return Err(wrong("trace"));
     }
     Ok(part)
 }

@@ -55,17 +55,17 @@ fn arc(shares: &[f64], chord: f64, height: f64, wave: impl Fn(f64) -> f64) -> Ve
 /// The amplitude that gives the polyline through these shares of the chord its length.
 fn amplitude(shares: &[f64], chord: f64, length: f64, wave: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, length);
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return low;
-        }
+    let mut middle = 0.5 * (low + high);
+    // Until no number lies between; not even once where a figure is none.
+    while low < middle && middle < high {
         if arc(shares, chord, middle, &wave)[shares.len() - 1] > length {
             high = middle;
         } else {
             low = middle;
         }
+        middle = 0.5 * (low + high);
     }
+    low
 }
 
 /// The shares of the chord at which the fine polyline's arc length is cut into equal steps.

@@ -69,6 +69,11 @@ impl Solver {
         Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
     }
 
+    /// Whether it is one that this program has.
+    fn is_known(&self) -> bool {
+        ["lanes", "gradients", "reference"].contains(&&*self.flow) && ["bottleneck", "kruskal"].contains(&&*self.forest)
+    }
+
     /// The same for the record of a run.
     pub(super) fn method(&self) -> Method {
         Method {
@@ -196,7 +201,8 @@ impl ShardRecord {
         }
         let record: Self = read_json(&path, expected)?;
         let range = record.range[0] < record.range[1] && record.range[1] <= record.sampling.samples;
-        let whole = range && record.prepared.is_whole() && record.prepared.graph_checksum() == record.graph;
+        let known = record.solver.is_known() && record.sampling_s.is_finite() && record.sampling_s >= 0.0;
+        let whole = range && known && record.prepared.is_whole() && record.prepared.graph_checksum() == record.graph;
         let valid =
             record.sampling.validate().and_then(|()| record.prepared.keep.validate()).and_then(|()| record.save.validate());
         if !whole || valid.is_err() {
@@ -219,6 +225,11 @@ impl ShardRecord {
         let whole = part.samples() == self.sampling.samples && part.gaps(blocks.clone()).is_empty();
         if !whole || part.done() != part.samples_in(&blocks) {
             return Err(damaged("not the samples that shard.json says"));
+        }
+        // A forest of N nodes has N - 1 vessels at the most.
+        let most = part.done() as f64 * graph.node_count().saturating_sub(1) as f64;
+        if part.total().is_some_and(|sums| sums.count.iter().sum::<f64>() > most) {
+            return Err(damaged("more vessels in its forests than the graph has nodes for"));
         }
         Ok(part)
     }

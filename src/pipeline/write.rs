@@ -49,7 +49,7 @@ pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<W
             written = write_into(network, target, out, io::sink())?;
             return Ok(());
         };
-        let mut table = BufWriter::new(File::create(nodes.path())?);
+        let mut table = BufWriter::new(File::create_new(nodes.path())?);
         written = write_into(network, target, out, &mut table)?;
         table.into_inner()?.sync_all()
     });

@@ -38,6 +38,24 @@ impl Sums {
         self.samples = 0;
     }
 
+    /// Whether samples can have made them, each of which adds a figure of zero or more to the vessels of its forest: whole numbers of
+    /// times up to that of the samples, nothing where that is zero, and Σx² between (Σx)² and (Σx)² over the times.
+    pub fn are_possible(&self) -> bool {
+        /// Above what rounding does to sums of 2⁵⁰ figures that are added pairwise.
+        const ROOM: f64 = 1.0 + 1e-9;
+        let is_sum = |x: f64| x.is_finite() && x >= 0.0;
+        let is_vessel = |((sum, square), times): ((&f64, &f64), &f64)| {
+            let counted = times.fract() == 0.0 && (0.0..=self.samples as f64).contains(times);
+            let (root, nothing) = (square.sqrt(), *times == 0.0);
+            // Squares of figures below 1e-150 are not normal numbers.
+            let bounded = *sum < 1e-140 || *square == f64::INFINITY || root <= sum * ROOM && *sum <= times.sqrt() * root * ROOM;
+            counted && is_sum(*sum) && *square >= 0.0 && if nothing { *sum == 0.0 && *square == 0.0 } else { bounded }
+        };
+        is_sum(self.network_resilience)
+            && is_sum(self.residual)
+            && self.likelihood.iter().zip(&self.square).zip(&self.count).all(is_vessel)
+    }
+
     /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
     /// one contribution; not a number for fewer than two samples.
     pub fn standard_errors(&self) -> Vec<f64> {

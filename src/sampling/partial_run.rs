@@ -103,6 +103,19 @@ impl PartialRun {
         self.sums.nodes().flat_map(whole).all(|at| self.steps.contains_key(&at))
     }
 
+    /// Whether what L grew by in the steps of each node, which is at least a step wide, adds up to its L; up to the last digits.
+    pub fn is_trace_of_its_sums(&self) -> bool {
+        let fits = |(sum, traced): (f64, f64)| (sum - traced).abs() <= 1e-9 * sum.abs();
+        let is_figure = |x: &f64| x.is_finite() && *x >= 0.0;
+        self.steps.values().flatten().all(is_figure)
+            && self.sums.nodes().filter(|(_, blocks, _)| *blocks >= self.step).all(|(first, blocks, sums)| {
+                let steps = self.steps.range(first / self.step..(first + blocks) / self.step).map(|(_, step)| step);
+                let mut traced = vec![0.0; self.uncertain.iter().filter(|u| **u).count()];
+                steps.for_each(|step| traced.iter_mut().zip(step).for_each(|(sum, x)| *sum += x));
+                of_uncertain(&sums.likelihood, &self.uncertain).into_iter().zip(traced).all(fits)
+            })
+    }
+
     /// Adds L of the uncertain vessels over a step whose blocks are finished.
     pub fn insert_step(&mut self, at: u64, likelihood: Vec<f64>) {
         self.steps.insert(at, likelihood);

@@ -1,9 +1,16 @@
 //! The gamma distribution: fit by maximum likelihood, density, survival function, Kolmogorov-Smirnov distance.
 
+use statrs::function::erf::erfc;
 use statrs::function::gamma::{digamma, gamma_lr, gamma_ur, ln_gamma};
 
 /// Newton steps at the most; five suffice from Minka's start.
 const STEPS: usize = 100;
+/// Values of a smaller spread, ln(mean x) - mean(ln x), do not differ but for rounding: their relative deviation is some 1e-6.
+const LEAST_SPREAD: f64 = 1e-12;
+/// From this shape on, differences that would cancel are taken from their series.
+const LARGE: f64 = 1e3;
+/// From this shape on, probabilities come from their uniform expansion: a continued fraction would take as many steps as the shape's root.
+const NEAR_NORMAL: f64 = 1e6;
 
 /// A gamma distribution: density x^(k-1) exp(-x/θ) / (Γ(k) θ^k) for x > 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +33,7 @@ pub struct GammaFit {
 }
 
 impl Gamma {
-    /// The distribution of highest likelihood for positive values; `None` when there are no two different ones.
+    /// The distribution of highest likelihood for positive values; `None` when they do not differ.
     ///
     /// The shape solves ln k - ψ(k) = ln(mean x) - mean(ln x) by Newton's method on 1/k (Minka 2002, *Estimating a Gamma
     /// distribution*); then θ = mean/k. The standard errors are those of the inverse Fisher information of n draws:
@@ -35,13 +42,15 @@ impl Gamma {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let spread = -values.iter().map(|x| (x / mean).ln()).sum::<f64>() / n;
-        if !(spread.is_normal() && spread > f64::EPSILON) {
+        if !(spread.is_normal() && spread > LEAST_SPREAD) {
             return None;
         }
         let mut shape = (3.0 - spread + ((spread - 3.0).powi(2) + 24.0 * spread).sqrt()) / (12.0 * spread);
         for _ in 0..STEPS {
-            let gap = shape.ln() - digamma(shape) - spread;
-            let next = 1.0 / (1.0 / shape + gap / (shape * (1.0 - shape * trigamma(shape))));
+            let gap = log_gap(shape) - spread;
+            let next = 1.0 / (1.0 / shape - gap / (shape * information(shape)));
+            // 1/(2k) < ln k - ψ(k) < 1/k: the shape lies between, and so does every step.
+            let next = next.clamp(0.5 / spread, 1.0 / spread);
             let settled = (next - shape).abs() <= 4.0 * f64::EPSILON * shape;
             shape = next;
             if settled {
@@ -49,7 +58,7 @@ impl Gamma {
             }
         }
         let gamma = Self { shape, scale: mean / shape };
-        let information = n * (shape * trigamma(shape) - 1.0);
+        let information = n * information(shape);
         let fit = GammaFit {
             gamma,
             shape_error: (shape / information).sqrt(),
@@ -66,12 +75,28 @@ impl Gamma {
 
     /// The probability of more than x.
     pub fn survival(&self, x: f64) -> f64 {
-        if x > 0.0 { gamma_ur(self.shape, x / self.scale) } else { 1.0 }
+        self.tail(x / self.scale, 1.0)
     }
 
     /// The probability of x or less.
     pub fn cumulative(&self, x: f64) -> f64 {
-        if x > 0.0 { gamma_lr(self.shape, x / self.scale) } else { 0.0 }
+        self.tail(x / self.scale, -1.0)
+    }
+
+    /// The probability of more than t scales where `side` is 1, of t or less where it is -1.
+    fn tail(&self, t: f64, side: f64) -> f64 {
+        let is_above = side > 0.0;
+        if t == f64::INFINITY {
+            f64::from(!is_above)
+        } else if t <= 0.0 || t.is_nan() {
+            f64::from(is_above)
+        } else if self.shape >= NEAR_NORMAL {
+            near_normal(self.shape, t, side)
+        } else if is_above {
+            gamma_ur(self.shape, t)
+        } else {
+            gamma_lr(self.shape, t)
+        }
     }
 
     /// The Kolmogorov-Smirnov distance: the largest gap between the values' empirical distribution and this one.
@@ -87,10 +112,33 @@ impl Gamma {
     }
 }
 
+/// Q(k, t), and P(k, t) where `side` is -1, for a large shape k: the first two terms of the uniform expansion (DLMF 8.12.3 and 8.12.4;
+/// what is left out is below k^(-3/2)/500).
+fn near_normal(shape: f64, t: f64, side: f64) -> f64 {
+    let mu = t / shape - 1.0;
+    let half_square = if mu.abs() < 1e-3 { mu * mu * (0.5 - mu * (1.0 / 3.0 - mu * (0.25 - mu * 0.2))) } else { mu - mu.ln_1p() };
+    let eta = (2.0 * half_square).sqrt().copysign(mu);
+    let first = if mu.abs() < 1e-3 { -1.0 / 3.0 + mu / 12.0 } else { 1.0 / mu - 1.0 / eta };
+    let bell = (-shape * half_square).exp() / (2.0 * std::f64::consts::PI * shape).sqrt();
+    (0.5 * erfc(side * eta * (shape / 2.0).sqrt()) + side * bell * first).clamp(0.0, 1.0)
+}
+
+/// ln k - ψ(k).
+fn log_gap(shape: f64) -> f64 {
+    if shape < LARGE { shape.ln() - digamma(shape) } else { (0.5 + 1.0 / (12.0 * shape)) / shape }
+}
+
+/// k ψ'(k) - 1.
+fn information(shape: f64) -> f64 {
+    if shape < LARGE { shape * trigamma(shape) - 1.0 } else { (0.5 + 1.0 / (6.0 * shape)) / shape }
+}
+
+/// The Bernoulli numbers B_2, B_4, ..
+const BERNOULLI: [f64; 7] = [1.0 / 6.0, -1.0 / 30.0, 1.0 / 42.0, -1.0 / 30.0, 5.0 / 66.0, -691.0 / 2730.0, 7.0 / 6.0];
+
 /// ψ'(x) for x > 0: by ψ'(x) = ψ'(x + 1) + 1/x² up to 10, from there by its asymptotic series (Abramowitz & Stegun 6.4.12).
 fn trigamma(mut x: f64) -> f64 {
-    /// The Bernoulli numbers B_2, B_4, ..
-    const BERNOULLI: [f64; 7] = [1.0 / 6.0, -1.0 / 30.0, 1.0 / 42.0, -1.0 / 30.0, 5.0 / 66.0, -691.0 / 2730.0, 7.0 / 6.0];
+    debug_assert!(x > 0.0, "{x}");
     let mut below = 0.0;
     while x < 10.0 {
         below += 1.0 / (x * x);
@@ -124,6 +172,55 @@ mod tests {
             assert!((gamma.survival(x) - (-x / 2.0).exp()).abs() < 1e-15);
         }
         assert_eq!(gamma.survival(-1.0), 1.0);
+        assert_eq!((gamma.survival(1e308), gamma.cumulative(1e308)), (0.0, 1.0));
+        assert_eq!((Gamma { scale: 0.01, ..gamma }).survival(1e308), 0.0);
+    }
+
+    /// Values m(1 ± d) in equal number: with the variance d² of x/m, k is 1/d² but for terms of order 1.
+    #[test]
+    fn values_that_hardly_differ_are_fitted_or_refused() {
+        for exponent in 1..=16 {
+            let d = 10_f64.powi(-exponent);
+            let values: Vec<f64> = (0..100).map(|i| 3.0 * if i % 2 == 0 { 1.0 + d } else { 1.0 - d }).collect();
+            match Gamma::fit(&values) {
+                Some(fit) => {
+                    assert!(exponent < 7 && (fit.gamma.shape * d * d - 1.0).abs() < 2.0 * d * d + 1e-3, "{d}: {fit:?}");
+                    assert!(fit.shape_error > 0.0 && fit.shape_error.is_finite());
+                }
+                None => assert!(exponent >= 6, "{d}"),
+            }
+        }
+    }
+
+    #[test]
+    fn series_and_differences_meet() {
+        for shape in [LARGE - 1e-9, LARGE + 1e-9] {
+            let series = [(0.5 + 1.0 / (12.0 * shape)) / shape, (0.5 + 1.0 / (6.0 * shape)) / shape];
+            assert!((log_gap(shape) / series[0] - 1.0).abs() < 1e-11);
+            assert!((information(shape) / series[1] - 1.0).abs() < 1e-9);
+        }
+    }
+
+    /// scipy.special.gammaincc(k, k + z √k).
+    #[test]
+    fn a_large_shape_has_its_known_tails() {
+        let known = [
+            (1e6, 997_000.0, 0.998_661_895_832_686_4),
+            (1e6, 999_500.0, 0.691_374_443_109_184_7),
+            (1e6, 1e6, 0.499_867_019_239_127_4),
+            (1e6, 1_000_010.0, 0.495_877_683_203_090_5),
+            (1e6, 1_002_000.0, 0.022_804_095_898_769_836),
+            (1e6, 1_005_000.0, 2.987_490_140_114_635e-7),
+            (3e9, 2_999_835_683.232_748_5, 0.998_650_317_731_204),
+            (3e9, 3e9, 0.499_997_572_114_598_67),
+            (3e9, 3_000_273_861.278_753, 2.868_687_884_830_747_7e-7),
+        ];
+        for (shape, t, tail) in known {
+            let gamma = Gamma { shape, scale: 0.5 };
+            assert!((gamma.survival(0.5 * t) / tail - 1.0).abs() < 1e-7, "{shape} {t}: {}", gamma.survival(0.5 * t));
+            assert!((gamma.cumulative(0.5 * t) / (1.0 - tail) - 1.0).abs() < 1e-7, "{shape} {t}");
+        }
+        assert_eq!((Gamma { shape: 5e11, scale: 1.0 }).survival(1e300), 0.0);
     }
 
     #[test]

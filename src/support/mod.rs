@@ -1,10 +1,13 @@
-//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, geometry, elimination orders, suggestions.
+//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, geometry, elimination orders, suggestions,
+//! text that may be shown, limits of the system.
 
 pub mod boosted_trees;
 pub mod elimination;
 pub mod gamma;
 pub mod geometry;
+pub mod limits;
 pub mod parallel;
+pub mod printable;
 pub mod random;
 pub mod simd;
 pub mod statistics;

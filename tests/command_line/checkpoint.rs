@@ -8,13 +8,14 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::command::{builder, data, folder, stderr, willis};
+use crate::command::{data, folder, stderr, willis};
 use crate::refused::contents;
+use crate::signals::with_signals;
 
 /// A run of a second or two in release builds.
 const LONG: [&str; 6] = ["-n", "4000000", "--threads", "2", "--dpi", "40"];
 
-fn run(here: &Path, more: &[&str]) -> Vec<String> {
+pub fn run(here: &Path, more: &[&str]) -> Vec<String> {
     fs::copy(data("broken-circle-of-willis.swc"), here.join("a.swc")).expect("copied");
     [&["infer", "a.swc", "-o", "out"], &LONG[..], more].concat().into_iter().map(str::to_owned).collect()
 }
@@ -24,7 +25,7 @@ fn words(arguments: &[String]) -> Vec<&str> {
 }
 
 fn spawn(here: &Path, arguments: &[String]) -> Child {
-    builder(here).args(arguments).stderr(Stdio::piped()).spawn().expect("runs")
+    with_signals(here, "--default-signal=INT,TERM,HUP").args(arguments).stderr(Stdio::piped()).spawn().expect("runs")
 }
 
 /// The command in full, in a folder of its own.
@@ -43,19 +44,19 @@ fn hidden(here: &Path) -> Vec<String> {
 }
 
 /// What is kept beside `out`, in bytes.
-fn kept(here: &Path) -> u64 {
+pub fn kept(here: &Path) -> u64 {
     let entries = fs::read_dir(here.join(".willis-out")).into_iter().flatten().flatten();
     entries.filter(|e| e.path().extension().is_some_and(|e| e == "npz")).filter_map(|e| e.metadata().ok()).map(|m| m.len()).sum()
 }
 
-fn wait_until(what: impl Fn() -> bool) {
+pub fn wait_until(what: impl Fn() -> bool) {
     let start = Instant::now();
     while !what() && start.elapsed() < Duration::from_mins(1) {
         sleep(Duration::from_millis(2));
     }
 }
 
-fn signal(child: &Child, name: &str) {
+pub fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill").success());
 }
 

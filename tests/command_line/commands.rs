@@ -7,6 +7,8 @@ use std::process::Command;
 
 use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::{contents, refused};
+#[cfg(unix)]
+use crate::signals::with_signals;
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -197,7 +199,8 @@ fn an_interrupt_leaves_nothing_behind() {
     let here = folder();
     fs::write(here.path().join("a.swc"), LINE).expect("written");
     let arguments = ["infer", "a.swc", "-o", "out", "-n", "1000000000000", "--epsilon", "0.1,0.2", "--checkpoint=off"];
-    let child = builder(here.path()).args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
+    let mut command = with_signals(here.path(), "--default-signal=INT");
+    let child = command.args(arguments).stderr(std::process::Stdio::piped()).spawn().expect("runs");
     std::thread::sleep(std::time::Duration::from_millis(700));
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(kill.success());

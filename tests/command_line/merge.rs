@@ -7,6 +7,7 @@ use std::process::Command;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::{contents, refused};
 use serde_json::Value;
+use willis::internals::io::{checksum, read_arrays, write_arrays};
 
 fn done(here: &Path, arguments: &[&str]) {
     let output = willis(here, arguments);
@@ -184,6 +185,86 @@ fn shards_of_other_runs_are_refused_by_what_differs() {
     refused(&["a", "c"], &["c/shard.npz: damaged"]);
     fs::remove_file(here.join("c/shard.npz")).expect("removed");
     refused(&["a", "c"], &["c/shard.npz: cannot be read"]);
+}
+
+/// An array of shard.npz, and what becomes of a figure in it.
+type Case = (&'static str, fn(f64) -> f64);
+
+/// Sums that no samples can have, with the checksum made again: each is refused by what it is. The truth is what sums of figures of zero or
+/// more are.
+#[test]
+fn a_shard_with_sums_that_no_samples_have_is_refused() {
+    let here = folder();
+    let here = here.path();
+    let run = ["infer", &data("broken-circle-of-willis.swc"), "-n", "192", "--threads", "1"];
+    let names = shards(here, &run, "s", &[0, 128, 192]);
+    merged(here, &names);
+    let (sums, record) = (here.join("s0/shard.npz"), here.join("s0/shard.json"));
+    let (whole, text) = (fs::read(&sums).expect("sums"), fs::read_to_string(&record).expect("a record"));
+    let refuse = |what: &str| {
+        let output = willis(here, &["merge", "s0", "s128", "-o", "out"]);
+        assert_eq!(output.status.code(), Some(2), "{what}: {}", stderr(&output));
+        assert!(stderr(&output).lines().last().is_some_and(|line| line.starts_with("willis: s0/shard.")), "{}", stderr(&output));
+        assert!(!here.join("out").exists());
+    };
+    let place = |values: &[f64]| values.iter().position(|x| *x > 0.0).expect("a figure above zero");
+    let cases: [Case; 24] = [
+        ("count", |_| 1e9),
+        ("count", |_| -1.0),
+        ("count", |x| x - 0.5),
+        ("count", |_| f64::NAN),
+        ("count", |_| 0.0),
+        ("likelihood", |x| -x),
+        ("likelihood", |x| 1e3 * x),
+        ("likelihood", |x| x / 1e3),
+        ("likelihood", |_| f64::INFINITY),
+        ("likelihood", |_| f64::NAN),
+        ("square", |x| -x),
+        ("square", |x| 1e6 * x),
+        ("square", |x| x / 1e6),
+        ("square", |_| f64::NAN),
+        ("rho_G", |x| -x),
+        ("rho_G", |_| f64::INFINITY),
+        ("residual", |_| -1.0),
+        ("residual", |_| f64::NAN),
+        ("samples", |x| x + 1.0),
+        ("samples", |_| -1.0),
+        ("blocks", |_| 3.0),
+        ("trace", |x| -x),
+        ("trace", |x| 2.0 * x),
+        ("run", |x| x + 1.0),
+    ];
+    for (name, change) in cases {
+        let mut arrays = read_arrays(&whole).expect("arrays");
+        let array = arrays.iter_mut().find(|array| array.name == name).expect("there");
+        let at = if name == "residual" { 0 } else { place(&array.values) };
+        array.values[at] = change(array.values[at]);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        write_arrays(&mut bytes, arrays).expect("written");
+        fs::write(&sums, bytes.get_ref()).expect("written");
+        let stated = text.replace(&checksum(&whole), &checksum(bytes.get_ref()));
+        assert_ne!(stated, text);
+        fs::write(&record, stated).expect("written");
+        refuse(name);
+    }
+    fs::write(&sums, &whole).expect("written");
+    // Fields of the record that say what cannot be.
+    let value: Value = serde_json::from_str(&text).expect("JSON");
+    for (field, wrong) in [
+        ("sampling_s", serde_json::json!(-1.0)),
+        ("range", serde_json::json!([0, 1_000_000])),
+        ("range", serde_json::json!([128, 0])),
+        ("solver", serde_json::json!({ "flow": "magic", "size": 1, "forest": "kruskal", "forest_joins": null })),
+        ("sums", serde_json::json!("")),
+        ("graph", serde_json::json!("0")),
+    ] {
+        let mut record_of = value.clone();
+        record_of[field] = wrong;
+        fs::write(&record, record_of.to_string()).expect("written");
+        refuse(field);
+    }
+    fs::write(&record, text).expect("written");
+    merged(here, &names);
 }
 
 #[test]

@@ -228,3 +228,39 @@ fn a_terminal_sees_a_bar_and_colours_only_when_it_wants_them() {
     let piped = willis(here.path(), &["infer", &circle, "-o", "out", "--force"]);
     assert!(!piped.stderr.contains(&0x1b) && piped.stdout.is_empty());
 }
+
+/// Names from files that others wrote, in everything that is printed: notes, conditions, errors, JSON. The truth is that no byte is printed
+/// that a terminal acts on.
+#[test]
+fn nothing_that_a_terminal_acts_on_is_printed() {
+    let hostile = "a\u{1b}[2J\u{1b}]0;owned\u{7}\u{202e}\u{9b}1m\u{7f}";
+    let at = folder();
+    let nodes = format!("node,id,x_mm,y_mm,z_mm,label\n0,{hostile},0,0,0,{hostile}\n1,b,10,0,0,\n2,c,20,0,0,\n");
+    let edges = "node_a,node_b,length_mm,radius_mm,label\n0,1,10,1,\u{1b}[31mred\n1,2,10,1,x\n";
+    fs::write(at.path().join("nodes.csv"), nodes).expect("written");
+    fs::write(at.path().join("edges.csv"), edges).expect("written");
+    fs::write(at.path().join("bad.csv"), format!("node_a,node_b,length_mm,radius_mm\n{hostile},{hostile},x,1\n"))
+        .expect("written");
+    let swc = format!("1 0 {hostile} 0 0 1 -1\n");
+    fs::write(at.path().join("bad.swc"), swc).expect("written");
+    let inlet = format!("{hostile}=95mmHg");
+    let runs: [&[&str]; 9] = [
+        &["simulate", "edges.csv", "-o", "s", "-v", "--json", "--inlet", &inlet],
+        &["simulate", "edges.csv", "-o", "s2", "-v", "--json", "--occlude", "\u{1b}[31mred"],
+        &["infer", "edges.csv", "-o", "i", "-v", "-n", "4", "--json", "--dpi", "36"],
+        &["modulate", "edges.csv", "-o", "m", "-v", "-n", "4", "--json", "--dpi", "36"],
+        &["convert", "edges.csv", "out.vtp", "-v", "--json"],
+        &["simulate", "edges.csv", "-o", "t", "--inlet", "\u{1b}[2J\u{7}=1"],
+        &["convert", "bad.csv", "out2.vtp"],
+        &["convert", "bad.swc", "out3.vtp"],
+        &["\u{1b}[2Jinfer\u{7}"],
+    ];
+    for run in runs {
+        let output = willis(at.path(), run);
+        for bytes in [&output.stdout, &output.stderr] {
+            let text = String::from_utf8_lossy(bytes);
+            let acts = |c: char| c.is_control() && c != '\n' || c == '\u{202e}';
+            assert!(!text.contains(acts), "{run:?}: {text:?}");
+        }
+    }
+}

@@ -10,6 +10,8 @@ use willis::internals::io::{
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::phantom::{cerebral, circle_of_willis};
+use willis::write;
 
 const VOREEN_NODES: &str = "id;pos_x;pos_y;pos_z;degree;isAtSampleBorder
 0;0;0;0;1;1
@@ -462,4 +464,53 @@ fn a_table_cut_anywhere_never_panics() {
     write_vesselvio(&mut vertices, &mut edges, &curved()).unwrap();
     assert!(truncated(&[("edges.csv", &edges), ("vertices.csv", &vertices)], 1, &mm()) > 0);
     assert!(truncated(&[("vertices.csv", &vertices), ("edges.csv", &edges)], 1, &mm()) > 0);
+}
+
+/// Two pairs of tables in one folder stay two; a pair that was torn apart is refused or told.
+#[test]
+fn tables_written_side_by_side_keep_their_own_nodes() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let networks = [1e-3, 3e-3].map(|size| cerebral(&circle_of_willis(size)));
+    let networks = [networks[0].clone(), scaled(&networks[1], 300.0)];
+    for (network, name) in networks.iter().zip(["A.csv", "B.csv"]) {
+        write(network, &place(name), None, true).unwrap();
+    }
+    let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["A.csv", "A.nodes.csv", "B.csv", "B.nodes.csv"]);
+    let options = ReadOptions::default();
+    for (network, name) in networks.iter().zip(["A.csv", "B.csv"]) {
+        let read = willis::read(&place(name), &options).unwrap();
+        assert_eq!(
+            read.network.nodes().map(|n| n.position).collect::<Vec<_>>(),
+            network.nodes().map(|n| n.position).collect::<Vec<_>>()
+        );
+        assert_eq!(read.provenance.notes.len(), 1, "{:?}", read.provenance.notes);
+    }
+    // The nodes of another network of as many nodes.
+    std::fs::copy(place("B.nodes.csv"), place("A.nodes.csv")).unwrap();
+    let said = willis::read(&place("A.csv"), &options).unwrap_err().to_string();
+    assert!(said.contains("A.csv:2: edge 0: node") && said.contains("expected the table of nodes of this network"), "{said}");
+    // The nodes of this network, changed by hand.
+    write(&networks[0], &place("A.csv"), None, true).unwrap();
+    let nodes = std::fs::read_to_string(place("A.nodes.csv")).unwrap();
+    std::fs::write(place("A.nodes.csv"), format!("{nodes}\n")).unwrap();
+    let notes = willis::read(&place("A.csv"), &options).unwrap().provenance.notes;
+    assert!(notes.iter().any(|note| note.contains("is not as it was when")), "{notes:?}");
+    // The names of earlier versions.
+    std::fs::rename(place("A.nodes.csv"), place("nodes.csv")).unwrap();
+    assert!(willis::read(&place("A.csv"), &options).is_ok());
+}
+
+/// A network with every position and length so many times as large.
+fn scaled(network: &Network, by: f64) -> Network {
+    let mut larger = Network::new();
+    for node in network.nodes() {
+        larger.add_node(Node { position: node.position.map(|p| p.map(|x| by * x)), ..node.clone() });
+    }
+    for (ends, vessel) in network.vessels() {
+        larger.add_vessel(ends, Vessel { length: by * vessel.length, path: Vec::new(), ..vessel.clone() });
+    }
+    larger
 }

@@ -19,6 +19,7 @@ mod front_door;
 mod instruction_sets;
 mod invariants;
 mod large;
+mod metamorphic;
 mod oracle;
 mod oracle_script;
 mod posterior;

@@ -171,8 +171,7 @@ pub fn branch_ratio_squared(c: &MeasuredCandidate) -> f64 {
 
 /// ln of the thinner of the two radii over that of the widest free end of all: the connections of a circle are thick vessels.
 pub fn relative_size(c: &MeasuredCandidate) -> f64 {
-    let widest = c.extraction.ends.iter().map(|end| end.radius).fold(0.0, f64::max);
-    (c.child.radius.min(c.parent_radius) / widest).ln()
+    (c.child.radius.min(c.parent_radius) / c.extraction.largest.end).ln()
 }
 
 /// ln r_c/r_p.
@@ -209,7 +208,7 @@ pub fn slenderness(extraction: &Extraction, fragment: &Fragment) -> f64 {
 
 /// ln(L/L_max + 0.01) of a fragment.
 pub fn share(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    let longest = extraction.fragments.iter().map(|f| f.length).fold(0.0, f64::max);
+    let longest = extraction.largest.length;
     let share = if longest > 0.0 { fragment.length / longest } else { 1.0 };
     (share + LEAST_SHARE).ln()
 }

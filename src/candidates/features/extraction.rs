@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::fragment::Fragment;
+use super::fragment::{Fragment, Largest};
 use super::path_lengths::BranchGraph;
 use super::smoothing::{SmoothPoints, smooth, steady};
 use super::tangent::{BranchShape, branch_shapes};
@@ -54,6 +54,8 @@ pub struct Extraction {
     pub inlets: Vec<usize>,
     /// The fragments.
     pub fragments: Vec<Fragment>,
+    /// The largest figures of its fragments and free ends.
+    pub largest: Largest,
     /// The median distance between consecutive points, m, positive.
     pub spacing: f64,
     pub(crate) graph: BranchGraph,
@@ -147,6 +149,7 @@ impl Extraction {
             to_free_end: graph.to_nearest(&ends.iter().map(|e| e.point).collect::<Vec<_>>()),
             to_junction: graph.to_nearest(&junctions),
             fragments: Vec::new(),
+            largest: Largest::default(),
             at_border: vec![false; place.len()],
             inlets,
             index: PointIndex::new(position.clone()),
@@ -166,6 +169,7 @@ impl Extraction {
         };
         this.mark_border(network);
         this.fragments = this.measure_fragments(parts.count);
+        this.largest = this.measure_largest();
         for (end, orientation) in this.orientations().into_iter().enumerate() {
             this.ends[end].orientation = orientation;
         }

@@ -25,7 +25,35 @@ pub struct Fragment {
     pub fed: bool,
 }
 
+impl Fragment {
+    /// The radius (m) of its widest free end, half a spacing at least.
+    pub fn end_radius(&self, spacing: f64) -> f64 {
+        self.widest_end.unwrap_or(0.0).max(0.5 * spacing)
+    }
+}
+
+/// The largest figures of an extraction, beside which those of its fragments and ends are measured.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Largest {
+    /// Length of a fragment, m.
+    pub length: f64,
+    /// Radius of a free end, m.
+    pub end: f64,
+    /// Radius of a fragment's widest free end, half a spacing at least, m.
+    pub fragment_end: f64,
+}
+
 impl Extraction {
+    /// The largest figures; the fragments must be measured.
+    pub(crate) fn measure_largest(&self) -> Largest {
+        let most = |figures: &mut dyn Iterator<Item = f64>| figures.fold(0.0, f64::max);
+        Largest {
+            length: most(&mut self.fragments.iter().map(|f| f.length)),
+            end: most(&mut self.ends.iter().map(|end| end.radius)),
+            fragment_end: most(&mut self.fragments.iter().map(|f| f.end_radius(self.spacing))),
+        }
+    }
+
     /// The fragments, so many.
     pub(crate) fn measure_fragments(&self, count: usize) -> Vec<Fragment> {
         let mut out = vec![Fragment::default(); count];

@@ -53,8 +53,7 @@ pub fn inlet(_: &Extraction, fragment: &Fragment) -> f64 {
 
 /// ln of the radius of its widest free end over that of the widest fragment's.
 pub fn relative_width(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    let widest = extraction.fragments.iter().map(|f| end_radius(extraction, f)).fold(0.0, f64::max);
-    (end_radius(extraction, fragment) / widest).ln()
+    (end_radius(extraction, fragment) / extraction.largest.fragment_end).ln()
 }
 
 /// ln of the radius of its widest free end in spacings.
@@ -84,5 +83,5 @@ pub fn log_junctions(_: &Extraction, fragment: &Fragment) -> f64 {
 
 /// The radius (m) of its widest free end, half a spacing at least.
 fn end_radius(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    fragment.widest_end.unwrap_or(0.0).max(0.5 * extraction.spacing)
+    fragment.end_radius(extraction.spacing)
 }

@@ -19,8 +19,9 @@ use serde_json::Value;
 use super::cohort::{Cohort, Entry, Failure, Ledger, Work, gather, say_notes_of, work_on};
 use super::command_line::command_line_of_mask;
 use super::infer::{InferenceArgs, Inferences};
-use super::print::{Terminal, listen, plural};
+use super::print::{Terminal, plural};
 use super::shell::print_json;
+use super::signals::listen;
 use super::subjects::Subject;
 use super::with_flags;
 use dataset::{Choice, Dataset, Filter, Mask, check_labels, labels, listed, parse_filter};
@@ -102,7 +103,7 @@ impl BidsArgs {
             masks.iter().zip(&earlier).try_for_each(|(mask, earlier)| runs.check(mask, earlier.as_ref()))?;
         }
         derivative.describe(dataset, &self.source)?;
-        listen();
+        listen(2);
         let people: BTreeSet<&str> = masks.iter().map(|mask| &*mask.participant).collect();
         let found =
             format!("{} of {}, in {}", plural(masks.len(), "mask"), plural(people.len(), "participant"), Dataset::places(&masks));

@@ -7,8 +7,6 @@ pub mod notes;
 
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write};
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::internals::flow::Boundary;
@@ -17,10 +15,12 @@ use crate::internals::io::Format;
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};
 use crate::internals::pipeline::nothing_built;
+use crate::internals::support::printable::printable;
 use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::cli::flags_in;
+use crate::cli::signals::{listen, stops};
 
 /// Prints facts on standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
@@ -30,12 +30,6 @@ pub struct Terminal {
     /// Whether this is the terminal of one subject among many.
     of_many: bool,
 }
-
-/// How often Ctrl-C or SIGTERM has come.
-static STOPS: AtomicU8 = AtomicU8::new(0);
-static HANDLER: Once = Once::new();
-/// Whether the command runs inside of another program.
-static INSIDE: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     /// What this thread says, where that is not to be printed.
@@ -66,7 +60,7 @@ impl Terminal {
 
     /// Whether Ctrl-C or SIGTERM has come as often as the work stops for.
     pub fn is_stopped(self) -> bool {
-        STOPS.load(Ordering::Relaxed) >= self.stops()
+        stops() >= self.stops()
     }
 
     /// After how many signals the work stops.
@@ -89,7 +83,8 @@ impl Terminal {
         if taken.is_none() && !self.quiet {
             let bold = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let (on, off) = if bold { ("\x1b[1m", "\x1b[0m") } else { ("", "") };
-            line(format_args!("{on}{heading:>10}{off}  {}", flags_in(fact.as_ref())));
+            let (heading, fact) = (printable(heading), flags_in(fact.as_ref()));
+            put(format_args!("{on}{heading:>10}{off}  {}", printable(&fact)));
         }
     }
 
@@ -102,7 +97,7 @@ impl Terminal {
 
     /// Progress of `doing` over so many `things`, stopped by Ctrl-C or SIGTERM.
     pub fn progress(self, doing: &'static str, things: &'static str, total: u64) -> CountProgress {
-        listen();
+        listen(self.stops());
         let bar = if self.quiet || self.of_many || !std::io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
@@ -130,43 +125,13 @@ impl Terminal {
     }
 }
 
-/// From now on Ctrl-C and SIGTERM only ask to stop.
-pub fn listen() {
-    if INSIDE.load(Ordering::Relaxed) {
-        return;
-    }
-    HANDLER.call_once(|| {
-        // Without a handler a signal ends the process at once, which leaves no output either.
-        let _ = ctrlc::set_handler(|| {
-            count_stop();
-        });
-    });
-}
-
-/// From now on signals are the business of the program around this one; what an earlier command was asked is forgotten.
-pub(super) fn stay_inside() {
-    INSIDE.store(true, Ordering::Relaxed);
-    STOPS.store(0, Ordering::Relaxed);
-}
-
-/// Asks the command that is at work to stop, as Ctrl-C does.
-pub fn ask_to_stop() {
-    // The second time even a command that would rather finish stops.
-    count_stop();
-    count_stop();
-}
-
-fn count_stop() {
-    let _ = STOPS.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_add(1)));
-}
-
-/// Whether Ctrl-C or SIGTERM has come.
-pub fn is_stopped() -> bool {
-    STOPS.load(Ordering::Relaxed) > 0
-}
-
-/// A line on standard error; one that is closed or full is no reason to stop.
+/// A line on standard error, without anything in it that a terminal acts on: names come from files that others wrote.
 pub fn line(text: std::fmt::Arguments<'_>) {
+    put(format_args!("{}", printable(&text.to_string())));
+}
+
+/// A line on standard error as it is; one that is closed or full is no reason to stop.
+fn put(text: std::fmt::Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
@@ -201,7 +166,7 @@ impl CountProgress {
             let (doing, things, rate) = (self.doing, self.things, count(rate as u64));
             line(format_args!("{doing:>10}  {} of {} {things}, {rate}/s, {left:.0} s left", count(done), count(total)));
         }
-        STOPS.load(Ordering::Relaxed) < self.stops
+        stops() < self.stops
     }
 
     /// Takes the bar away.

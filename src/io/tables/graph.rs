@@ -7,13 +7,14 @@ use crate::error::Fault;
 use crate::io::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
 use crate::io::attributes::records::Records;
 use crate::io::attributes::{self, COMPLIANCE, PROXIMAL, nodes};
+use crate::io::input::checksum;
 use crate::io::read::ReadOptions;
 use crate::io::tables::conditions::VENOUS;
 use crate::io::tables::reader::{TableReader, columns, delimiter};
 use crate::io::tables::write::{Column, Values, real, write_csv};
 use crate::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use crate::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
-use crate::support::geometry::Point;
+use crate::support::geometry::{Point, distance, norm_squared};
 
 /// The columns that may hold the names of nodes.
 const NAMES: [&str; 2] = ["node", "id"];
@@ -102,6 +103,9 @@ pub fn read_csv_edges(
                     made.len() - 1
                 }
             };
+            if given && placed.len() <= *end {
+                placed.resize(*end + 1, None);
+            }
             if let Some(place @ None) = placed.get_mut(*end) {
                 *place = END_POSITION_COLUMNS[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
             }
@@ -111,12 +115,49 @@ pub fn read_csv_edges(
     if rows.is_empty() {
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
+    if given {
+        same_places(&found, &places(&records, &placed), &records, &placed, &options.scale)?;
+    }
     let mut network = Network::new();
     for node in if given { found } else { nodes(&made, &places(&records, &placed), &options.scale)? } {
         network.add_node(node);
     }
     let notes = vessels(&mut network, &rows, &records, options)?;
     Ok((network, notes))
+}
+
+/// How far a node may lie from where the table of edges has it, as a share of the size of the network: tables may be rounded.
+const SAME_PLACE: f64 = 1e-3;
+
+/// Refuses a table of nodes that has nodes elsewhere than the table of edges: it is of another network.
+fn same_places(
+    nodes: &[Node],
+    places: &Records,
+    edges: &Records,
+    placed: &[Option<(usize, usize)>],
+    scale: &Scale,
+) -> Result<(), Fault> {
+    let names: Vec<&str> = nodes.iter().take(placed.len()).map(|node| &*node.id).collect();
+    let stated = attributes::nodes(&names, places, scale)?;
+    let all = || nodes.iter().filter_map(|node| node.position);
+    let size = |axis: usize| {
+        let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
+        high - low
+    };
+    let most = SAME_PLACE * norm_squared([0, 1, 2].map(size)).sqrt();
+    for ((node, there), place) in nodes.iter().zip(&stated).zip(placed) {
+        let (Some(here), Some(there), Some((row, side))) = (node.position, there.position, place) else { continue };
+        if distance(here, there) > most {
+            let mm = |p: Point| p.map(|x| real(millimetres(x))).join(" ");
+            let end = END_POSITION_COLUMNS[*side][0].trim_end_matches("x_mm");
+            let found =
+                format!("edge {row}: node {} lies at {} here and at {} in the table of nodes", node.id, mm(there), mm(here));
+            let accepted =
+                format!("expected the table of nodes of this network, or a table without {end}x_mm, {end}y_mm, {end}z_mm");
+            return Err(Fault::line(edges.get(*row).line, found, accepted));
+        }
+    }
+    Ok(())
 }
 
 /// The position of each node, from the columns of one end of an edge.
@@ -140,17 +181,38 @@ fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
 /// # Errors
 ///
 /// The writers' own.
-pub fn write_csv_graph(nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
+pub fn write_csv_graph(mut nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
     let (node_columns, mut vessel_columns) = graph_columns(network);
     vessel_columns.extend(points_column(network));
-    write_csv(nodes, &node_columns)?;
+    let mut table = Vec::new();
+    write_csv(&mut table, &node_columns)?;
+    let checksum = checksum_of_pair(&table);
+    let in_first_row = (0..network.vessel_count()).map(|row| if row == 0 { checksum.clone() } else { String::new() });
+    vessel_columns.push(Column::text(PAIR, in_first_row));
+    nodes.write_all(&table)?;
     write_csv(edges, &vessel_columns)
+}
+
+/// The column of a table of edges with the checksum of its table of nodes, in the first row.
+const PAIR: &str = "nodes_sha256";
+
+/// The first 16 digits of the SHA-256 of a table of nodes.
+pub(crate) fn checksum_of_pair(nodes: &[u8]) -> String {
+    checksum(nodes).chars().take(16).collect()
+}
+
+/// The checksum that a table of edges states of its table of nodes.
+pub(crate) fn stated_checksum(edges: &[u8]) -> Option<String> {
+    let mut rows = TableReader::open(edges).ok()?;
+    let column = rows.find(&[PAIR])?;
+    let row = rows.next().ok()??;
+    row.texts().find(|(at, _)| *at == column).map(|(_, text)| text.to_owned())
 }
 
 /// Whether a column is read.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let own = [&NAMES[..], ENDS.as_flattened(), END_POSITION_COLUMNS.as_flattened()];
-    attributes::is_wanted(name) || own.iter().any(|names| names.contains(&name))
+    attributes::is_wanted(name) || name == PAIR || own.iter().any(|names| names.contains(&name))
 }
 
 /// The header and the rows of a file; of the rows only the columns that are read.

@@ -12,7 +12,7 @@ use crate::network::centerlines::Centerlines;
 
 /// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
-/// Points keep their row as id; those on no line are left out. The strand of a point is the first line that uses it.
+/// Points keep their row as id; those on no line are left out. The strand of a point is its tree: lines that share points are of one.
 /// `options.radius_array` says which array holds the radius. Lines that run together become one vessel; cell arrays such as
 /// `label` name their lines. The field `SPACE` states the frame.
 ///

@@ -52,8 +52,10 @@ const DECADES: f64 = 12.0;
 impl LogRange {
     /// The range of the positive `values`: at least one decade, and at most [`DECADES`] below the largest.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (low, high) =
-            values.into_iter().filter(|v| *v > 0.0).fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = values
+            .into_iter()
+            .filter(|v| *v > 0.0 && v.is_finite())
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
         if high <= 0.0 {
             return None;
         }
@@ -169,9 +171,13 @@ impl LinearRange {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Ticks in steps of 1, 2 or 5 times a power of ten, at most `most` (two or more).
+    /// Ticks in steps of 1, 2 or 5 times a power of ten, at most `most` (two or more); none where numbers are too coarse for them: a range
+    /// below 1e-300, infinite, or narrower than 1e-12 of its ends.
     pub fn ticks(&self, most: usize) -> Vec<Tick> {
         let rough = (self.high - self.low) / (most as f64 - 1.0);
+        if !(rough.is_finite() && rough > (1e-12 * self.low.abs().max(self.high.abs())).max(1e-300)) {
+            return Vec::new();
+        }
         let power = rough.log10().floor() as i32;
         let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
         let next = (1, power + 1);
@@ -213,6 +219,8 @@ mod linear_tests {
         assert_eq!(read(-120.0, 230.0, 7), ["\u{2212}100", "0", "100", "200"]);
         assert_eq!(read(0.0, 0.04, 7), ["0", "0.01", "0.02", "0.03", "0.04"]);
         assert_eq!(read(0.0, 5e-7, 6)[..2], ["0", "1\u{b7}10^\u{2212}7"]);
+        assert_eq!(read(0.0, 2e-310, 6), [""; 0]);
+        assert_eq!(read(0.0, f64::INFINITY, 6), [""; 0]);
         assert_eq!(LinearRange::of([f64::NAN]), None);
         assert!(LinearRange::of([2.0, 2.0]).is_some_and(|r| r.low < 2.0 && r.high > 2.0));
     }
@@ -220,6 +228,8 @@ mod linear_tests {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::{Just, Strategy, prop_assert, prop_oneof, proptest};
+
     use super::*;
 
     fn read(ticks: &[Tick]) -> Vec<String> {
@@ -257,5 +267,45 @@ mod tests {
         assert!(range.clipped && range.share(1e-20) < 0.0 && range.share(1e3) >= 1.0);
         assert_eq!(range.low.to_bits(), (-9.0_f64).to_bits());
         assert_eq!(LogRange::of([0.0]), None);
+    }
+    /// Any number a double can be.
+    fn any() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            any_double(),
+            Just(0.0),
+            Just(f64::MAX),
+            Just(f64::MIN_POSITIVE),
+            Just(5e-324),
+            Just(f64::INFINITY),
+            Just(f64::NAN)
+        ]
+    }
+
+    fn any_double() -> impl Strategy<Value = f64> {
+        proptest::num::f64::ANY
+    }
+
+    proptest! {
+        #[test]
+        fn ticks_of_any_values_are_few_and_lie_on_the_axis(a in any(), b in any(), most in 2_usize..12) {
+            if let Some(range) = LinearRange::of([a, b]) {
+                let ticks = range.ticks(most);
+                prop_assert!(ticks.len() <= most);
+                prop_assert!(ticks.iter().all(|t| (-1e-6..=1.0 + 1e-6).contains(&range.share(t.at))));
+            }
+            // As figures make them: from zero to a quantity.
+            let from_zero = LinearRange { low: 0.0, high: a }.ticks(most).len();
+            prop_assert!(from_zero <= most);
+            if let Some(range) = LogRange::of([a, b]) {
+                let ticks = range.ticks();
+                prop_assert!((1..=14).contains(&ticks.len()), "{}", ticks.len());
+                prop_assert!(ticks.iter().all(|t| (-1e-6..=1.0 + 1e-6).contains(&range.share_of_log(t.at))));
+            }
+        }
+
+        #[test]
+        fn ticks_of_counts_are_few(last in proptest::num::u64::ANY, most in 2_u64..12) {
+            prop_assert!(count_ticks(last, most).len() as u64 <= most + 1);
+        }
     }
 }

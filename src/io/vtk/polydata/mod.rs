@@ -5,6 +5,8 @@ pub(crate) mod radius;
 
 use std::collections::HashMap;
 
+use petgraph::unionfind::UnionFind;
+
 use crate::error::Fault;
 use crate::io::read::ReadOptions;
 use crate::network::centerlines::Centerlines;
@@ -149,6 +151,12 @@ fn build(all: &Lines, ids: &[u64]) -> Centerlines {
             }
         }
     }
+    // Lines that share points are one tree, as it is in SWC.
+    let mut trees = UnionFind::<u32>::new(out.points.len());
+    for [a, b] in &out.links {
+        trees.union(*a, *b);
+    }
+    out.strand = trees.into_labeling();
     let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
     out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
     out

@@ -1,0 +1,48 @@
+//! What the system lets a process have: memory, and the size of a file. Linux says so; elsewhere nothing is known and nothing is refused.
+
+use std::fs;
+use std::path::Path;
+
+/// Memory that this process can still get, bytes: the least of what is free, of what its group may have and of its address space.
+pub fn memory() -> Option<u64> {
+    [free(), group(), address_space()].into_iter().flatten().min()
+}
+
+/// The largest file that this process may write, bytes (`ulimit -f`).
+pub fn file_size() -> Option<u64> {
+    limit("Max file size")
+}
+
+/// A soft limit of the process; none where it is unlimited.
+fn limit(name: &str) -> Option<u64> {
+    let limits = fs::read_to_string("/proc/self/limits").ok()?;
+    limits.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
+}
+
+/// A figure of a file of lines `Name:   1234 kB`, bytes.
+fn figure(file: &str, name: &str) -> Option<u64> {
+    let text = fs::read_to_string(file).ok()?;
+    let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
+    value.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
+}
+
+fn free() -> Option<u64> {
+    figure("/proc/meminfo", "MemAvailable")
+}
+
+fn address_space() -> Option<u64> {
+    Some(limit("Max address space")?.saturating_sub(figure("/proc/self/status", "VmSize")?))
+}
+
+/// What the control groups leave (version 2), the process's own and those around it: a container's limit.
+fn group() -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    let own = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    let root = Path::new("/sys/fs/cgroup");
+    let number = |path: &Path| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    let left = |group: &Path| {
+        let most = number(&group.join("memory.max"))?;
+        Some(most.saturating_sub(number(&group.join("memory.current")).unwrap_or(0)))
+    };
+    root.join(own).ancestors().take_while(|group| group.starts_with(root)).filter_map(left).min()
+}
