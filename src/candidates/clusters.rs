@@ -50,7 +50,9 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<Cluster<'a>> 
     }
     let mut group_of = vec![0; parts.count];
     for (group, members) in groups.iter().enumerate() {
-        members.iter().for_each(|part| group_of[*part] = group);
+        for part in members {
+            group_of[*part] = group;
+        }
     }
     let mut rows = vec![[Vec::new(), Vec::new()]; groups.len()];
     let mut own = vec![0; network.node_count()];
@@ -153,7 +155,9 @@ mod tests {
     fn boxes_that_a_plane_separates_are_apart() {
         let boxes = [[0.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.2, 0.5, 5.0], [0.9, 0.9, 0.0]].map(unit_box);
         let mut found = groups(&boxes);
-        found.iter_mut().for_each(|group| group.sort_unstable());
+        for group in &mut found {
+            group.sort_unstable();
+        }
         found.sort();
         assert_eq!(found, [vec![0, 3], vec![1], vec![2]]);
         let grid: Vec<Bounds> =

@@ -109,6 +109,7 @@ mod tests {
             let circuit = Circuit {
                 ends: vec![[0, 1], [1, 2]],
                 conductance: vec![stiff, 1.0],
+                terminals: Vec::new(),
                 fixed: vec![Some(100.0), None, Some(0.0)],
                 shunt: vec![0.0; 3],
                 source: vec![0.0; 3],

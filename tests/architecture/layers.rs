@@ -321,7 +321,7 @@ fn every_library_has_its_reason() {
     let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
     let mut wanted: BTreeSet<String> = BTreeSet::new();
     let mut add = |table: Option<&toml::Value>| {
-        wanted.extend(table.and_then(toml::Value::as_table).into_iter().flat_map(|t| t.keys().cloned()))
+        wanted.extend(table.and_then(toml::Value::as_table).into_iter().flat_map(|t| t.keys().cloned()));
     };
     add(manifest.get("dependencies"));
     add(manifest.get("dev-dependencies"));
