@@ -26,8 +26,9 @@ pub struct Balanced {
 
 impl Balanced {
     /// The pressures that a solver found for vessels of these conductances (m³/(Pa s), zero where closed), refined where flows do not balance
-    /// to 1e-12 of what passes a node; elsewhere they stay as they are, bit for bit.
+    /// to 1e-12 of what passes a node; elsewhere they stay as they are, bit for bit. The circuit is that of one sample: its conditions hold.
     pub fn of(circuit: &Circuit, conductance: &[f64], above_level: &[Option<f64>]) -> Self {
+        debug_assert!(circuit.terminals.is_empty(), "a condition that may not hold");
         let drop = |[a, b]: &[usize; 2]| above_level[*a].zip(above_level[*b]).map_or(0.0, |(a, b)| a - b);
         let mut best = Self { above_level: above_level.to_vec(), drop: circuit.ends.iter().map(drop).collect() };
         let (mut lacking, mut worst) = best.imbalance(circuit, conductance);
@@ -102,7 +103,8 @@ fn changes(circuit: &Circuit, conductance: &[f64], lacking: Vec<f64>) -> Option<
 mod tests {
     use super::*;
 
-    /// Vessels of resistance 1e-12 and 1 Pa s/m³ in series between 100 Pa and 0: the flow is 100/(1 + 1e-12), and each carries it.
+    /// Vessels of resistance 1/C and 1 Pa s/m³ in series between 100 Pa and 0: the flow is 100/(1 + 1/C), and each carries it, to the 1e-12 that
+    /// is promised.
     #[test]
     fn vessels_in_series_carry_one_flow() {
         for stiff in [1e3, 1e9, 1e12, 1e15, 1e30] {
@@ -120,7 +122,7 @@ mod tests {
             let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
             let flow = 100.0 / (1.0 + 1.0 / stiff);
             for (drop, conductance) in balanced.drop.iter().zip(&circuit.conductance) {
-                assert!((drop * conductance / flow - 1.0).abs() < 1e-14, "{stiff}: {}", drop * conductance);
+                assert!((drop * conductance / flow - 1.0).abs() < 1e-12, "{stiff}: {}", drop * conductance);
             }
         }
     }

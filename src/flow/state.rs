@@ -64,7 +64,7 @@ impl State {
     }
 
     /// The state of `tubes` between the nodes of a circuit at the pressures that a solver found, Pa above its level. Where flows do not
-    /// balance at these to 1e-12, they are refined.
+    /// balance at these to 1e-12, they are refined. The circuit's conditions are those that hold ([`Circuit::in_sample`]).
     pub fn at_pressures(
         circuit: &Circuit,
         boundary: &Boundary,

@@ -37,7 +37,7 @@ fn commands() -> Vec<(Vec<String>, &'static str)> {
         (words("infer SWC -n 64 --range 0..64"), ""),
         (words("candidates SWC"), ".graphml"),
         (words("convert SWC"), ".swc"),
-        (words("phantom arterial"), ".csv"),
+        (words("phantom arterial --edges 100"), ".csv"),
     ]
 }
 
@@ -71,8 +71,10 @@ fn is_left_alone(trap: impl Fn(&Path, &str), at_the_place: bool) {
             assert!(said.contains(".willis-x") && said.contains("remove it, or choose another"), "{said}");
             assert_eq!(hidden(), kind);
         }
+        // The hidden folder is this user's own where the command may clear it; what its links point to stands outside.
+        let own = |path: &Path| !at_the_place && path.to_string_lossy().starts_with(".willis-");
         let after = contents(here.path());
-        assert!(before.iter().all(|file| after.contains(file)), "{there:?}");
+        assert!(before.iter().filter(|(path, _)| !own(path)).all(|file| after.contains(file)), "{there:?}");
     }
 }
 
