@@ -1,12 +1,12 @@
 //! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
 
 use super::features::extraction::Extraction;
-use super::features::smoothing::steady;
 use super::kind::Kind;
 use crate::error::Result;
 use crate::network::path_places::{PathPlace, at_even_steps, length_of};
 use crate::network::{Network, Origin, PathPoint, Vessel};
 use crate::support::geometry::distance;
+use crate::support::ties::steady;
 
 /// Of a skeleton the step is so many times the radius that a quarter of the length falls short of: about one and a half voxels.
 const STEP_RADII: f64 = std::f64::consts::SQRT_2;

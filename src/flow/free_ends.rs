@@ -3,6 +3,7 @@
 use super::boundary_conditions::Boundary;
 use crate::network::{Frame, Network, Origin, Role, Vessel, fragments};
 use crate::support::geometry::{Point, distance};
+use crate::support::ties::{compare, near_zero, steady};
 
 /// The most inlets that are found.
 const MOST_INLETS: usize = 3;
@@ -107,7 +108,8 @@ impl FreeEnds {
     /// The ends that may be inlets, the likeliest first. Of all ends those count that probably are no ends of gaps; of these the ones where
     /// a vessel leaves the image; where up is known, the ones in the lower half; and of these the ones at least half as wide as the widest. A
     /// group without a member is passed over. Wide ends come before narrow ones; of equally wide ones the lower comes first, then the one
-    /// farther from the middle of all.
+    /// farther from the middle of all, then by place along the axes; the number of a node decides only where two are at one place.
+    /// Rounding decides nothing: what differs in the last digits is equal.
     pub fn ranked(&self) -> Vec<usize> {
         let mut ends: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.named_outlet[*node]).collect();
         let mut only = |is_member: &dyn Fn(usize) -> bool| {
@@ -115,27 +117,40 @@ impl FreeEnds {
                 ends.retain(|node| is_member(*node));
             }
         };
-        only(&|node| self.joined[node] < PROBABLE);
+        let (low, size) = self.extent();
+        // Where it is along an axis, as a share of the extent of all.
+        let along = |node: usize, axis: usize| self.position[node].map_or(0.0, |p| near_zero((p[axis] - low[axis]) / size));
+        only(&|node| steady(self.joined[node]) < PROBABLE);
         only(&|node| self.at_border[node]);
         if self.is_upright {
-            let heights = || self.nodes.iter().filter_map(|node| self.position[*node]).map(|p| p[2]);
-            let half = 0.5 * (heights().fold(f64::INFINITY, f64::min) + heights().fold(f64::NEG_INFINITY, f64::max));
-            only(&|node| self.position[node].is_some_and(|p| p[2] <= half));
+            let placed = || self.nodes.iter().filter(|node| self.position[**node].is_some());
+            let half = 0.5 * placed().map(|node| along(*node, 2)).fold(0.0, f64::max);
+            only(&|node| self.position[node].is_some() && along(node, 2) <= half);
         }
         let widest = ends.iter().map(|node| self.radius[*node]).fold(0.0, f64::max);
-        ends.retain(|node| self.radius[*node] >= LEAST_WIDTH * widest);
-        ends.sort_by(|a, b| self.radius[*b].total_cmp(&self.radius[*a]));
+        let width = |node: usize| steady(self.radius[node] / widest);
+        ends.retain(|node| width(*node) >= LEAST_WIDTH);
+        let far = |node: usize| self.position[node].map_or(0.0, |p| near_zero(distance(p, self.middle) / size));
+        let order = |node: usize| [along(node, 2), -far(node), along(node, 0), along(node, 1)];
+        ends.sort_by(|a, b| width(*b).total_cmp(&width(*a)));
         // Groups of equal width, each measured from its widest.
         let mut ranked = Vec::with_capacity(ends.len());
-        while let Some(widest) = ends.first().map(|node| self.radius[*node]) {
-            let same = ends.iter().take_while(|node| self.radius[**node] > (1.0 - SAME_WIDTH) * widest).count();
+        while let Some(widest) = ends.first().map(|node| width(*node)) {
+            let same = ends.iter().take_while(|node| steady(width(**node) / widest) > 1.0 - SAME_WIDTH).count();
             let mut group: Vec<usize> = ends.drain(..same.max(1)).collect();
-            let height = |node: &usize| self.position[*node].map_or(0.0, |p| p[2]);
-            let far = |node: &usize| self.position[*node].map_or(0.0, |p| distance(p, self.middle));
-            group.sort_by(|a, b| height(a).total_cmp(&height(b)).then(far(b).total_cmp(&far(a))).then(a.cmp(b)));
+            group.sort_by(|a, b| compare(&order(*a), &order(*b)).then(a.cmp(b)));
             ranked.extend(group);
         }
         ranked
+    }
+
+    /// The lowest corner of the box around the free ends, m, and the longest of its sides, m, which is positive.
+    fn extent(&self) -> (Point, f64) {
+        let along = |axis: usize| self.nodes.iter().filter_map(move |node| self.position[*node]).map(move |p: Point| p[axis]);
+        let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
+        let side = |axis: usize| along(axis).fold(f64::NEG_INFINITY, f64::max) - low[axis];
+        let size = side(0).max(side(1)).max(side(2));
+        (low, if size > 0.0 { size } else { 1.0 })
     }
 }
 

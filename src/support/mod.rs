@@ -12,6 +12,7 @@ pub mod random;
 pub mod simd;
 pub mod statistics;
 pub mod suggestions;
+pub mod ties;
 pub mod toml_text;
 pub mod tree_provenance;
 

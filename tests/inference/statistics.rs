@@ -164,5 +164,46 @@ fn no_spread_no_error() {
     let of = |samples, epsilon| run(&network, &conditions, &SamplingOptions { samples, epsilon, ..SamplingOptions::default() });
     assert!(of(1, 0.3).std_error.iter().all(|error| error.is_nan()));
     let open = run(&network, &conditions, &SamplingOptions { epsilon: 0.0, uniform_prior: true, ..SamplingOptions::default() });
-    assert_eq!(open.std_error, [0.0; 11]);
+    // What no sample saw may be seen three times in as many samples, 95 % of 1.96 errors, by the rule of three.
+    let n = open.samples as f64;
+    let heaviest = open.likelihood.iter().fold(0.0, |most: f64, l| most.max(l / n));
+    for row in 0..11 {
+        let expected = if open.frequency[row] > 0.0 { 0.0 } else { 3.0 / 1.96 * heaviest };
+        assert!((open.std_error[row] - expected).abs() <= 1e-12 * heaviest, "{row}: {}", open.std_error[row]);
+    }
+    // Nothing is uncertain: no sample differs from another.
+    let certain = SamplingOptions { uncertain: Uncertain::Candidates, ..SamplingOptions::default() };
+    assert_eq!(run(&network, &conditions, &certain).std_error, [0.0; 11]);
+}
+
+/// L of a vessel lies within 1.96 of its error in 95 % of runs at least, whether many samples saw it, few or none; the truth is the enumeration.
+#[test]
+fn errors_hold_for_vessels_that_few_samples_saw() {
+    // By how many samples saw the vessel: none, fewer than 5, fewer than 20, more.
+    let (mut held, mut all) = ([0.0; 4], [0.0; 4]);
+    for graph in 0..8 {
+        let mut draw = Draw::new(60 + graph);
+        let network = random_network(&mut draw, 7, 11, radii(0.5, 1.5));
+        let conditions = random_conditions(&mut draw, 7);
+        let exact =
+            enumerate(&network, &conditions, &keep(&network, 0.05, Uncertain::All)).moments(Weight::Resilience).mean.clone();
+        for (seed, samples) in (0..50).flat_map(|seed| [(seed, 64), (seed, 640)]) {
+            let params =
+                SamplingOptions { epsilon: 0.05, samples, seed, uncertain: Uncertain::All, ..SamplingOptions::default() };
+            let result = run(&network, &conditions, &params);
+            for row in (0..11).filter(|row| exact[*row] > 0.0) {
+                let error = result.std_error[row];
+                let times = (result.frequency[row] * samples as f64).round() as u64;
+                let group = [1, 5, 20].iter().filter(|least| times >= **least).count();
+                let off = (result.likelihood[row] - samples as f64 * exact[row]).abs();
+                assert!(error > 0.0 || times == samples, "{graph} {seed} {row}");
+                held[group] += f64::from(off <= 1.96 * error);
+                all[group] += 1.0;
+            }
+        }
+    }
+    for (held, all) in held.into_iter().zip(all) {
+        // Two points of a hundred for the shares themselves, of which some hundred independent ones are counted.
+        assert!(all > 100.0 && held / all > 0.93, "{held} of {all}");
+    }
 }

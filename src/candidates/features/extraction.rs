@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::fragment::{Fragment, Largest};
 use super::path_lengths::BranchGraph;
-use super::smoothing::{SmoothPoints, smooth, steady};
+use super::smoothing::{SmoothPoints, smooth};
 use super::tangent::{BranchShape, branch_shapes};
 use crate::candidates::NetworkPoint;
 use crate::candidates::search::free_ends::{FreeEnd, free_ends};
@@ -16,6 +16,7 @@ use crate::network::centerlines::is_radius;
 use crate::network::{Network, Origin, PathPoint, Vessel, fragments};
 use crate::support::geometry::{Point, distance};
 use crate::support::statistics::median;
+use crate::support::ties::steady;
 
 /// The points of the observed vessels of a network with what the search and the features need of them. Lengths in m.
 ///

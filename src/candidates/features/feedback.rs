@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use super::extraction::Extraction;
-use super::smoothing::steady;
 use crate::candidates::search::Candidate;
 use crate::candidates::search::point_index::PointIndex;
 use crate::forest_posterior::{Forests, Marginals, rooted_in};
 use crate::support::geometry::{distance, dot, sub, unit};
+use crate::support::ties::steady;
 
 /// The features of a candidate from a posterior, by the names that weights have in a file. P is the probability of a candidate.
 ///

@@ -1,10 +1,10 @@
 //! What is measured of a whole fragment: its size, its ends, the spread of its radii, and where blood may enter it.
 
 use super::extraction::Extraction;
-use super::smoothing::steady;
 use super::tangent::{Heading, steps};
 use crate::network::paths::ShortestPaths;
 use crate::support::geometry::{dot, sub, unit};
+use crate::support::ties::steady;
 
 /// A connected part of what the image showed.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,11 +1,11 @@
 //! A candidate with what its features are computed from: its two ends, its gap, and its rivals.
 
 use super::extraction::Extraction;
-use super::smoothing::{compare, steady};
 use crate::candidates::search::Candidate;
 use crate::candidates::search::free_ends::FreeEnd;
 use crate::network::paths::ShortestPaths;
 use crate::support::geometry::{Point, cross, distance, dot, norm_squared, sub, unit};
+use crate::support::ties::{compare, steady};
 
 /// No gap is shorter than this, in spacings.
 const LEAST_GAP: f64 = 1e-6;

@@ -1,7 +1,5 @@
 //! Radii and positions averaged along the branches, against the jitter of single points.
 
-use std::cmp::Ordering;
-
 use crate::support::geometry::Point;
 
 /// Rounds of averaging: a kernel of so many points to either side.
@@ -49,31 +47,4 @@ fn averaged<const D: usize>(
         }
     }
     x
-}
-
-/// The nearest number of 32 significant bits.
-///
-/// Extractions lie on voxel grids, so equal distances are common, and rounding would decide between them: differently for
-/// another unit of length, another order of the axes. Every decision of the search compares numbers rounded so.
-pub fn steady(x: f64) -> f64 {
-    const GONE: u32 = f64::MANTISSA_DIGITS - 32;
-    f64::from_bits((x.to_bits() + (1 << (GONE - 1))) & !((1 << GONE) - 1))
-}
-
-/// Lexicographic order.
-pub fn compare(a: &[f64], b: &[f64]) -> Ordering {
-    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::steady;
-
-    #[test]
-    fn what_rounding_parts_is_equal_again_and_what_differs_stays_different() {
-        assert_eq!(steady(0.1 + 0.2), steady(0.3));
-        assert_eq!(steady(-3.000_000_000_000_000_4), -3.0);
-        assert_eq!([steady(0.0), steady(1.5), steady(f64::INFINITY)], [0.0, 1.5, f64::INFINITY]);
-        assert!(steady(1.0 + 1e-9) > 1.0 && (steady(0.7) - 0.7).abs() < 1e-9);
-    }
 }

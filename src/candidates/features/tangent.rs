@@ -1,9 +1,10 @@
 //! The shape of a branch at each of its points: tangent, kinks, and which side is the wider one.
 
 use super::extraction::Extraction;
-use super::smoothing::{SmoothPoints, steady};
+use super::smoothing::SmoothPoints;
 use crate::candidates::NetworkPoint;
 use crate::support::geometry::{Point, sub, unit};
+use crate::support::ties::steady;
 
 /// Tangents and kinks are taken over so many radii to either side, within so many points ...
 const NEAR: (f64, [f64; 2]) = (1.5, [2.0, 12.0]);

@@ -2,6 +2,7 @@
 
 use crate::candidates::features::extraction::Extraction;
 use crate::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
+use crate::support::ties::steady;
 
 /// Directions are fitted over so many spacings and a third of that in radii.
 pub const SCALES: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
@@ -121,7 +122,7 @@ fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize
             let (next, far) = (e.walk(heading, 1), e.walk(heading, LOOK));
             let straight = dot(unit(sub(smooth(far), smooth(node))), back);
             let wider = (e.smooth.radius[next] / e.smooth.radius[node]).ln();
-            let score = crate::candidates::features::smoothing::steady(straight + WIDER * wider);
+            let score = steady(straight + WIDER * wider);
             if best.is_none_or(|(most, _)| score > most) {
                 best = Some((score, heading.branch));
             }

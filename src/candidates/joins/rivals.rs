@@ -6,11 +6,11 @@ use ndarray::Array2;
 
 use super::course::Course;
 use crate::candidates::features::Extraction;
-use crate::candidates::features::smoothing::steady;
 use crate::candidates::search::Candidate;
 use crate::candidates::search::point_index::PointIndex;
 use crate::support::geometry::{dot, norm_squared, sub};
 use crate::support::statistics::sigmoid;
+use crate::support::ties::steady;
 
 /// Bound of a margin of costs.
 const MOST_MARGIN: f64 = 2.0;

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::course::Course;
 use crate::candidates::features::Extraction;
-use crate::candidates::features::smoothing::{compare, steady};
 use crate::candidates::search::{Candidate, SearchOptions, search};
 use crate::error::Result;
 use crate::support::geometry::{dot, sub};
 use crate::support::in_order;
+use crate::support::ties::{compare, steady};
 
 /// The reach along a direction, in spacings and radii of the end.
 const REACH_SPACINGS: f64 = 40.0;

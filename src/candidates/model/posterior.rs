@@ -8,10 +8,12 @@ use super::weights::Weights;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::feedback::Feedback;
 use crate::candidates::search::Candidate;
+use crate::candidates::search::free_ends::FreeEnd;
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, check_tangle, marginals};
-use crate::support::geometry::distance;
+use crate::support::geometry::{distance, sub};
 use crate::support::statistics::sigmoid;
+use crate::support::ties::{compare, near_zero, steady};
 
 /// The posterior over how the fragments of an extraction are connected.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,13 +127,20 @@ pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + HALF) }).collect()
 }
 
-/// The points where blood enters: the inlets given, without any the three widest free ends.
+/// The points where blood enters: the inlets given, without any the three widest free ends, of equally wide ones those farthest from the middle
+/// of all.
 pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
     if !extraction.inlets.is_empty() {
         return extraction.inlets.clone();
     }
     let mut ends: Vec<_> = extraction.ends.iter().collect();
-    ends.sort_by(|a, b| b.radius.total_cmp(&a.radius).then(a.point.cmp(&b.point)));
+    let at = |end: &FreeEnd| extraction.position[end.point];
+    let middle = [0, 1, 2].map(|axis| ends.iter().map(|end| at(end)[axis]).sum::<f64>() / ends.len().max(1) as f64);
+    let order = |end: &FreeEnd| {
+        let [x, y, z] = sub(at(end), middle).map(|x| near_zero(x / extraction.spacing));
+        [-steady(end.radius / extraction.spacing), -near_zero(distance(at(end), middle) / extraction.spacing), z, y, x]
+    };
+    ends.sort_by(|a, b| compare(&order(a), &order(b)).then(a.point.cmp(&b.point)));
     ends.iter().take(LIKELY_INLETS).map(|end| end.point).collect()
 }
 
@@ -168,12 +177,15 @@ pub fn attachment_scores(extraction: &Extraction, candidates: &[Candidate], marg
     };
     let masses: Vec<f64> = (0..own.len()).map(mass).collect();
     let mut order: Vec<usize> = (0..own.len()).collect();
-    order.sort_by(|a, b| own[*b].total_cmp(&own[*a]).then(a.cmp(b)));
+    let gap =
+        |row: usize| distance(at(row), extraction.position[extraction.ends[candidates[row].end].point]) / extraction.spacing;
+    let rank = |row: usize| [-steady(own[row]), steady(gap(row))];
+    order.sort_by(|a, b| compare(&rank(*a), &rank(*b)).then(a.cmp(b)));
     let mut best: BTreeMap<[usize; 2], usize> = BTreeMap::new();
     for row in order {
         let candidate = &candidates[row];
         let represents = best.entry([extraction.ends[candidate.end].fragment, parent(candidate)]).or_insert(row);
-        if masses[row] * (1.0 - MUCH_MORE) > masses[*represents] && own[row] > NOT_MUCH_LESS * own[*represents] {
+        if steady(masses[row] * (1.0 - MUCH_MORE)) > steady(masses[*represents]) && own[row] > NOT_MUCH_LESS * own[*represents] {
             *represents = row;
         }
     }

@@ -1,8 +1,8 @@
 //! The free ends of an extraction: where each is, how wide, and which way it points.
 
-use crate::candidates::features::smoothing::steady;
 use crate::network::Vessel;
 use crate::support::geometry::{Point, sub, unit};
+use crate::support::ties::steady;
 
 /// The direction is fitted over so many points at least, so many radii, and so many points at most.
 const FIT_SPACINGS: f64 = 6.0;

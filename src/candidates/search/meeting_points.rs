@@ -3,8 +3,8 @@
 use super::free_ends::FreeEnd;
 use super::neighbourhood::Hit;
 use crate::candidates::features::extraction::Extraction;
-use crate::candidates::features::smoothing::{compare, steady};
 use crate::support::geometry::{distance, dot, sub, unit};
+use crate::support::ties::{compare, steady};
 
 /// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
 pub const BEND: f64 = 1.3;

@@ -12,12 +12,12 @@ pub use point_index::join_nearest;
 use std::collections::BTreeMap;
 
 use super::features::extraction::Extraction;
-use super::features::smoothing::steady;
 use super::{Attach, CandidateOptions, NEAREST};
 use crate::error::Result;
 use crate::network::paths::ShortestPaths;
 use crate::support::geometry::distance;
 use crate::support::in_order;
+use crate::support::ties::steady;
 use free_ends::FreeEnd;
 use limits::SearchBudget;
 use meeting_points::{least_bent, snapped};

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::free_ends::FreeEnd;
 use super::meeting_points::BEND;
 use crate::candidates::features::extraction::Extraction;
-use crate::candidates::features::smoothing::{compare, steady};
 use crate::support::geometry::{Point, dot, sub};
+use crate::support::ties::{compare, steady};
 
 /// Reach in point spacings and in end radii: independent of any unit.
 const REACH_SPACINGS: f64 = 20.0;
