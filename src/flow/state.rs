@@ -75,14 +75,19 @@ impl State {
         let conductance: Vec<f64> = tubes.iter().map(|tube| if tube.is_open() { 1.0 / tube.resistance } else { 0.0 }).collect();
         let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above_level);
         let through = |(row, drop): (usize, &f64)| if tubes[row].is_open() { (drop / tubes[row].resistance).abs() } else { 0.0 };
-        let rest = AT_REST * drop.iter().enumerate().map(through).filter(|flow| flow.is_finite()).fold(0.0, f64::max);
-        let vessel = |(row, (tube, ends)): (usize, (&Tube, &[usize; 2]))| {
-            let ends = ends.map(|node| above_level[node]);
-            let [Some(a), Some(b)] = ends else { return VesselState::at_rest(tube) };
-            let flows = is_diffused(drop[row], a + circuit.level, b + circuit.level) || through((row, &drop[row])) > rest;
+        let is_beyond_rounding = |row: usize| match circuit.ends[row].map(|node| above_level[node]) {
+            [Some(a), Some(b)] => is_diffused(drop[row], a + circuit.level, b + circuit.level),
+            _ => false,
+        };
+        // A wide vessel may carry much along a drop that is rounding beside its pressures, but only what flows elsewhere too.
+        let flows =
+            drop.iter().enumerate().filter(|(row, _)| is_beyond_rounding(*row)).map(through).filter(|flow| flow.is_finite());
+        let rest = flows.reduce(f64::max).map_or(f64::INFINITY, |most| AT_REST * most);
+        let vessel = |(row, tube): (usize, &Tube)| {
+            let flows = is_beyond_rounding(row) || through((row, &drop[row])) > rest;
             if flows && tube.is_open() { VesselState::at(drop[row], tube, viscosity) } else { VesselState::at_rest(tube) }
         };
-        let vessels: Vec<VesselState> = tubes.iter().zip(&circuit.ends).enumerate().map(vessel).collect();
+        let vessels: Vec<VesselState> = tubes.iter().enumerate().map(vessel).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();
         let total: f64 = vessels.iter().map(|v| v.resilience).sum();
         let mut out = vec![0.0; above_level.len()];

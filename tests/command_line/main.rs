@@ -9,6 +9,7 @@ mod bids;
 mod checkpoint;
 mod cohort;
 mod commands;
+mod compatibility;
 mod decisions;
 mod extremes;
 mod limits;

@@ -201,9 +201,9 @@ fn shuffled(lines: &[Line], seed: u64) -> Vec<Line> {
     order.iter().map(|row| Line { number: new[&lines[*row].number], parent: parent(&lines[*row]), ..lines[*row] }).collect()
 }
 
-/// With an isolated fragment of three points five times as far away as anything, a metre for a brain, 5 mm thick.
+/// With an isolated fragment of three points a metre and five times as far away as anything, 5 mm thick.
 fn with_far_fragment(lines: &[Line]) -> Vec<Line> {
-    let far = 5.0 * lines.iter().flat_map(|line| line.at).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let far = 1000.0 + 5.0 * lines.iter().flat_map(|line| line.at).fold(0.0, |most: f64, x| most.max(x.abs()));
     let first = lines.iter().map(|line| line.number).max().unwrap_or(0) + 1;
     let point = |i: i64| Line {
         number: first + i,

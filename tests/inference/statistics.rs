@@ -4,6 +4,7 @@
 use crate::draw::Draw;
 use crate::exact::{enumerate, keep};
 use crate::networks::{radii, random_conditions, random_network, run};
+use willis::internals::network::Origin;
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
@@ -172,15 +173,20 @@ fn no_spread_no_error() {
         assert!((open.std_error[row] - expected).abs() <= 1e-12 * heaviest, "{row}: {}", open.std_error[row]);
     }
     // Nothing is uncertain: no sample differs from another.
-    let certain = SamplingOptions { uncertain: Uncertain::Candidates, ..SamplingOptions::default() };
-    assert_eq!(run(&network, &conditions, &certain).std_error, [0.0; 11]);
+    let mut certain = network.clone();
+    for row in 0..11 {
+        certain.vessel_mut(row).origin = Origin::Observed;
+    }
+    let candidates = SamplingOptions { uncertain: Uncertain::Candidates, ..SamplingOptions::default() };
+    assert_eq!(run(&certain, &conditions, &candidates).std_error, [0.0; 11]);
 }
 
-/// L of a vessel lies within 1.96 of its error in 95 % of runs at least, whether many samples saw it, few or none; the truth is the enumeration.
+/// L of a vessel that few samples saw, or none, lies within 1.96 of its error in 95 % of runs at least; the truth is the enumeration. Vessels that
+/// more samples saw are those of [`standard_errors_and_z_scores_over_seeds`].
 #[test]
 fn errors_hold_for_vessels_that_few_samples_saw() {
-    // By how many samples saw the vessel: none, fewer than 5, fewer than 20, more.
-    let (mut held, mut all) = ([0.0; 4], [0.0; 4]);
+    // By how many samples saw the vessel: none, fewer than 5, fewer than 20.
+    let (mut held, mut all) = ([0.0; 3], [0.0; 3]);
     for graph in 0..8 {
         let mut draw = Draw::new(60 + graph);
         let network = random_network(&mut draw, 7, 11, radii(0.5, 1.5));
@@ -194,11 +200,13 @@ fn errors_hold_for_vessels_that_few_samples_saw() {
             for row in (0..11).filter(|row| exact[*row] > 0.0) {
                 let error = result.std_error[row];
                 let times = (result.frequency[row] * samples as f64).round() as u64;
-                let group = [1, 5, 20].iter().filter(|least| times >= **least).count();
-                let off = (result.likelihood[row] - samples as f64 * exact[row]).abs();
                 assert!(error > 0.0 || times == samples, "{graph} {seed} {row}");
-                held[group] += f64::from(off <= 1.96 * error);
-                all[group] += 1.0;
+                let group = [1, 5, 20].iter().filter(|least| times >= **least).count();
+                if group < 3 {
+                    let off = (result.likelihood[row] - samples as f64 * exact[row]).abs();
+                    held[group] += f64::from(off <= 1.96 * error);
+                    all[group] += 1.0;
+                }
             }
         }
     }

@@ -85,8 +85,12 @@ fn ones(words: &[u64]) -> Vec<usize> {
     out
 }
 
-/// As a sorted list per node.
-pub struct Lists(Vec<Vec<usize>>);
+/// As a sorted list per node. What was removed may still stand in the lists of others, so that a leaf leaves a hub without a look at its list.
+pub struct Lists {
+    lists: Vec<Vec<usize>>,
+    removed: Vec<bool>,
+    degree: Vec<usize>,
+}
 
 impl Lists {
     /// Links from a node to itself count for nothing.
@@ -100,31 +104,41 @@ impl Lists {
             list.sort_unstable();
             list.dedup();
         }
-        Self(lists)
+        Self { removed: vec![false; nodes], degree: lists.iter().map(Vec::len).collect(), lists }
     }
-}
 
-impl Lists {
     /// Per node its neighbours that have not been removed.
     pub fn into_lists(self) -> Vec<Vec<usize>> {
-        self.0
+        let Self { mut lists, removed, .. } = self;
+        for list in &mut lists {
+            list.retain(|other| !removed[*other]);
+        }
+        lists
     }
 }
 
 impl Remaining for Lists {
     fn degree(&self, node: usize) -> usize {
-        self.0[node].len()
+        self.degree[node]
     }
 
     fn eliminate(&mut self, center: usize) -> Vec<usize> {
-        let around = std::mem::take(&mut self.0[center]);
+        let Self { lists, removed, degree } = self;
+        let mut around = std::mem::take(&mut lists[center]);
+        around.retain(|node| !removed[*node]);
+        (removed[center], degree[center]) = (true, 0);
+        if let [node] = around[..] {
+            degree[node] -= 1;
+            return around;
+        }
         for node in &around {
-            let list = &mut self.0[*node];
+            let list = &mut lists[*node];
             list.extend_from_slice(&around);
             #[expect(clippy::stable_sort_primitive, reason = "two sorted runs, which the stable sort only merges")]
             list.sort();
             list.dedup();
-            list.retain(|other| *other != center && other != node);
+            list.retain(|other| !removed[*other] && other != node);
+            degree[*node] = list.len();
         }
         around
     }
