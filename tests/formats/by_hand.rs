@@ -56,8 +56,7 @@ fn swc_in_any_order_with_tabs_comments_and_several_roots() {
     let (lines, notes) = swc(text).unwrap();
     assert_eq!(lines.ids, [3, 0, 2, 7]);
     assert_eq!(lines.links, [[2, 0], [1, 2]]);
-    // The two lines share point 1: they are one tree.
-    assert_eq!(lines.strand, [0, 0, 0, 0]);
+    assert_eq!(lines.strand, [0, 0, 0, 1]);
     assert_eq!(lines.points[0], [0.0, 0.0, metres(2.0)]);
     assert!(lines.radii[0] == metres(0.5) && lines.radii[1..].iter().all(|r| r.is_nan()));
     assert_eq!(notes, ["line 5 and perhaps others have 8 columns; those after the seventh are ignored"]);
@@ -334,7 +333,8 @@ fn vtp_follows_connectivity_and_drops_unused_points() {
     let (lines, _) = read_vtp(ascii_vtp("", "").as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(lines.ids, [3, 1, 0, 2]);
     assert_eq!(lines.links, [[0, 1], [1, 2], [1, 3]]);
-    assert_eq!(lines.strand, [0, 0, 0, 1]);
+    // The two lines share point 1: they are one tree.
+    assert_eq!(lines.strand, [0, 0, 0, 0]);
     assert_eq!(lines.radii, [4.0, 2.0, 1.0, 3.0].map(metres));
 }
 
