@@ -80,9 +80,9 @@ impl State {
             _ => false,
         };
         // A wide vessel may carry much along a drop that is rounding beside its pressures, but only what flows elsewhere too.
-        let flows =
-            drop.iter().enumerate().filter(|(row, _)| is_beyond_rounding(*row)).map(through).filter(|flow| flow.is_finite());
-        let rest = flows.reduce(f64::max).map_or(f64::INFINITY, |most| AT_REST * most);
+        let flows = drop.iter().enumerate().filter(|(row, _)| is_beyond_rounding(*row)).map(through);
+        let most = flows.filter(|flow| flow.is_finite()).fold(0.0, f64::max);
+        let rest = if most > 0.0 { AT_REST * most } else { f64::INFINITY };
         let vessel = |(row, tube): (usize, &Tube)| {
             let flows = is_beyond_rounding(row) || through((row, &drop[row])) > rest;
             if flows && tube.is_open() { VesselState::at(drop[row], tube, viscosity) } else { VesselState::at_rest(tube) }

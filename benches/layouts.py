@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Runs willis on ten layouts that are hard for searches, eliminations and tables, and prints CPU seconds and MB of each as a table.
+
+    layouts.py WILLIS
+"""
+
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def swc(path, runs):
+    """Writes runs of points (x, y, z, r), each a tree of its own unless it begins with the number of its parent."""
+    number = 0
+    with path.open("w") as out:
+        for parent, points in runs:
+            for point in points:
+                number += 1
+                out.write(f"{number} 0 {' '.join(f'{x:.6g}' for x in point)} {parent}\n")
+                parent = number
+
+
+def line(start, step, count, radius=0.5):
+    return [(*(a + i * s for a, s in zip(start, step)), radius) for i in range(count)]
+
+
+def long_vessel():
+    """One vessel of 200,000 points on a helix."""
+    return [(-1, [(20 * math.cos(i / 50), 20 * math.sin(i / 50), i / 200, 0.5) for i in range(200_000)])]
+
+
+def dust(count=20_000, apart=200.0):
+    """Fragments of three points, out of each other's reach."""
+    side = round(count ** (1 / 3)) + 1
+    at = lambda i: (apart * (i % side), apart * (i // side % side), apart * (i // side**2))
+    return [(-1, line(at(i), (0.5, 0, 0), 3)) for i in range(count)]
+
+
+def hub():
+    """500 vessels that end at one place, with a gap of 2 mm."""
+    runs = []
+    for i in range(500):
+        z = 1 - 2 * (i + 0.5) / 500
+        phi, rho = 2.4 * i, math.sqrt(1 - z * z)
+        way = (rho * math.cos(phi), rho * math.sin(phi), z)
+        runs.append((-1, line([4 * x for x in way], [0.5 * x for x in way], 10)))
+    return runs
+
+
+def ball():
+    """2,000 fragments of five points anywhere in a ball of 40 mm."""
+    draw, runs = random.Random(1), []
+    for _ in range(2000):
+        way = [draw.gauss(0, 1) for _ in range(3)]
+        size = math.hypot(*way)
+        at = [40 * draw.random() ** (1 / 3) * x / size for x in way]
+        runs.append((-1, line(at, [0.4 * draw.gauss(0, 1) for _ in range(3)], 5, 0.3)))
+    return runs
+
+
+def comb():
+    """A straight vessel with 2,000 teeth, each 1 mm away from it."""
+    return [(-1, line((0, 0, 0), (0.5, 0, 0), 8000))] + [(-1, line((2 * i, 2, 0), (0, 0.5, 0), 8)) for i in range(2000)]
+
+
+def grid():
+    """2,500 short vessels on the voxels of a grid, so that all distances are equal."""
+    return [(-1, line((6 * (i % 50), 6 * (i // 50), 0), (1, 0, 0), 4)) for i in range(2500)]
+
+
+def parallel():
+    """1,000 vessels side by side, of 40 points each."""
+    return [(-1, line((0, 1.5 * (i % 32), 1.5 * (i // 32)), (0.5, 0, 0), 40)) for i in range(1000)]
+
+
+def near():
+    """20,000 fragments of three points, 5 mm apart."""
+    return dust(20_000, 5.0)
+
+
+def star(path):
+    """A graph of one node with 100,000 leaves."""
+    rows = "".join(f"0,{i},10,{0.5 + 0.0001 * (i % 100):.4f}\n" for i in range(1, 100_001))
+    path.write_text("node_a,node_b,length_mm,radius_mm\n" + rows)
+    return ["-n", "64", "--inlet", "1=100mmHg"]
+
+
+def wheel(path):
+    """A graph of a ring of 20,000 nodes, each joined to the middle."""
+    rows = "".join(f"0,{i},10,0.5\n{i},{i % 20_000 + 1},5,0.4\n" for i in range(1, 20_001))
+    path.write_text("node_a,node_b,length_mm,radius_mm\n" + rows)
+    return ["-n", "64", "--inlet", "1=100mmHg", "--outlet", "10000=0mmHg"]
+
+
+def main():
+    willis = str(Path(sys.argv[1]).resolve())
+    print("| layout | what | CPU s | MB | end |\n|---|---|---|---|---|", flush=True)
+    with tempfile.TemporaryDirectory() as made:
+        for layout in (long_vessel, dust, hub, ball, comb, grid, parallel, near, star, wheel):
+            here = Path(made)
+            if layout in (star, wheel):
+                source, words = here / "a.csv", None
+                words = ["infer", str(source), *layout(source), "-o", str(here / "out"), "--force", "-q"]
+            else:
+                source = here / "a.swc"
+                swc(source, layout())
+                words = ["candidates", str(source), "-o", str(here / "a.graphml"), "--force", "-q"]
+            child = subprocess.Popen([willis, *words], stderr=subprocess.PIPE, text=True)
+            said = child.stderr.read().strip().splitlines()
+            _, status, used = os.wait4(child.pid, 0)
+            end = "done" if status == 0 else said[-1] if said else f"status {status}"
+            seconds = used.ru_utime + used.ru_stime
+            what = layout.__doc__.strip().rstrip(".")
+            print(f"| {layout.__name__.replace('_', ' ')} | {what} | {seconds:.1f} | {used.ru_maxrss / 1024:.0f} | {end} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
