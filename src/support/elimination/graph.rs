@@ -87,7 +87,7 @@ fn ones(words: &[u64]) -> Vec<usize> {
 
 /// As a sorted list per node. What was removed may still stand in the lists of others, so that a leaf leaves a hub without a look at its list.
 pub struct Lists {
-    lists: Vec<Vec<usize>>,
+    neighbours: Vec<Vec<usize>>,
     removed: Vec<bool>,
     degree: Vec<usize>,
 }
@@ -95,25 +95,25 @@ pub struct Lists {
 impl Lists {
     /// Links from a node to itself count for nothing.
     pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
-        let mut lists = vec![Vec::new(); nodes];
+        let mut neighbours = vec![Vec::new(); nodes];
         for [a, b] in links.iter().filter(|[a, b]| a != b) {
-            lists[*a].push(*b);
-            lists[*b].push(*a);
+            neighbours[*a].push(*b);
+            neighbours[*b].push(*a);
         }
-        for list in &mut lists {
+        for list in &mut neighbours {
             list.sort_unstable();
             list.dedup();
         }
-        Self { removed: vec![false; nodes], degree: lists.iter().map(Vec::len).collect(), lists }
+        Self { removed: vec![false; nodes], degree: neighbours.iter().map(Vec::len).collect(), neighbours }
     }
 
     /// Per node its neighbours that have not been removed.
     pub fn into_lists(self) -> Vec<Vec<usize>> {
-        let Self { mut lists, removed, .. } = self;
-        for list in &mut lists {
+        let Self { mut neighbours, removed, .. } = self;
+        for list in &mut neighbours {
             list.retain(|other| !removed[*other]);
         }
-        lists
+        neighbours
     }
 }
 
@@ -123,8 +123,8 @@ impl Remaining for Lists {
     }
 
     fn eliminate(&mut self, center: usize) -> Vec<usize> {
-        let Self { lists, removed, degree } = self;
-        let mut around = std::mem::take(&mut lists[center]);
+        let Self { neighbours, removed, degree } = self;
+        let mut around = std::mem::take(&mut neighbours[center]);
         around.retain(|node| !removed[*node]);
         (removed[center], degree[center]) = (true, 0);
         if let [node] = around[..] {
@@ -132,7 +132,7 @@ impl Remaining for Lists {
             return around;
         }
         for node in &around {
-            let list = &mut lists[*node];
+            let list = &mut neighbours[*node];
             list.extend_from_slice(&around);
             #[expect(clippy::stable_sort_primitive, reason = "two sorted runs, which the stable sort only merges")]
             list.sort();
