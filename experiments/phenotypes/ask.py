@@ -31,6 +31,10 @@ def answer(source, landmarks, out, extra=(), prior=()):
     return found, median
 
 
+# What stands for an answer where classify says that no arteries could be named.
+REFUSED = {"variant": "refused", "segments": dict.fromkeys(RING), "anterior": {"3rd-A2": False}, "probabilities": {"segments": {}, "variant": 0.0}}
+
+
 def alone(source, out, extra=(), keep=()):
     """phenotype.json after infer and classify that got nothing but the file, and the files `keep` of the run beside `out`."""
     scratch, folder = out.with_suffix(".run"), out.with_suffix(".classified")

@@ -76,8 +76,7 @@ def run(work, options):
     limits = rules.limits(cases)
     judged = bench.each(by_rule, [(case, limits, kept) for case, (_, kept) in zip(cases, answers)])
     scored = [{patients.name_of(s["segment"]): bool(s["present"]) for s in json.loads((case.folder / "truth.json").read_text())["phenotype"]} for case in cases]
-    refused = {"segments": dict.fromkeys(ask.RING), "anterior": {"3rd-A2": False}, "probabilities": {"segments": {}}}
-    return tables_of(cases, scored, [found or refused for found, _ in answers], judged, judge)
+    return tables_of(cases, scored, [found or ask.REFUSED for found, _ in answers], judged, judge)
 
 
 def interval(figure):

@@ -26,7 +26,11 @@ def case(job):
     links.write_text(links.read_text() + "".join(line + "\n" for line in own))
     nearest = ask.fixed(source, landmarks, work / f"{name}.nearest", ["--loops", links])
     truth = tuple(segment for segment in ask.RING if segment in lacks.split(","))
-    return lacks, seed, truth, found, median, nearest, ask.alone(source, work / f"{name}.alone")
+    try:
+        alone = ask.alone(source, work / f"{name}.alone")
+    except SystemExit:  # no arteries that could be named
+        alone = ask.REFUSED
+    return lacks, seed, truth, found, median, nearest, alone
 
 
 def run(work, options):
@@ -54,9 +58,13 @@ def run(work, options):
     for name in list(pairs)[:2]:
         text += f"\n\nEach segment by {name}:\n\n" + topcow.segment_table(common, pairs[name])
     for k, how in ((3, "with landmarks"), (6, "with nothing but the file")):
-        text += f"\n\n### Answers {how}\n\n" + failures(rows, k)
-        error, table = tables.reliability([(row[k]["probabilities"]["variant"], right(row[k], row[2])) for row in rows])
-        segments, _ = tables.reliability([(row[k]["probabilities"]["segments"][s], s not in row[2]) for row in rows for s in ask.RING])
+        answered = [row for row in rows if row[k] is not ask.REFUSED]
+        text += f"\n\n### Answers {how}\n\nCases that `classify` refused, which count as wrong: {len(rows) - len(answered)}.\n\n"
+        if not answered:
+            continue
+        text += failures(answered, k)
+        error, table = tables.reliability([(row[k]["probabilities"]["variant"], right(row[k], row[2])) for row in answered])
+        segments, _ = tables.reliability([(row[k]["probabilities"]["segments"][s], s not in row[2]) for row in answered for s in ask.RING])
         text += f"Expected calibration error of the answer's probability {error:.3f}, of the segments' {segments:.3f}:\n\n{table}"
     return text
 
