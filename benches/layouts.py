@@ -33,7 +33,7 @@ def long_vessel():
     return [(-1, [(20 * math.cos(i / 50), 20 * math.sin(i / 50), i / 200, 0.5) for i in range(200_000)])]
 
 
-def dust(count=20_000, apart=200.0):
+def dust(count=100_000, apart=200.0):
     """Fragments of three points, out of each other's reach."""
     side = round(count ** (1 / 3)) + 1
     at = lambda i: (apart * (i % side), apart * (i // side % side), apart * (i // side**2))

@@ -69,9 +69,12 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         Keep::Probable(root_factor) => {
             let probability = evidence("probable", network)?;
             let forest = probable(network, root_factor)?;
-            let is_near = near(&probability, rule);
-            let close = is_near.iter().zip(&forest.left_open).map(|(near, open)| *near || *open).collect();
-            left_open = (0..forest.left_open.len()).filter(|row| forest.left_open[*row]).collect();
+            let mut close = near(&probability, rule);
+            left_open = forest.left_open;
+            left_open.retain(|row| result.uncertain[*row]);
+            for row in &left_open {
+                close[*row] = true;
+            }
             (forest.kept, close)
         }
         Keep::BestFirst(least) => {

@@ -31,9 +31,9 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
 pub struct ProbableForest {
     /// Per vessel whether it is kept: observed or certain, or a connection of the forest, or a loop, whose odds are at least the root factor.
     pub kept: Vec<bool>,
-    /// Per vessel whether it is a connection of the forest whose odds are too low: the most probable one of a fragment, and still more likely
-    /// wrong than right.
-    pub left_open: Vec<bool>,
+    /// Rows of the connections of the forest whose odds are too low, ascending: each the most probable one of a fragment, and still more
+    /// likely wrong than right.
+    pub left_open: Vec<usize>,
 }
 
 /// The forest of fragments with the largest sum of scores (of attachments and, times `root_factor`, of roots), and which of its connections
@@ -56,7 +56,7 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<ProbableForest> {
         known[*part] = node.root_score.map_or(known[*part], |p| p.min(known[*part]));
     }
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
-    let mut left_open = vec![false; kept.len()];
+    let mut left_open = Vec::new();
     let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
     for (row, ([a, b], v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
@@ -82,8 +82,9 @@ pub fn probable(network: &Network, root_factor: f64) -> Result<ProbableForest> {
     for edge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
         let (row, is_likely) = vessel[edge];
         kept[row] = is_likely;
-        left_open[row] = !is_likely;
+        left_open.extend((!is_likely).then_some(row));
     }
+    left_open.sort_unstable();
     Ok(ProbableForest { kept, left_open })
 }
 

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{self, Read, Sink, Write};
+use std::io::{self, BufRead, BufReader, Read, Sink, Write};
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
@@ -129,6 +129,16 @@ pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>>
 /// The file cannot be read, is larger, or is damaged; it unpacks to too much.
 pub(crate) fn content_within(path: &Path, most: u64) -> Result<Vec<u8>> {
     unpacked(bytes_within(path, most)?, most).map_err(|fault| fault.in_file(path))
+}
+
+/// What a file holds as a stream, without the gzip around it, for those who need its beginning alone.
+///
+/// # Errors
+///
+/// The file cannot be read.
+pub(crate) fn stream_of(path: &Path) -> io::Result<Box<dyn BufRead>> {
+    let mut file = BufReader::new(File::open(path)?);
+    if is_gzip(file.fill_buf()?) { Ok(Box::new(BufReader::new(MultiGzDecoder::new(file)))) } else { Ok(Box::new(file)) }
 }
 
 /// Whether a file is packed by gzip.

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use super::figures::Block;
 use crate::flow::Boundary;
 use crate::network::paths::ShortestPaths;
-use crate::network::{Network, Origin, Role};
+use crate::network::{Network, Origin, Role, fragments};
 
 /// The blocks of all nodes: those nearest to each inlet along the observed vessels, then the fragments without an inlet, then all
 /// nodes without an observed vessel in one. The largest of each kind comes first.
@@ -40,23 +40,15 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<Block> {
     };
     let inlets: Vec<usize> = (0..count).filter(|node| boundary.roles[*node] == Role::Inlet).collect();
     let mut fed = trees(&inlets);
-    let (mut fragments, mut alone) = (Vec::new(), Vec::new());
-    let mut seen = vec![false; count];
-    fed.iter().flatten().for_each(|node| seen[*node] = true);
-    for node in 0..count {
-        if seen[node] {
-            continue;
-        }
-        if at_node[node].is_empty() {
-            alone.push(node);
-            continue;
-        }
-        let order = trees(&[node]).concat();
-        for node in &order {
-            seen[*node] = true;
-        }
-        fragments.push(order);
+    // Of every fragment without an inlet the first node; nodes without an observed vessel are none.
+    let parts = fragments(network, |_, vessel| vessel.origin == Origin::Observed);
+    let mut seen = vec![false; parts.count];
+    for inlet in &inlets {
+        seen[parts.of_node[*inlet]] = true;
     }
+    let unfed: Vec<usize> = (0..count).filter(|node| !std::mem::replace(&mut seen[parts.of_node[*node]], true)).collect();
+    let (alone, first): (Vec<usize>, Vec<usize>) = unfed.into_iter().partition(|node| at_node[*node].is_empty());
+    let mut fragments = trees(&first);
     fed.sort_by_key(|nodes| Reverse(nodes.len()));
     fragments.sort_by_key(|nodes| Reverse(nodes.len()));
     let fed = fed.into_iter().map(|nodes| Block { name: format!("inlet {}", name(nodes[0])), nodes });

@@ -28,7 +28,7 @@ pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
         probability: vessel.evidence.map(|evidence| evidence.probability),
         certain: !outcome.result.uncertain[row],
         kept: answer.kept[row],
-        undecided: answer.undecided.contains(&row),
+        undecided: answer.undecided.binary_search(&row).is_ok(),
     });
     let of = |origin: Origin| network.vessels().zip(&answer.kept).filter(move |((_, v), _)| v.origin == origin);
     let kept = of(Origin::Candidate).filter(|(_, kept)| **kept).count();

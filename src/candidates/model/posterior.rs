@@ -166,9 +166,10 @@ pub fn attachment_scores(extraction: &Extraction, candidates: &[Candidate], marg
         alike.entry((candidate.end, parent(candidate))).or_default().push(row);
     }
     let at = |row: usize| extraction.position[candidates[row].point];
+    let gap_of = |row: usize| distance(at(row), extraction.position[extraction.ends[candidates[row].end].point]);
     let mass = |row: usize| {
         let candidate = &candidates[row];
-        let gap = distance(at(row), extraction.position[extraction.ends[candidate.end].point]);
+        let gap = gap_of(row);
         let near = (NEAR_SPACINGS * extraction.spacing).max(NEAR_RADII * extraction.smooth.radius[candidate.point]);
         // A little more, so that no rounding decides on voxel grids.
         let near = near.max(NEAR_GAPS * gap) * (1.0 + 1e-9);
@@ -177,10 +178,8 @@ pub fn attachment_scores(extraction: &Extraction, candidates: &[Candidate], marg
     };
     let masses: Vec<f64> = (0..own.len()).map(mass).collect();
     let mut order: Vec<usize> = (0..own.len()).collect();
-    let gap =
-        |row: usize| distance(at(row), extraction.position[extraction.ends[candidates[row].end].point]) / extraction.spacing;
-    let rank = |row: usize| [-steady(own[row]), steady(gap(row))];
-    order.sort_by(|a, b| compare(&rank(*a), &rank(*b)).then(a.cmp(b)));
+    let rank: Vec<[f64; 2]> = (0..own.len()).map(|row| [-steady(own[row]), steady(gap_of(row) / extraction.spacing)]).collect();
+    order.sort_by(|a, b| compare(&rank[*a], &rank[*b]).then(a.cmp(b)));
     let mut best: BTreeMap<[usize; 2], usize> = BTreeMap::new();
     for row in order {
         let candidate = &candidates[row];

@@ -7,6 +7,7 @@ use super::reader::TableReader;
 use crate::error::Fault;
 use crate::io::attributes;
 use crate::io::format::Format;
+use crate::io::input::stream_of;
 use crate::io::read::{ReadOptions, bytes_of};
 use crate::io::vtk::polydata;
 use crate::io::xml::{Events, Step, Tag};
@@ -39,8 +40,7 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
 
 /// An attribute of every XML element of one name, up to the first element called `end`.
 fn named(path: &Path, (element, attribute): (&str, &str), end: &str) -> Option<Vec<String>> {
-    let bytes = bytes_of(path).ok()?;
-    let mut events = Events::new(&*bytes);
+    let mut events = Events::new(stream_of(path).ok()?);
     let mut names = Vec::new();
     let mut add = |tag: &Tag| -> Result<bool, Fault> {
         if tag.name() == element {

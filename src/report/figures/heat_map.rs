@@ -258,12 +258,16 @@ fn image(sheet: &mut Sheet<'_>, corner: [usize; 2], side: usize, grid: &Grid, ra
     sheet.image(corner, [side, side], &make)
 }
 
-/// The lines between blocks.
+/// The lines between blocks, where they are not as close as the marks of vessels.
 fn borders(sheet: &mut Sheet<'_>, grid: &Grid, [left, top]: [f64; 2], span: f64) -> Result<()> {
-    let mut rows = 0;
+    let (mut rows, mut last) = (0, 0.0);
     for (_, own) in grid.blocks.iter().take(grid.blocks.len().saturating_sub(1)) {
         rows += own;
         let at = rows as f64 / grid.rows as f64 * span;
+        if at - last < MARK {
+            continue;
+        }
+        last = at;
         sheet.line([[left + at, top], [left + at, top + span]], HAIR, GREY, 1.0)?;
         sheet.line([[left, top + at], [left + span, top + at]], HAIR, GREY, 1.0)?;
     }
