@@ -27,4 +27,5 @@ mod pulse_numpy;
 mod pulse_references;
 mod simulate;
 mod svzerod;
+mod svzerod_reads;
 mod transport;

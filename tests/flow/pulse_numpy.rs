@@ -19,7 +19,7 @@ use willis::{FlowOptions, PulseOptions, ReadOptions};
 
 use crate::draw::Draw;
 use crate::networks::{VISCOSITY, boundary, log_radii, random_conditions, random_network};
-use crate::pulse_case::{BLOOD, Case};
+use crate::pulse_case::Case;
 use crate::python_oracle::oracle;
 
 /// Reads one case a line and prints what the two programs say of it. Compliances, R1 of matched outlets and Fourier coefficients are
@@ -214,8 +214,11 @@ fn compare(cases: &[Compared], python: &str, script: &str) {
 /// A carotid pressure of 80 to 122 mmHg over 0.9 s, as a table.
 const CAROTID: &str = "time_s,pressure_mmHg\n0,80\n0.15,122\n0.35,102\n0.42,104\n0.9,80\n";
 
+/// Nodes with the waves that drive them.
+type Waves = Vec<(usize, Waveform)>;
+
 /// The conditions that a network states, with the mean of a wave at every inlet, and the waves.
-fn driven(network: &Network, wave: &Waveform) -> (Vec<(usize, Condition)>, Vec<(usize, Waveform)>) {
+fn driven(network: &Network, wave: &Waveform) -> (Vec<(usize, Condition)>, Waves) {
     let mean = coefficients(wave, wave.own_period(), 1)[0].re;
     let stated = network.nodes().enumerate().filter_map(|(node, stated)| Some((node, stated.condition?)));
     let is_inlet = |condition: &Condition| matches!(condition, Condition::Pressure(p) if *p > 0.0);
@@ -271,11 +274,13 @@ fn every_circle_that_ships() {
     compare(&cases, &python, &script);
 }
 
+/// The segments that people lack.
+const SEGMENTS: [&str; 7] = ["L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm", "R-PComm"];
+
 /// Every set of the seven segments that people lack, fetal circles among them, and the whole tree from the heart.
 #[test]
 fn every_variant_of_a_phantom() {
     let Some((script, python)) = oracle("pulsatile.py") else { return };
-    const SEGMENTS: [&str; 7] = ["L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm", "R-PComm"];
     let network = |kind: Kind| kind.network(&Recipe::default()).expect("a phantom");
     let (whole, heart) = (network(Kind::Cerebral), network(Kind::CircleOfWillis));
     let mut cases = vec![circle("from the heart", &heart)];
@@ -342,7 +347,7 @@ fn random_networks_with_random_waves_and_walls() {
         };
         let friction = if draw.below(2) == 0 { Friction::Womersley } else { Friction::Parabolic };
         let wall_viscosity = if draw.below(2) == 0 { 0.0 } else { draw.within(0.0, 0.02) };
-        let fluid = Fluid { density: draw.within(1000.0, 1100.0), friction, wall_viscosity, viscosity: VISCOSITY, ..BLOOD };
+        let fluid = Fluid { density: draw.within(1000.0, 1100.0), friction, wall_viscosity, viscosity: VISCOSITY };
         let time_constant = if draw.below(4) == 0 { None } else { Some(draw.within(0.2, 1.5)) };
         let drives = drives(&waves, period, harmonics);
         let case = Case { law, fluid, time_constant, period, ..Case::new(&network, &conditions, drives) };
