@@ -5,6 +5,7 @@ mod clock;
 mod forests;
 mod large;
 mod pulse;
+mod pulse_solvers;
 mod stages;
 
 use std::error::Error;
@@ -24,7 +25,9 @@ const USAGE: &str = "usage: sampling COMMAND
   count GRAPH SAMPLES                  that many samples in one thread, for an instruction counter
   large GRAPH SOLVER SECONDS           vessels, uncertain, solver, forest, s to compile, ms a sample, bytes a vessel of a worker and
                                        of what workers share, residual, peak MB; one thread
-  pulse GRAPH HARMONICS                vessels, harmonics, milliseconds a cycle on one thread and on all";
+  pulse GRAPH HARMONICS                vessels, harmonics, milliseconds a cycle on one thread and on all
+  pulse-solvers GRAPH HARMONICS        vessels, free nodes, harmonics; milliseconds for all harmonics by elimination and by faer's LU, one
+                                       thread; their difference, and the residual of each";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -37,6 +40,7 @@ fn main() -> Result<()> {
         ["forests", graph] => forests::print(&Case::read(graph)?),
         ["count", graph, samples] => count(&Case::read(graph)?, samples.parse()?),
         ["pulse", graph, harmonics] => pulse::print(&Case::read(graph)?, harmonics.parse()?),
+        ["pulse-solvers", graph, harmonics] => pulse_solvers::print(&Case::read(graph)?, harmonics.parse()?),
         ["large", graph, solver, seconds] => large::print(&Case::read(graph)?, solver_named(solver)?, seconds.parse()?),
         _ => {
             println!("{USAGE}");

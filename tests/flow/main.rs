@@ -8,6 +8,8 @@ mod figure;
 mod networks;
 #[path = "../support/pulse.rs"]
 mod pulse_case;
+#[path = "../support/oracle.rs"]
+mod python_oracle;
 #[path = "../support/shuffle.rs"]
 mod shuffle;
 #[path = "../support/vessels.rs"]
@@ -21,7 +23,9 @@ mod modulation;
 mod peel;
 mod properties;
 mod pulse;
+mod pulse_numpy;
 mod pulse_references;
 mod simulate;
 mod svzerod;
+mod svzerod_reads;
 mod transport;

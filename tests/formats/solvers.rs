@@ -1,8 +1,12 @@
 //! Models for other solvers: a fork solved by hand in their units, and what they cannot hold.
 
 use serde_json::Value;
+use willis::ReadOptions;
 use willis::internals::io::{write_openbf, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel, Wall, Windkessel};
+use willis::internals::phantom::{Kind, Recipe};
+
+use crate::peers::python;
 
 /// A tube of 100 mm and 2 mm with a wave speed of 8 m/s that forks into two, one behind a Windkessel and written against the flow.
 fn fork() -> Network {
@@ -89,7 +93,117 @@ fn what_they_cannot_hold_is_refused() {
     let mut inner = fork();
     inner.node_mut(1).condition = Some(Condition::Pressure(1.0));
     assert!(said(&inner).contains("node fork is not at a free end"));
+    let mut held = fork();
+    held.node_mut(3).condition = Some(Condition::Pressure(-3.0));
+    let why = write_openbf(&mut Vec::new(), &held).expect_err("refused").to_string();
+    assert!(why.contains("node thin is an outlet of fixed pressure or flow"), "{why}");
+    let mut apart = fork();
+    let [a, b] = ["a", "b"].map(|id| apart.add_node(Node { id: id.to_owned(), ..Node::default() }));
+    apart.add_vessel([a, b], Vessel::new(0.01, 1e-3, Origin::Observed));
+    let why = write_openbf(&mut Vec::new(), &apart).expect_err("refused").to_string();
+    assert!(why.contains("no inlet leads to"), "{why}");
     let mut closed = fork();
     closed.node_mut(0).condition = None;
     assert!(said(&closed).contains("no node states an inlet"));
+}
+
+/// A part that leads nowhere goes round: from each of its nodes a vessel leads on.
+#[test]
+fn every_node_between_vessels_has_one_that_comes_and_one_that_goes() {
+    let mut network = fork();
+    let nodes = ["stick", "a", "b"].map(|id| network.add_node(Node { id: id.to_owned(), ..Node::default() }));
+    for ends in [[1, nodes[0]], [nodes[0], nodes[1]], [nodes[0], nodes[2]], [nodes[1], nodes[2]]] {
+        network.add_vessel(ends, Vessel::new(0.01, 1e-3, Origin::Observed));
+    }
+    let mut written = Vec::new();
+    write_svzerod(&mut written, &network).expect("a model");
+    let model: Value = serde_json::from_slice(&written).expect("JSON");
+    let junctions = model["junctions"].as_array().expect("junctions");
+    assert_eq!(junctions.len(), 4);
+    for junction in junctions {
+        for side in ["inlet_vessels", "outlet_vessels"] {
+            assert!(!junction[side].as_array().expect("rows").is_empty(), "{junction}");
+        }
+    }
+}
+
+/// Reads a file of each version of openBF as its reader does: every section and key that it demands, by name and type, what its formulas make of
+/// them, and what its solver demands of the network. Keys: INSIGNEO/openBF, src/initialise.jl of 1.5.1 (`checkSections`, `checkVessel`,
+/// `addOutlet`), and src/{simulation,network,vessel}.jl and docs/src/man/config.md of 2.
+const OPENBF: &str = r#"
+import sys, yaml
+from math import pi, sqrt
+for path in sys.argv[1:]:
+    data = yaml.safe_load(open(path))
+    number = lambda x: isinstance(x, float) and x == x
+    # 1.5.1
+    assert isinstance(data["project name"], str) and {"network", "blood", "solver"} <= data.keys()
+    blood, solver, network = data["blood"], data["solver"], data["network"]
+    assert number(blood["mu"]) and number(blood["rho"])
+    assert number(solver["Ccfl"]) and 0 < solver["Ccfl"] <= 1 and isinstance(solver["cycles"], int) and number(solver["convergence tolerance"])
+    # 2
+    assert isinstance(data["project_name"], str) and data["inlet_file"].endswith(".dat") and set(data["write_results"]) <= {"P", "Q", "u", "A"}
+    assert number(solver["convergence_tolerance"]) and isinstance(solver["jump"], int)
+    into, out, inlets = {}, {}, []
+    for v in network:
+        assert isinstance(v["label"], str) and v["label"] and "/" not in v["label"], v
+        assert isinstance(v["sn"], int) and isinstance(v["tn"], int) and v["sn"] != v["tn"] and min(v["sn"], v["tn"]) > 0
+        assert all(number(v[key]) and v[key] > 0 for key in ("L", "E", "R0", "h0")), v
+        out.setdefault(v["sn"], []).append(v); into.setdefault(v["tn"], []).append(v)
+        if "inlet" in v:
+            assert v["inlet"] in ("Q", "P") and v["inlet file"] == f"inlet-{v['inlet number']}.dat"
+            inlets.append(v["inlet number"])
+        if v.get("outlet") == "wk3":
+            # Both divide by R1, R2 and Cc.
+            assert all(number(v[key]) and v[key] > 0 for key in ("R1", "R2", "Cc")), v
+        elif "outlet" in v:
+            assert v["outlet"] == "reflection" and v["Rt"] in (1.0, -1.0), v
+        # beta = sqrt(pi/A0) h0 E/0.75, gamma = beta/(3 rho R0 sqrt(pi)), c0 = sqrt(3/2 gamma sqrt(A0)), as both compute them.
+        area = pi * v["R0"] ** 2
+        gamma = sqrt(pi / area) * v["h0"] * v["E"] / 0.75 / (3 * blood["rho"] * v["R0"] * sqrt(pi))
+        speed = sqrt(1.5 * gamma * sqrt(area))
+        assert 1 < speed < 60, (speed, v)
+        if v.get("outlet") == "wk3":
+            matched = blood["rho"] * speed / area
+            print(path.rsplit("/", 1)[1], repr(v["R1"] / matched), repr(v["R1"] + v["R2"]), repr(v["Cc"]))
+    assert sorted(inlets) == list(range(1, len(inlets) + 1)) and inlets, inlets
+    # The inlet of version 2 begins at node 1; nothing else does where there is one inlet.
+    assert len(out[1]) == 1 and 1 not in into and out[1][0]["inlet number"] == 1
+    for node in into.keys() | out.keys():
+        ends, begins = into.get(node, []), out.get(node, [])
+        if not ends:
+            assert len(begins) == 1 and "inlet" in begins[0], node
+        elif not begins:
+            assert len(ends) == 1 and "outlet" in ends[0], node
+        else:
+            assert len(ends) + len(begins) <= 3, node
+    assert set(into) | set(out) == set(range(1, len(set(into) | set(out)) + 1))
+"#;
+
+/// The circles that ship, and the whole tree from the heart, which has one inlet.
+#[test]
+fn openbf_finds_every_key_that_it_demands() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let heart = Kind::CircleOfWillis.network(&Recipe::default()).expect("a phantom");
+    let mut networks = vec![("heart".to_owned(), heart)];
+    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis")).expect("the circles") {
+        let path = file.expect("a file").path();
+        let network = willis::read(&path, &ReadOptions::default()).expect("a circle").network;
+        networks.push((path.file_stem().expect("a name").to_string_lossy().into_owned(), network));
+    }
+    let mut paths = Vec::new();
+    for (name, network) in &networks {
+        let path = folder.path().join(format!("{name}.yaml"));
+        write_openbf(&mut std::fs::File::create(&path).expect("a file"), network).expect("a model");
+        paths.push(path);
+    }
+    let arguments: Vec<&std::path::Path> = paths.iter().map(std::path::PathBuf::as_path).collect();
+    let Some(said) = python(OPENBF, &arguments) else { return };
+    // 11 outlets from the heart, 6 of each circle; R1 is matched, the sum is the table's, and RC is 0.69 s.
+    assert_eq!(said.lines().count(), 11 + 11 * 6);
+    for line in said.lines() {
+        let figures: Vec<f64> = line.split(' ').skip(1).map(|x| x.parse().expect("a number")).collect();
+        assert!((figures[0] - 1.0).abs() < 1e-12, "{line}");
+        assert!((figures[1] * figures[2] - 0.69).abs() < 1e-12, "{line}");
+    }
 }

@@ -6,6 +6,8 @@ mod draw;
 mod figure;
 #[path = "../support/networks.rs"]
 mod networks;
+#[path = "../support/oracle.rs"]
+mod python_oracle;
 #[path = "../support/shuffle.rs"]
 mod shuffle;
 #[path = "../support/vessels.rs"]

@@ -3,18 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-const SCRIPT: &str = "../shared/oracle/exact_likelihood.py";
+use crate::python_oracle::oracle;
 
-/// The script and the Python that runs it; `None`, said aloud, where one of them is absent.
-fn oracle() -> Option<(String, String)> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCRIPT);
-    let python = std::env::var("WILLIS_PYTHON").unwrap_or_else(|_| "python3".into());
-    if script.exists() && Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|o| o.status.success()) {
-        return Some((script.display().to_string(), python));
-    }
-    eprintln!("skipped: no {} or no {python} with NumPy", script.display());
-    None
-}
+const SCRIPT: &str = "exact_likelihood.py";
 
 fn run_in(folder: &Path, program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).current_dir(folder).args(arguments).output().expect("runs");
@@ -30,7 +21,7 @@ fn exact_likelihoods_are_those_of_the_enumeration() {
 s = u.spec_from_file_location('oracle', sys.argv[1]); o = u.module_from_spec(s); s.loader.exec_module(o)
 mean, _, frequency = o.enumerate_graph(*o.read(sys.argv[2]), float(sys.argv[3]))
 for row in zip(mean, frequency): print(*map(repr, map(float, row)))";
-    let Some((script, python)) = oracle() else { return };
+    let Some((script, python)) = oracle(SCRIPT) else { return };
     let here = tempfile::tempdir().expect("a temporary folder");
     for seed in 1..=20 {
         let (graph, out, epsilon) = (format!("g{seed}.graphml"), format!("out-{seed}"), ["0.2", "0.3", "0.5"][seed % 3]);
@@ -57,7 +48,7 @@ for row in zip(mean, frequency): print(*map(repr, map(float, row)))";
 
 #[test]
 fn sampled_likelihoods_agree_with_the_enumeration_of_all_subgraphs() {
-    let Some((script, python)) = oracle() else { return };
+    let Some((script, python)) = oracle(SCRIPT) else { return };
     let here = tempfile::tempdir().expect("a temporary folder");
     let run = |program: &str, arguments: &[&str]| run_in(here.path(), program, arguments);
     for seed in 1..=8 {

@@ -3,6 +3,8 @@
 mod openbf;
 mod svzerod;
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::PI;
 use std::io;
 
@@ -24,10 +26,13 @@ struct Directed<'a> {
     turned: Vec<[usize; 2]>,
     /// By node its vessels.
     at: Vec<Vec<usize>>,
+    /// A vessel to which no inlet leads, if there is one.
+    unfed: Option<usize>,
 }
 
 impl<'a> Directed<'a> {
-    /// Turns the vessels away from the nodes where blood enters, by the number of vessels on the way.
+    /// Turns the vessels so that each node between them has one that comes and one that goes: the shortest way from each inlet to an end, or to
+    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned.
     ///
     /// # Errors
     ///
@@ -54,40 +59,105 @@ impl<'a> Directed<'a> {
         if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
         }
-        let mut level = vec![usize::MAX; network.node_count()];
-        let mut next: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
-        if next.is_empty() {
+        let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
+        if inlets.is_empty() {
             return Err(refused("no node states an inlet; state conditions in the file".to_owned()));
         }
-        for node in &next {
-            level[*node] = 0;
+        let mut way =
+            Ways { network, at: &at, turned: vec![None; network.vessel_count()], reached: Vec::new(), is_target: Vec::new() };
+        way.is_target = (0..network.node_count()).map(|node| at[node].len() == 1 && !enters(node)).collect();
+        for inlet in inlets {
+            way.reach(inlet);
+            way.lead_on(inlet);
         }
         let mut place = 0;
-        while place < next.len() {
-            let node = next[place];
-            for row in &at[node] {
-                let [a, b] = network.ends(*row);
-                let other = if a == node { b } else { a };
-                if level[other] == usize::MAX {
-                    level[other] = level[node] + 1;
-                    next.push(other);
-                }
-            }
+        while place < way.reached.len() {
+            way.lead_on(way.reached[place]);
             place += 1;
         }
-        // A free end is where its vessel begins if blood enters there, and where it ends otherwise.
-        let rank = |node: usize| match (enters(node), at[node].len()) {
-            (true, _) => (0, node),
-            (false, 1) => (usize::MAX, node),
-            _ => (level[node], node),
+        // What no blood reaches begins where it does in the file, unless that is a free end.
+        let as_it_stands = |row: usize| {
+            let [a, b] = network.ends(row);
+            if at[a].len() == 1 { [b, a] } else { [a, b] }
         };
-        let ends = network.vessels().map(|([a, b], _)| if rank(a) <= rank(b) { [a, b] } else { [b, a] }).collect();
-        Ok(Self { network, turned: ends, at })
+        let unfed = way.turned.iter().position(Option::is_none);
+        let turned = way.turned.into_iter().enumerate();
+        let ends = turned.map(|(row, ends)| ends.unwrap_or_else(|| as_it_stands(row))).collect();
+        Ok(Self { network, turned: ends, at, unfed })
     }
 
     /// The condition of a free end; `None` of an inner node, a flow of zero of an end that states nothing.
     fn condition(&self, node: usize) -> Option<Condition> {
         (self.at[node].len() == 1).then(|| self.network.node(node).condition.unwrap_or(Condition::Flow(0.0)))
+    }
+}
+
+/// Ways along the vessels while they are found.
+struct Ways<'a> {
+    network: &'a Network,
+    at: &'a [Vec<usize>],
+    /// By row where the vessel begins and ends, once it lies on a way.
+    turned: Vec<Option<[usize; 2]>>,
+    /// The nodes on ways, in the order in which they were reached.
+    reached: Vec<usize>,
+    /// By node whether a way may end there: on another way, or where blood leaves.
+    is_target: Vec<bool>,
+}
+
+impl Ways<'_> {
+    fn reach(&mut self, node: usize) {
+        self.reached.push(node);
+        self.is_target[node] = true;
+    }
+
+    /// Turns every vessel at a node on a way that is not turned yet, with a way behind it.
+    fn lead_on(&mut self, from: usize) {
+        for row in self.at[from].iter().copied() {
+            if self.turned[row].is_some() {
+                continue;
+            }
+            for [begins, row, stops] in self.way(from, row) {
+                self.turned[row] = Some([begins, stops]);
+                if !self.is_target[stops] {
+                    self.reach(stops);
+                }
+            }
+        }
+    }
+
+    /// The shortest way by a vessel to a target, as node, row and node for each vessel from the last to the first. From where there is none the way
+    /// is that vessel alone: blood comes back by itself, and what follows finds this way.
+    fn way(&self, from: usize, first: usize) -> Vec<[usize; 3]> {
+        let other = |row: usize, node: usize| {
+            let [a, b] = self.network.ends(row);
+            if a == node { b } else { a }
+        };
+        let mut came: HashMap<usize, (usize, usize)> = HashMap::from([(other(first, from), (from, first))]);
+        let mut next = vec![other(first, from)];
+        let mut place = 0;
+        while place < next.len() {
+            let mut node = next[place];
+            place += 1;
+            if self.is_target[node] {
+                let mut way = Vec::new();
+                loop {
+                    let (before, row) = came[&node];
+                    way.push([before, row, node]);
+                    if row == first {
+                        return way;
+                    }
+                    node = before;
+                }
+            }
+            for row in self.at[node].iter().copied().filter(|row| *row != first && self.turned[*row].is_none()) {
+                let to = other(row, node);
+                if let Entry::Vacant(free) = came.entry(to) {
+                    free.insert((node, row));
+                    next.push(to);
+                }
+            }
+        }
+        vec![[from, first, other(first, from)]]
     }
 }
 
@@ -100,14 +170,19 @@ fn stiffness(vessel: &Vessel) -> f64 {
     }
 }
 
+/// C' = dA/dP of a wall that keeps its volume, (3/2) A r/(Eh), m²/Pa.
+fn distensibility(vessel: &Vessel) -> f64 {
+    1.5 * area(vessel) * vessel.radius / stiffness(vessel)
+}
+
 /// The cross-section of a vessel, m².
 fn area(vessel: &Vessel) -> f64 {
     PI * vessel.radius * vessel.radius
 }
 
-/// Behind a terminal resistance: R1, R2 (Pa s/m³) and C (m³/Pa), where the node states one.
-fn windkessel(network: &Network, node: usize, resistance: f64) -> Option<[f64; 3]> {
-    let stated = network.node(node).windkessel;
-    let proximal = stated.proximal.unwrap_or(0.0).min(resistance);
-    stated.compliance.map(|compliance| [proximal, resistance - proximal, compliance])
+/// R1 (Pa s/m³) of a terminal resistance at the end of a vessel: as the node states it, else the wave impedance √(ρ/(A C')) of the vessel, as in
+/// `willis simulate --pulse`; at most the resistance.
+fn proximal(network: &Network, node: usize, resistance: f64, vessel: &Vessel) -> f64 {
+    let matched = (DENSITY / (area(vessel) * distensibility(vessel))).sqrt();
+    network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
 }

@@ -2,20 +2,43 @@
 
 use std::io::{self, Write};
 
-use super::{DENSITY, Directed, THICKNESS, VISCOSITY, stiffness, windkessel};
+use super::{DENSITY, Directed, THICKNESS, VISCOSITY, proximal, stiffness};
 use crate::network::{Condition, Network, Wall};
 
+/// RC of outlets that state no compliance, s, as in `willis simulate --pulse`: openBF divides by it.
+const TIME_CONSTANT: f64 = 0.69;
+
+/// The least share of an outlet's resistance that R1 and R2 get, for the same reason.
+const LEAST: f64 = 1e-3;
+
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
-/// the file that it expects beside this one, `inlet-N.dat` (time in s, flow in m³/s), N in the order of the nodes.
+/// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
+///
+/// The keys of openBF changed with version 2: up to 1.5, which has several inlets, `project name`, `convergence tolerance` (%) and an
+/// `inlet` at its vessel are read; from 2 on `project_name`, `convergence_tolerance` (mmHg) and the one `inlet_file` of node 1. The file has both,
+/// and each version passes over those of the other. Nodes where blood enters come first.
 ///
 /// # Errors
 ///
-/// As [`write_svzerod`](super::write_svzerod); an outlet that is neither a resistance nor closed (`InvalidInput`).
+/// As [`write_svzerod`](super::write_svzerod); a vessel to which no inlet leads, an outlet of fixed pressure or
+/// flow that is not zero (`InvalidInput`).
 pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
+    let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network)?;
-    writeln!(out, "project_name: willis")?;
+    let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
+    if let Some(row) = ends.unfed {
+        return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
+    }
+    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins(node);
+    let mut number = vec![0; network.node_count()];
+    let (inner, first): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| !is_inlet(*node));
+    for (place, node) in first.into_iter().chain(inner).enumerate() {
+        number[node] = place + 1;
+    }
+    writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
     writeln!(out, "blood:\n  rho: {DENSITY:?}\n  mu: {VISCOSITY:?}")?;
-    writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100\n  convergence tolerance: 1.0")?;
+    writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
+    writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
     writeln!(out, "network:")?;
     let mut inlets = 0;
     for (row, [begins, stops]) in ends.turned.iter().enumerate() {
@@ -26,7 +49,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         };
         // A JSON string is a YAML string; two vessels may have one label.
         let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
-        writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", begins + 1, stops + 1)?;
+        writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
         writeln!(out, "    L: {:?}\n    R0: {:?}", vessel.length, vessel.radius)?;
         writeln!(out, "    E: {:?}\n    h0: {thickness:?}", stiffness(vessel) / thickness)?;
         if let Some(condition) = ends.condition(*begins) {
@@ -37,20 +60,23 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         match ends.condition(*stops) {
             None => {}
             Some(Condition::Resistance { resistance, venous }) => {
-                match windkessel(network, *stops, resistance) {
-                    Some([proximal, distal, compliance]) => {
-                        writeln!(out, "    outlet: wk3\n    R1: {proximal:?}\n    R2: {distal:?}\n    Cc: {compliance:?}")?;
-                    }
-                    None => writeln!(out, "    outlet: wk2\n    R1: {resistance:?}\n    Cc: 0.0")?,
-                }
+                let compliance = network.node(*stops).windkessel.compliance.unwrap_or(TIME_CONSTANT / resistance);
+                let least = LEAST * resistance;
+                let proximal = proximal(network, *stops, resistance, vessel).clamp(least, resistance - least);
+                let distal = resistance - proximal;
+                writeln!(out, "    outlet: wk3\n    R1: {proximal:?}\n    R2: {distal:?}\n    Cc: {compliance:?}")?;
                 if venous != 0.0 {
                     writeln!(out, "    Pout: {venous:?}")?;
                 }
             }
+            // Its ends without a Windkessel reflect by a coefficient: 1 where nothing passes, -1 where the pressure stays at rest.
+            Some(Condition::Flow(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: 1.0")?,
+            Some(Condition::Pressure(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: -1.0")?,
             Some(Condition::Pressure(_) | Condition::Flow(_)) => {
-                // Its ends without a Windkessel reflect by a coefficient: 1 where nothing passes, -1 where the pressure is fixed.
-                let closed = matches!(ends.condition(*stops), Some(Condition::Flow(_)));
-                writeln!(out, "    outlet: reflection\n    Rt: {}", if closed { "1.0" } else { "-1.0" })?;
+                let node = &network.node(*stops).id;
+                return refused(format!(
+                    "node {node} is an outlet of fixed pressure or flow; openBF has resistances, ground and closed ends"
+                ));
             }
         }
     }

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::{DENSITY, Directed, VISCOSITY, area, stiffness, windkessel};
-use crate::network::{Condition, Network};
+use super::{DENSITY, Directed, VISCOSITY, area, distensibility, proximal};
+use crate::network::{Condition, Network, Vessel};
 
 /// Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
 const PRESSURE: f64 = 10.0;
@@ -22,10 +22,10 @@ const COMPLIANCE: f64 = 1e5;
 pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
     let ends = Directed::of(network)?;
     let mut conditions = Vec::new();
-    let mut name = |node: usize, is_inlet: bool| -> Option<String> {
+    let mut name = |node: usize, vessel: &Vessel, is_inlet: bool| -> Option<String> {
         let condition = ends.condition(node)?;
         let name = format!("{}_{}", if is_inlet { "INLET" } else { "OUTLET" }, network.node(node).id);
-        let (kind, values) = values(network, node, condition, is_inlet);
+        let (kind, values) = values(network, node, vessel, condition, is_inlet);
         conditions.push(json!({ "bc_name": name, "bc_type": kind, "bc_values": values }));
         Some(name)
     };
@@ -41,15 +41,15 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> 
             "zero_d_element_values": {
                 "R_poiseuille": vessel.resistance.unwrap_or(poiseuille) * RESISTANCE,
                 "L": DENSITY * vessel.length / area(vessel) * RESISTANCE,
-                "C": 1.5 * area(vessel) * vessel.radius * vessel.length / stiffness(vessel) * COMPLIANCE,
+                "C": distensibility(vessel) * vessel.length * COMPLIANCE,
                 "stenosis_coefficient": 0.0,
             },
         });
         let mut at = serde_json::Map::new();
-        if let Some(name) = name(*begins, true) {
+        if let Some(name) = name(*begins, vessel, true) {
             at.insert("inlet".to_owned(), json!(name));
         }
-        if let Some(name) = name(*stops, false) {
+        if let Some(name) = name(*stops, vessel, false) {
             at.insert("outlet".to_owned(), json!(name));
         }
         if !at.is_empty() {
@@ -78,20 +78,24 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> 
     writeln!(out)
 }
 
-/// The kind of a condition and its values.
-fn values(network: &Network, node: usize, condition: Condition, is_inlet: bool) -> (&'static str, Value) {
+/// The kind of a condition at the end of a vessel, and its values.
+fn values(network: &Network, node: usize, vessel: &Vessel, condition: Condition, is_inlet: bool) -> (&'static str, Value) {
     let constant = |key: &str, value: f64| json!({ key: [value, value], "t": [0.0, 1.0] });
     match condition {
         Condition::Pressure(pressure) => ("PRESSURE", constant("P", pressure * PRESSURE)),
         // A flow into the network; out of an outlet it is positive there.
         Condition::Flow(flow) => ("FLOW", constant("Q", if is_inlet { flow } else { -flow } * VOLUME)),
-        Condition::Resistance { resistance, venous } => match windkessel(network, node, resistance) {
-            Some([proximal, distal, compliance]) => (
-                "RCR",
-                json!({
-                    "Rp": proximal * RESISTANCE, "Rd": distal * RESISTANCE, "C": compliance * COMPLIANCE, "Pd": venous * PRESSURE,
-                }),
-            ),
+        Condition::Resistance { resistance, venous } => match network.node(node).windkessel.compliance {
+            Some(compliance) => {
+                let proximal = proximal(network, node, resistance, vessel);
+                (
+                    "RCR",
+                    json!({
+                        "Rp": proximal * RESISTANCE, "Rd": (resistance - proximal) * RESISTANCE,
+                        "C": compliance * COMPLIANCE, "Pd": venous * PRESSURE,
+                    }),
+                )
+            }
             None => ("RESISTANCE", json!({ "R": resistance * RESISTANCE, "Pd": venous * PRESSURE })),
         },
     }

@@ -82,7 +82,8 @@ fn panel(sheet: &mut Sheet<'_>, artery: &ArteryWaveform, period: f64, [left, top
         (minus(format!("{:.0}", mean + 0.0)), index)
     };
     let (means, indices): (Vec<String>, Vec<String>) = artery.states.iter().map(figures).unzip();
-    let text = format!("mean {}  PI {}", means.join(" \u{2192} "), indices.join(" \u{2192} "));
+    // The font of the pictures has no arrow.
+    let text = format!("mean {}  PI {}", means.join(" to "), indices.join(" to "));
     small(sheet, &text, [left, top - 10.0], Align::Begin)?;
     let is_none = values().all(|flow| flow.abs() < NONE);
     let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return Ok(()) };

@@ -3,15 +3,15 @@
 //! Signals are f(t) = Re Σ c_n e^{iω_n t}, ω_n = 2πn/T. Each vessel is a two-port, nodes conserve flow: Σ Q into vessels + y_t P = injected,
 //! a complex symmetric system. The theory is linear: no convective acceleration, no wall that widens in the cycle, no loss behind a stenosis.
 
+pub mod elimination;
 pub mod fourier;
 pub mod indices;
+pub mod two_port;
 pub mod typical;
 pub mod wall;
 pub mod womersley;
 
-mod elimination;
 mod terminal;
-mod two_port;
 mod vessels;
 
 use std::f64::consts::TAU;
