@@ -157,6 +157,21 @@ fn line(vessels: &[(f64, f64)]) -> (Network, [(usize, Condition); 2]) {
     (network(last + 1, vessels), [(0, pressure(100.0)), (last, pressure(0.0))])
 }
 
+/// 100 Ω between inlet and outlet, and beside it 10¹⁸ Ω behind 10⁻² Ω, and behind 10⁻² Ω twice: the flow of the last ones is 10⁻¹⁶ of the
+/// first, and their first drops are lost beside the pressures, but each passes on what the last one carries. A dead end carries nothing.
+#[test]
+fn however_little_a_vessel_carries_the_one_before_it_carries_too() {
+    let ways = [(0, 1, 100.0), (0, 2, 1e-2), (2, 1, 1e18), (0, 3, 1e-2), (3, 4, 1e-2), (1, 4, 1e18), (3, 5, 1e-2), (5, 6, 1e-2)];
+    let network = resistors(7, &ways);
+    let state = solve(&network, &[(0, pressure(100.0)), (1, pressure(0.0))], VISCOSITY);
+    let little = 100.0 * MMHG / OHM / 1e18;
+    let expected = [MMHG / OHM, little, little, little, little, -little, 0.0, 0.0];
+    for (row, (vessel, expected)) in state.vessels.iter().zip(expected).enumerate() {
+        assert!((vessel.flow - expected).abs() <= 1e-12 * expected.abs(), "{row}: {} for {expected}", vessel.flow);
+        assert_eq!(vessel.diffused, expected != 0.0, "{row}");
+    }
+}
+
 /// Vessels in series carry one flow; the power ΔP·Q that they dissipate adds up, and the shear is that of the narrow one.
 #[test]
 fn a_focal_stenosis_is_vessels_in_series() {
