@@ -80,7 +80,9 @@ impl Balanced {
                 *lacking = 0.0;
             }
         }
-        let least = AT_REST * through.iter().copied().fold(0.0, f64::max);
+        let largest = |of: &mut dyn Iterator<Item = f64>| of.filter(|flow| flow.is_finite()).fold(0.0, f64::max);
+        let most = largest(&mut flows.iter().zip(&known).filter(|(_, known)| **known).map(|(flow, _)| *flow));
+        let least = AT_REST * if most > 0.0 { most } else { largest(&mut through.iter().copied()) };
         let mut counts: Vec<bool> = through.iter().map(|through| *through > least).collect();
         known.iter_mut().zip(&flows).for_each(|(known, flow)| *known |= *flow > least);
         for (carries, [a, b]) in carrying(circuit, &flows, known).into_iter().zip(&circuit.ends) {

@@ -172,6 +172,16 @@ fn however_little_a_vessel_carries_the_one_before_it_carries_too() {
     }
 }
 
+/// A wide dead end beside a narrow inlet: the last bit of its pressure, times its conductance, is more than 10⁻¹² of what the narrow vessel
+/// carries, and yet nothing flows there.
+#[test]
+fn the_last_bit_of_a_pressure_drives_nothing_into_a_dead_end() {
+    let network = network(4, [([0, 1], tube(0.3, 0.01)), ([2, 1], tube(10.0, 0.5)), ([0, 3], tube(70.0, 0.4))]);
+    let vessels = solve(&network, &[(0, pressure(100.0)), (2, pressure(0.0))], VISCOSITY).vessels;
+    close(vessels[0].flow, -vessels[1].flow, vessels[0].flow);
+    assert!((vessels[2].flow, vessels[2].diffused) == (0.0, false), "{}", vessels[2].flow);
+}
+
 /// Vessels in series carry one flow; the power ΔP·Q that they dissipate adds up, and the shear is that of the narrow one.
 #[test]
 fn a_focal_stenosis_is_vessels_in_series() {
