@@ -84,7 +84,9 @@ impl Balanced {
         let most = largest(&mut flows.iter().zip(&known).filter(|(_, known)| **known).map(|(flow, _)| *flow));
         let least = AT_REST * if most > 0.0 { most } else { largest(&mut through.iter().copied()) };
         let mut counts: Vec<bool> = through.iter().map(|through| *through > least).collect();
-        known.iter_mut().zip(&flows).for_each(|(known, flow)| *known |= *flow > least);
+        for (known, flow) in known.iter_mut().zip(&flows) {
+            *known |= *flow > least;
+        }
         for (carries, [a, b]) in carrying(circuit, &flows, known).into_iter().zip(&circuit.ends) {
             (counts[*a], counts[*b]) = (counts[*a] || carries, counts[*b] || carries);
         }
@@ -114,11 +116,15 @@ pub(super) fn carrying(circuit: &Circuit, flow: &[f64], known: Vec<bool>) -> Vec
     }
     let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &row in &doubtful {
-        circuit.ends[row].into_iter().for_each(|node| at.entry(node).or_default().push(row));
+        for node in circuit.ends[row] {
+            at.entry(node).or_default().push(row);
+        }
     }
     let mut largest: Vec<f64> = circuit.source.iter().map(|source| source.abs()).collect();
     for row in (0..flow.len()).filter(|row| carries[*row]) {
-        circuit.ends[row].into_iter().for_each(|node| largest[node] = largest[node].max(flow[row]));
+        for node in circuit.ends[row] {
+            largest[node] = largest[node].max(flow[row]);
+        }
     }
     let mut next: Vec<usize> = at.keys().rev().copied().collect();
     while let Some(node) = next.pop() {

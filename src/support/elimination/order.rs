@@ -47,10 +47,14 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
 /// The stars of the nodes that `gone` leaves, whose neighbours that remain are given; in the same order as if nobody had stopped.
 fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option<Vec<Star>> {
     let mut is_gone = vec![false; neighbours.len()];
-    gone.iter().for_each(|star| is_gone[star.center] = true);
+    for star in gone {
+        is_gone[star.center] = true;
+    }
     let rest: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
     let mut place = vec![0; neighbours.len()];
-    rest.iter().enumerate().for_each(|(at, node)| place[*node] = at);
+    for (at, node) in rest.iter().enumerate() {
+        place[*node] = at;
+    }
     let pairs = rest.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
     let links: Vec<[usize; 2]> = pairs.map(|pair| pair.map(|node| place[node])).collect();
     let mut stars = if rest.len() <= MOST_IN_BITS {
@@ -60,7 +64,9 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
     }?;
     for star in &mut stars {
         star.center = rest[star.center];
-        star.neighbours.iter_mut().for_each(|node| *node = rest[*node]);
+        for node in &mut star.neighbours {
+            *node = rest[*node];
+        }
     }
     Some(stars)
 }
