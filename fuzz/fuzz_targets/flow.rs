@@ -47,17 +47,17 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(q.is_finite(), "a flow of {q}");
         for (node, q) in [(ends[0], *q), (ends[1], -*q)] {
             net[node].0 += q;
-            net[node].1 = net[node].1.max(q.abs());
+            net[node].1 += q.abs();
         }
     }
-    // Drops are known to the digits of two doubles beside the pressures. Where resistances differ by more than 10^18 a part of the largest
-    // flow is what these leave.
     let largest = flow.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
-    let blurred = if most / least > 1e18 { 1e-30 * most / least * largest } else { 0.0 };
-    for node in 0..count {
-        if [inlet, outlet].iter().all(|end| usize::from(**end) % count != node) {
-            let (sum, passed) = net[node];
-            assert!(sum.abs() <= f64::max(1e-12 * passed, blurred), "node {node} lacks {sum} of {passed}: {flow:?}");
+    // Drops are known to the digits of two doubles beside the pressures, which is not enough where resistances differ by more than this.
+    if most / least < 1e18 {
+        for node in (0..count).filter(|node| [inlet, outlet].iter().all(|end| usize::from(**end) % count != *node)) {
+            let (sum, all) = net[node];
+            // Smaller flows than a millionth of a millionth of the largest keep at least six digits.
+            let share = if all >= 1e-12 * largest { 1e-12 } else { 1e-6 };
+            assert!(sum.abs() <= share * all, "node {node} lacks {sum} of {all}: {flow:?}");
         }
     }
     let _ = run.tables();

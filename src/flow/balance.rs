@@ -44,8 +44,9 @@ impl Balanced {
             let Some(change) = changes(circuit, conductance, lacking) else { break };
             let next = best.plus(circuit, &change);
             let (left, now) = next.imbalance(circuit, conductance);
-            // In a vessel at rest all of the flow is lacking, so the worst share stays 1 until rounding is gone: the sum tells progress.
-            if total(&left) >= before {
+            // In a vessel at rest all of the flow is lacking, so the worst share stays 1 until rounding is gone: the sum tells progress. What small
+            // flows lack is lost in the sum beside the rounding of large ones: then the worst share does.
+            if total(&left) >= before && now >= worst {
                 break;
             }
             (best, lacking, worst) = (next, left, now);

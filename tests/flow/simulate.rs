@@ -172,6 +172,38 @@ fn however_little_a_vessel_carries_the_one_before_it_carries_too() {
     }
 }
 
+/// What flows into a node flows out of it, in networks of vessels whose sizes differ by powers of ten: to 1e-12 of both together, and to 1e-6
+/// where that is less than 10⁻¹² of the largest flow.
+#[test]
+fn flows_balance_however_far_apart_sizes_are() {
+    let mut draw = Draw::new(70);
+    let mut solved = 0;
+    for _ in 0..20_000 {
+        let nodes = 3 + draw.below(5);
+        let mut size = |least: f64, most: f64| 10_f64.powf(draw.within(least, most)).max(1e-9);
+        let tubes: Vec<Vessel> = (0..nodes + 2).map(|_| tube(size(-1.0, 2.0), size(-2.0, 1.5))).collect();
+        let ends: Vec<[usize; 2]> = tubes.iter().map(|_| [draw.below(nodes), draw.below(nodes)]).collect();
+        let vessels = ends.into_iter().zip(tubes).filter(|([a, b], _)| a != b);
+        let network = network(nodes, vessels);
+        let conditions = [(0, pressure(100.0)), (1, pressure(0.0))];
+        let Ok(found) = simulate(&network, &boundary(&network, &conditions), VISCOSITY, &[]) else { continue };
+        let (mut net, mut all, mut largest) = (vec![0.0; nodes], vec![0.0; nodes], 0.0_f64);
+        for (([a, b], _), vessel) in network.vessels().zip(&found.unperturbed.vessels) {
+            net[a] += vessel.flow;
+            net[b] -= vessel.flow;
+            all[a] += vessel.flow.abs();
+            all[b] += vessel.flow.abs();
+            largest = largest.max(vessel.flow.abs());
+        }
+        for node in 2..nodes {
+            let share = if all[node] >= 1e-12 * largest { 1e-12 } else { 1e-6 };
+            assert!(net[node].abs() <= share * all[node], "{node}: {} of {}, {largest}", net[node], all[node]);
+        }
+        solved += 1;
+    }
+    assert!(solved > 5000, "{solved}");
+}
+
 /// A wide dead end beside a narrow inlet: the last bit of its pressure, times its conductance, is more than 10⁻¹² of what the narrow vessel
 /// carries, and yet nothing flows there.
 #[test]
