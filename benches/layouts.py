@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs willis on ten layouts that are hard for searches, eliminations and tables, and prints CPU seconds and MB of each as a table.
 
-    layouts.py WILLIS
+    layouts.py WILLIS [LAYOUT...]
 """
 
 import math
@@ -100,7 +100,10 @@ def main():
     willis = str(Path(sys.argv[1]).resolve())
     print("| layout | what | CPU s | MB | end |\n|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as made:
+        named = sys.argv[2:]
         for layout in (long_vessel, dust, hub, ball, comb, grid, parallel, near, star, wheel):
+            if named and layout.__name__ not in named:
+                continue
             here = Path(made)
             if layout in (star, wheel):
                 source, words = here / "a.csv", None

@@ -80,3 +80,50 @@ put metaimage "$work/mask.mha"
 printf '\223NUMPY\001\000\166\000%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 1, 1), }" > "$work/mask.npy"
 printf '\001\001\001\001' >> "$work/mask.npy"
 put npy-mask "$work/mask.npy"
+# The targets that take no format: words, a name and options before a file, and bytes that networks, masks and sums are made of.
+words() { mkdir -p corpus/arguments; printf '%s\n' "$@" > "corpus/arguments/$1"; }
+words infer x.swc -o out -n 64 --epsilon 0.2,0.5 --max-gap 5mm --inlet 1=100mmHg --keep probable=0.3 --until stable --prior weights:auto
+words simulate x.vtp -o out --outlet 2=5mmHg.s/mL@3 --stenosis "R-ICA=70%@0.5" --occlude 3 --transport --pulse typical --windkessel rc=0.69s --viscosity 3.5cP
+words modulate x.csv -o out --outlets murray=700mL/min -n 100 --class "normal=0.3,0.5" --threshold 2 --save-samples
+words classify x.graphml -o out --landmarks auto --labels topcow --variant-prior v.csv --unseen 0.1
+words reading --units um --spacing 0.5,0.5,1 --radius effective --default-radius 0.5 --level 0.5 --radius-from inscribed --box 0,0,0,1,2,3 --frame RAS --max-input 2GiB
+words phantom arterial -o x.graphml --edges 100 --break --seed 3
+named() { mkdir -p corpus/front_door; { printf '%s\n%s\n' "$1" "$2"; cat "$3"; } > "corpus/front_door/$1"; }
+for ending in swc vtp vtk tre npz json; do named "a.$ending" "" "$work/small.$ending"; done
+named a.graphml --observed "$work/graph.graphml"
+named edges.csv "" "$work/edges.csv"
+named points.csv "--units um" "$work/points.csv"
+named mask.nii "--radius-from distance" "$work/mask.nii"
+named mask.mha "--level 0.5" "$work/mask.mha"
+named mask.npy "--spacing 0.5" "$work/mask.npy"
+gzip -9nc "$work/small.swc" > "$work/small.swc.gz"
+named a.swc.gz "" "$work/small.swc.gz"
+bytes() { mkdir -p "corpus/$1"; printf "$3" > "corpus/$1/$2"; }
+bytes masks ring '\002\002\000\000\111\357\001'
+bytes masks block '\007\007\007\043\222\377\377\377\377\377\377\377\377\377\377\360\377\377\377\377\377\377\017\377\377\377'
+bytes flow series '\001\000\002\003\000\001\030\100\001\002\030\030'
+bytes flow ring '\002\000\002\000\000\001\030\100\001\002\040\030\002\003\050\060\003\000\030\070'
+bytes stored part '\000\100\001\001\001\000\001\100\000\010\010\001\000\010\000\010\100\000\100\010\000\010'
+bytes stored shards '\003\002\011\001\004'
+bytes stored record '\003\002\011\0024"x"'
+bytes python arrays '\000\004\003\003\000\000\000\010\000\000\020\000\000\030\010\000\004\004\004\004\010\010\010\000\010\010\020\020\030'
+bytes python decide '\003\011\013\002\005probable=2'
+bytes python options '\0050..64\n--max-gap\n5mm\n--epsilon\n0.25'
+{ printf '\001'; cat "$work/mask.npy"; } > corpus/python/mask
+{ printf '\002'; cat "$work/graph.graphml"; } > corpus/python/graph
+# Lists and models.
+printf 'edge,id_a,id_b,decision,who,when,input_sha256\n3,4,7,accept,me,2026-01-01,\n' > "$work/decisions.csv"
+put decisions "$work/decisions.csv"
+printf 'time_s,pressure_mmHg\n0,80\n0.1,120\n0.5,90\n0.8,80\n' > "$work/waveform.csv"
+put waveform "$work/waveform.csv"
+put frequencies ../src/circle_of_willis/frequencies.csv
+printf 'L-ICA I\nR-ICA I\nBA\nR-P1\nL-P1\nR-Pcom\n\nL-A1\nAcom\n' > "$work/labels"
+put labels "$work/labels"
+printf 'x_mm,y_mm,z_mm\n0,0,0\n' > "$work/inlets.csv"
+put inlets "$work/inlets.csv"
+head -c 3000 ../src/naming/arteries.toml > "$work/names.toml"
+put names "$work/names.toml"
+head -c 3000 ../src/contacts/contacts.toml > "$work/contacts.toml"
+put contacts "$work/contacts.toml"
+head -c 3000 ../src/candidates/joins/skeleton.toml > "$work/joins.toml"
+put joins "$work/joins.toml"

@@ -15,29 +15,33 @@ GROUPS = (("none", 0, 0), ("1 to 4", 1, 4), ("5 to 19", 5, 19), ("20 and more", 
 
 
 def run(folder, samples, seed, options):
-    """L, its error and how many samples saw it, by vessel."""
+    """L, its error (none where it is unknown) and how many samples saw it, by vessel."""
     out = Path(folder) / f"{samples}-{seed}"
     words = [WILLIS, "infer", CIRCLE, "--uncertain", "all", "-n", samples, "--seed", seed, "-o", out, "--quiet", "--force", "--dpi", 36, *options]
     subprocess.run([str(word) for word in words], check=True)
     with open(out / "edges.csv", newline="") as file:
-        rows = [(float(row["likelihood"]), float(row["std_error"]), round(float(row["frequency"]) * samples)) for row in csv.DictReader(file)]
+        error = lambda text: float(text) if text else None
+        rows = [(float(row["likelihood"]), error(row["std_error"]), round(float(row["frequency"]) * samples)) for row in csv.DictReader(file)]
     shutil.rmtree(out)
     return rows
 
 
 def main():
-    print("| samples | " + " | ".join(name for name, *_ in GROUPS) + " |\n|---" + "|---" * len(GROUPS) + "|")
+    print("| samples | " + " | ".join(name for name, *_ in GROUPS) + " | unknown |\n|---" + "|---" * (len(GROUPS) + 1) + "|")
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
         for samples, options in ((1000, ()), (64, ()), (640, ("--epsilon", 0.95)), (64, ("--epsilon", 0.95))):
             truth = run(folder, TRUTH, 10**6, options)
-            within = {name: [0, 0] for name, *_ in GROUPS}
+            within, unknown = {name: [0, 0] for name, *_ in GROUPS}, 0
             for rows in pool.map(lambda seed: run(folder, samples, seed, options), range(RUNS)):
                 for (found, error, seen), (true, *_) in zip(rows, truth):
+                    if error is None:
+                        unknown += 1
+                        continue
                     name = next(name for name, least, most in GROUPS if seen >= least and (most is None or seen <= most))
                     within[name][0] += abs(found - true * samples / TRUTH) <= 1.96 * error
                     within[name][1] += 1
             shown = [f"{100 * right / of:.1f} % of {of}" if of else "" for right, of in within.values()]
-            print(f"| {samples:,}{', ' + ' '.join(map(str, options)) if options else ''} | " + " | ".join(shown) + " |", flush=True)
+            print(f"| {samples:,}{', ' + ' '.join(map(str, options)) if options else ''} | " + " | ".join(shown) + f" | {unknown} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,17 +4,20 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use willis::internals::candidates::model::Weights;
-use willis::internals::network::centerlines::Centerlines;
 use willis::error::Fault;
-use willis::internals::io;
-use willis::internals::io::{Content, ReadOptions};
+use willis::internals::candidates::joins::model::JoinModel;
+use willis::internals::candidates::model::Weights;
+use willis::internals::circle_of_willis::{Circle, LabelScheme, VariantFrequencies, identify_landmarks};
+use willis::internals::contacts::model::ContactModel;
 use willis::internals::io::tables::conditions;
+use willis::internals::io::{self, Content, ReadOptions};
 use willis::internals::masks::{Mask, RadiusFrom, trace};
+use willis::internals::naming::NamingModel;
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, RadiusRule, contract};
 use willis::internals::phantom::{cerebral, circle_of_willis};
-use willis::internals::circle_of_willis::identify_landmarks;
-use willis::internals::network::units::Scale;
+use willis::internals::simulation::pulse::fourier::{beyond, coefficients};
 
 static FORMAT: LazyLock<String> = LazyLock::new(|| std::env::var("WILLIS_FORMAT").expect("WILLIS_FORMAT names a format"));
 static CIRCLE: LazyLock<Network> = LazyLock::new(|| cerebral(&circle_of_willis(1e-2)));
@@ -51,52 +54,89 @@ fn graph(read: Result<(Network, Vec<String>), Fault>) {
     }
 }
 
+/// The vessels of a circle take the lines of a text as their labels.
+fn labelled(text: &str) {
+    let mut network = CIRCLE.clone();
+    for (row, label) in (0..network.vessel_count()).zip(text.lines()) {
+        network.vessel_mut(row).label = label.into();
+    }
+    let labels: Vec<String> = network.vessels().map(|(_, vessel)| vessel.label.to_string()).collect();
+    let Ok(scheme) = LabelScheme::of(labels.iter().map(String::as_str)) else { return };
+    if let Ok((circle, _)) = Circle::labelled(&network, scheme) {
+        assert!(circle.fits(&network));
+        let _ = circle.variant(&network, |row| row % 3 > 0);
+    }
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let mm = Scale::default();
     let optional = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
     let text = String::from_utf8_lossy(bytes);
     let (first, second) = two(bytes);
     match FORMAT.as_str() {
-        "graphml" => graph(willis::internals::io::read_graphml(bytes, &optional)),
+        "graphml" => graph(io::read_graphml(bytes, &optional)),
         "csv" => {
-            let nodes = willis::internals::io::read_csv_nodes(first, &mm).ok();
-            graph(willis::internals::io::read_csv_edges(second, nodes, &optional));
+            let nodes = io::read_csv_nodes(first, &mm).ok();
+            graph(io::read_csv_edges(second, nodes, &optional));
         }
-        "swc" => lines(willis::internals::io::read_swc(bytes, &mm)),
-        "vtp" => lines(willis::internals::io::read_vtp(bytes, &optional)),
-        "vtk" => lines(willis::internals::io::read_vtk(bytes, &optional)),
-        "tre" => lines(willis::internals::io::read_tre(bytes, &optional)),
-        "markups" => lines(willis::internals::io::read_markups(bytes, &optional)),
-        "points" => lines(willis::internals::io::read_points(bytes, &optional)),
-        "mat" => lines(willis::internals::io::read_vtrails(bytes, &optional)),
-        "npz" => drop(willis::internals::io::read_skeleton_npz(bytes, &optional)),
+        "swc" => lines(io::read_swc(bytes, &mm)),
+        "vtp" => lines(io::read_vtp(bytes, &optional)),
+        "vtk" => lines(io::read_vtk(bytes, &optional)),
+        "tre" => lines(io::read_tre(bytes, &optional)),
+        "markups" => lines(io::read_markups(bytes, &optional)),
+        "points" => lines(io::read_points(bytes, &optional)),
+        "mat" => lines(io::read_vtrails(bytes, &optional)),
+        "npz" => drop(io::read_skeleton_npz(bytes, &optional)),
         "voreen" => {
-            if let Ok(nodes) = willis::internals::io::read_voreen_nodes(first, &mm) {
-                let _ = willis::internals::io::read_voreen_edges(second, nodes, &optional);
+            if let Ok(nodes) = io::read_voreen_nodes(first, &mm) {
+                let _ = io::read_voreen_edges(second, nodes, &optional);
             }
         }
         "vesselvio" => {
-            if let Ok(vertices) = willis::internals::io::read_vesselvio_vertices(first, &mm) {
-                let _ = willis::internals::io::read_vesselvio_edges(second, vertices, &optional);
+            if let Ok(vertices) = io::read_vesselvio_vertices(first, &mm) {
+                let _ = io::read_vesselvio_edges(second, vertices, &optional);
             }
         }
-        "nifti" => mask(willis::internals::io::read_nifti(bytes, None, 1 << 24)),
-        "metaimage" => drop(willis::internals::io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
-        "npy-mask" => mask(willis::internals::io::read_npy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
-        "icafe" => drop(willis::internals::io::read_traced_vessels(bytes, &mm)),
-        "links" => drop(willis::internals::io::read_links(bytes)),
+        "nifti" => mask(io::read_nifti(bytes, None, 1 << 24)),
+        "metaimage" => drop(io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
+        "npy-mask" => mask(io::read_npy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "icafe" => drop(io::read_traced_vessels(bytes, &mm)),
+        "links" => drop(io::read_links(bytes)),
         "loops" => {
-            if let Ok((mut lines, _)) = willis::internals::io::read_swc(first, &mm) {
-                let _ = willis::internals::io::add_loops(second, &mut lines);
+            if let Ok((mut lines, _)) = io::read_swc(first, &mm) {
+                let _ = io::add_loops(second, &mut lines);
             }
         }
-        "landmarks" => drop(willis::internals::io::read_landmarks(bytes, &mm).and_then(|list| identify_landmarks(list.landmarks))),
-        "manifest" => drop(willis::internals::io::read_manifest(bytes, std::path::Path::new(""))),
+        "landmarks" => {
+            if let Ok(landmarks) = io::read_landmarks(bytes, &mm).and_then(|list| identify_landmarks(list.landmarks)) {
+                let _ = Circle::at(&CIRCLE, &landmarks);
+            }
+        }
+        "labels" => labelled(&text),
+        "decisions" => drop(io::read_decisions(bytes)),
+        "waveform" => {
+            if let Ok(wave) = io::read_waveform(bytes) {
+                let period = wave.own_period();
+                if wave.check(period).is_ok() {
+                    let _ = beyond(&wave, period, &coefficients(&wave, period, 8));
+                }
+            }
+        }
+        "frequencies" => {
+            if let Ok(shares) = VariantFrequencies::read(bytes) {
+                assert!(shares.marginals().iter().all(|p| (0.0..=1.0 + 1e-9).contains(p)), "{:?}", shares.marginals());
+            }
+        }
+        "names" => drop(NamingModel::read(&text)),
+        "contacts" => drop(ContactModel::read(&text)),
+        "joins" => drop(JoinModel::read(&text)),
+        "manifest" => drop(io::read_manifest(bytes, std::path::Path::new(""))),
         "conditions-csv" => drop(conditions::read_csv(bytes)),
+        "inlets" => drop(conditions::read_inlets(bytes)),
         "conditions-toml" => drop(conditions::read_toml(bytes)),
         "weights" => drop(Weights::read(&text)),
-        "prior-csv" => drop(willis::internals::io::read_prior_csv(bytes, &mut CIRCLE.clone())),
-        "prior-npy" => drop(willis::internals::io::read_prior_npy(bytes, &mut CIRCLE.clone())),
+        "prior-csv" => drop(io::read_prior_csv(bytes, &mut CIRCLE.clone())),
+        "prior-npy" => drop(io::read_prior_npy(bytes, &mut CIRCLE.clone())),
         other => panic!("WILLIS_FORMAT {other} is not known"),
     }
 });

@@ -138,7 +138,8 @@ fn by_samples(rule: Keep, cut: Option<f64>, result: &Likelihood) -> (Vec<bool>, 
         Keep::Frequency(_) => (figure[row] * (1.0 - figure[row]) / result.samples.max(1) as f64).sqrt(),
         _ => result.std_error[row],
     };
-    let close = |row: usize| flip.is_some_and(|flip| !decided(figure[row] - flip, error(row)));
+    // Without a threshold nothing has L > 0: that is certain only where the errors are known.
+    let close = |row: usize| flip.map_or_else(|| error(row).is_nan(), |flip| !decided(figure[row] - flip, error(row)));
     let rows = 0..figure.len();
     (rows.clone().map(passes).collect(), rows.map(close).collect())
 }

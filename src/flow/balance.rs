@@ -5,12 +5,15 @@
 //! sources give the change of the pressures; its differences are small numbers of their own, and are added to the drops (iterative refinement, with
 //! the drop as an unevaluated sum).
 
+use std::collections::BTreeMap;
+
 use super::circuit::Circuit;
 use super::pressures::PressureSolver;
+use super::resilience::is_diffused;
 
 /// Imbalances below this share of what flows through a node are rounding.
 const ENOUGH: f64 = 1e-13;
-/// A node through which less than this share of the largest flow passes is at rest up to rounding.
+/// A node through which less than this share of the largest flow passes is at rest, unless a vessel there [carries](carrying) what little it is.
 pub(super) const AT_REST: f64 = 1e-12;
 /// Each round gains about the digits of a double.
 const ROUNDS: usize = 4;
@@ -41,8 +44,9 @@ impl Balanced {
             let Some(change) = changes(circuit, conductance, lacking) else { break };
             let next = best.plus(circuit, &change);
             let (left, now) = next.imbalance(circuit, conductance);
-            // In a vessel at rest all of the flow is lacking, so the worst share stays 1 until rounding is gone: the sum tells progress.
-            if total(&left) >= before {
+            // In a vessel at rest all of the flow is lacking, so the worst share stays 1 until rounding is gone: the sum tells progress. What small
+            // flows lack is lost in the sum beside the rounding of large ones: then the worst share does.
+            if total(&left) >= before && now >= worst {
                 break;
             }
             (best, lacking, worst) = (next, left, now);
@@ -56,25 +60,39 @@ impl Balanced {
     /// By node what flows in less what flows out, m³/s, zero where the pressure is fixed; and the largest of these over what passes the node.
     fn imbalance(&self, circuit: &Circuit, conductance: &[f64]) -> (Vec<f64>, f64) {
         let (mut lacking, mut through) = (circuit.source.clone(), vec![0.0; circuit.node_count()]);
+        let (mut flows, mut known) = (vec![0.0; self.drop.len()], vec![false; self.drop.len()]);
         for (node, pressure) in self.above_level.iter().enumerate() {
             lacking[node] -= circuit.shunt[node] * pressure.unwrap_or(0.0);
             through[node] = f64::abs(lacking[node]);
         }
-        for ((drop, conductance), [a, b]) in self.drop.iter().zip(conductance).zip(&circuit.ends).filter(|(_, [a, b])| a != b) {
+        let vessels = self.drop.iter().zip(conductance).zip(&circuit.ends).enumerate();
+        for (row, ((drop, conductance), [a, b])) in vessels.filter(|(_, (_, [a, b]))| a != b) {
             let flow = drop * conductance;
             lacking[*a] -= flow;
             lacking[*b] += flow;
             through[*a] += flow.abs();
             through[*b] += flow.abs();
+            let pressures = [*a, *b].map(|node| self.above_level[node].unwrap_or(0.0) + circuit.level);
+            flows[row] = flow.abs();
+            known[row] = *conductance > 0.0 && is_diffused(*drop, pressures[0], pressures[1]);
         }
         for (node, lacking) in lacking.iter_mut().enumerate() {
             if circuit.fixed[node].is_some() || self.above_level[node].is_none() {
                 *lacking = 0.0;
             }
         }
-        let least = AT_REST * through.iter().copied().fold(0.0, f64::max);
-        let shares = lacking.iter().zip(&through).filter(|(_, through)| **through > least).map(|(lack, all)| lack.abs() / all);
-        let worst = shares.fold(0.0, f64::max);
+        let largest = |of: &mut dyn Iterator<Item = f64>| of.filter(|flow| flow.is_finite()).fold(0.0, f64::max);
+        let most = largest(&mut flows.iter().zip(&known).filter(|(_, known)| **known).map(|(flow, _)| *flow));
+        let least = AT_REST * if most > 0.0 { most } else { largest(&mut through.iter().copied()) };
+        let mut counts: Vec<bool> = through.iter().map(|through| *through > least).collect();
+        for (known, flow) in known.iter_mut().zip(&flows) {
+            *known |= *flow > least;
+        }
+        for (carries, [a, b]) in carrying(circuit, &flows, known).into_iter().zip(&circuit.ends) {
+            (counts[*a], counts[*b]) = (counts[*a] || carries, counts[*b] || carries);
+        }
+        let worst =
+            (0..through.len()).filter(|node| counts[*node]).map(|node| lacking[node].abs() / through[node]).fold(0.0, f64::max);
         (lacking, worst)
     }
 
@@ -86,6 +104,43 @@ impl Balanced {
             drop: self.drop.iter().zip(&circuit.ends).map(drop).collect(),
         }
     }
+}
+
+/// Which vessels carry blood: those that are `known` to, and those that pass on what they carry. Where blood flows at a node, what flows in
+/// another vessel there is no rounding if it is not so much less, however little that is beside the largest flow elsewhere; a node whose
+/// pressure is fixed tells nothing, because there flows need not balance.
+pub(super) fn carrying(circuit: &Circuit, flow: &[f64], known: Vec<bool>) -> Vec<bool> {
+    let mut carries = known;
+    let doubtful: Vec<usize> = (0..flow.len()).filter(|row| !carries[*row] && flow[*row] > 0.0).collect();
+    if doubtful.is_empty() {
+        return carries;
+    }
+    let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for &row in &doubtful {
+        for node in circuit.ends[row] {
+            at.entry(node).or_default().push(row);
+        }
+    }
+    let mut largest: Vec<f64> = circuit.source.iter().map(|source| source.abs()).collect();
+    for row in (0..flow.len()).filter(|row| carries[*row]) {
+        for node in circuit.ends[row] {
+            largest[node] = largest[node].max(flow[row]);
+        }
+    }
+    let mut next: Vec<usize> = at.keys().rev().copied().collect();
+    while let Some(node) = next.pop() {
+        let passed = if circuit.fixed[node].is_some() { 0.0 } else { largest[node] };
+        for &row in at.get(&node).into_iter().flatten() {
+            if passed > 0.0 && !carries[row] && flow[row] > AT_REST * passed {
+                carries[row] = true;
+                for end in circuit.ends[row] {
+                    largest[end] = largest[end].max(flow[row]);
+                    next.push(end);
+                }
+            }
+        }
+    }
+    carries
 }
 
 /// The pressures that bring what is lacking, Pa; `None` where no solver finds them.

@@ -21,7 +21,7 @@ mod rooted;
 
 pub use arborescence::arborescence;
 pub use log_likelihood::log_likelihood;
-pub use marginals::{Marginals, check_tangle, marginals};
+pub use marginals::{MOST_PAIRS, Marginals, is_tangle, marginals};
 pub use rooted::rooted_in;
 
 use crate::error::{Error, Result};

@@ -68,10 +68,13 @@ impl Sums {
     /// (Hanley and Lippman-Hand 1983, doi:10.1001/jama.1983.03330370053031) bounds the times that n samples missed with 95 % by 3. Each may have
     /// contributed as much as the vessel of the run that contributed most whenever it was seen, w = max sqrt(Σx²/k). So (3w/1.96)² is added
     /// to the square of the error: 1.96 of these errors hold the three.
+    ///
+    /// Where blood flowed in no sample, w is unknown, and so is every error: not a number. It is zero only where all contributions are equal.
     pub fn standard_errors(&self) -> Vec<f64> {
         let n = self.samples as f64;
         let seen = |(square, times): (&f64, &f64)| if *times > 0.0 { square / times } else { 0.0 };
         let heaviest = self.square.iter().zip(&self.count).map(seen).fold(0.0, f64::max);
+        let nothing_flowed = heaviest == 0.0;
         let unseen = RULE_OF_THREE * RULE_OF_THREE * heaviest;
         let each = self.likelihood.iter().zip(&self.square).zip(&self.count);
         each.map(|((sum, square), times)| {
@@ -79,7 +82,7 @@ impl Sums {
             // What equal contributions leave is rounding.
             let spread = if spread <= 8.0 * f64::EPSILON * square { 0.0 } else { spread };
             let unseen = if *times < FEW { unseen } else { 0.0 };
-            if n > 1.0 { (n * spread / (n - 1.0) + unseen).sqrt() } else { f64::NAN }
+            if nothing_flowed || n <= 1.0 { f64::NAN } else { (n * spread / (n - 1.0) + unseen).sqrt() }
         })
         .collect()
     }
@@ -114,7 +117,7 @@ pub struct Likelihood {
     /// L of each vessel, W/m³.
     #[serde(with = "as_bits")]
     pub likelihood: Vec<f64>,
-    /// The Monte-Carlo standard error of L, W/m³.
+    /// The Monte-Carlo standard error of L, W/m³; not a number where it is unknown.
     #[serde(with = "as_bits")]
     pub std_error: Vec<f64>,
     /// Share of the samples with the vessel in the forest.
@@ -151,6 +154,11 @@ impl Likelihood {
         let uncertain = self.uncertain.iter().filter(|is| **is).count();
         let all = [self.likelihood.len(), self.std_error.len(), self.frequency.len(), self.uncertain.len()];
         all == [vessels; 4] && self.trace.iter().all(|snapshot| snapshot.likelihood.len() == uncertain)
+    }
+
+    /// Whether blood flowed in none of several samples, so that they tell nothing of L.
+    pub fn is_unknown(&self) -> bool {
+        self.samples > 1 && !self.std_error.is_empty() && self.std_error.iter().all(|error| error.is_nan())
     }
 
     /// From the sums over all samples.

@@ -1,12 +1,15 @@
 //! The rules of candidates, on random fragments: what is joined, what never is, how long and wide.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::draw::Draw;
 use crate::vessels;
 use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::model::Weights;
+use willis::internals::candidates::model::posterior::posterior;
 use willis::internals::candidates::resample::Resampled;
-use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build};
+use willis::internals::candidates::search::{Candidate, SearchOptions, search};
+use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build, build_with_evidence};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 use willis::internals::support::geometry::{Point, distance};
@@ -364,4 +367,75 @@ fn parameters_out_of_range_are_named() {
     }
     let error = build(&vessels::network(1, []), &CandidateOptions::default()).unwrap_err();
     assert!(error.to_string().contains("coordinates"));
+}
+
+/// 20,000 short vessels on a lattice of 5 mm. Each may be joined to the six around it, along the vessels 4 mm away and across 5 mm, and each to
+/// each by way of others: the elimination of a cube of 28 x 28 x 26 places brings together 1.5 10⁹ pairs (counted by another program). So the
+/// reason names that limit, not the reach of the fragments; and what it proposes works: shorter candidates join them in rows.
+#[test]
+fn a_lattice_of_fragments_is_refused_for_what_it_is() {
+    const SIDE: usize = 28;
+    let mut network = Network::new();
+    for i in 0..20_000 {
+        let at = [i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE].map(|step| 5e-3 * step as f64);
+        let points: Vec<Point> = (0..3).map(|k| [at[0] + 5e-4 * f64::from(k), at[1], at[2]]).collect();
+        let ends = [0, 2]
+            .map(|k: usize| network.add_node(Node { id: format!("{i}.{k}"), position: Some(points[k]), ..Node::default() }));
+        let path = points.iter().map(|position| PathPoint { id: None, position: *position, radius: 5e-4 }).collect();
+        network.add_vessel(ends, Vessel { path, ..Vessel::new(1e-3, 5e-4, Origin::Observed) });
+    }
+    let weights = Weights::shipped().unwrap();
+    let with = |options: &CandidateOptions| build_with_evidence(&network, &[], options, &weights);
+    let said = with(&CandidateOptions::default()).unwrap_err().to_string();
+    assert!(said.starts_with("fragments 20000"), "{said}");
+    assert!(said.contains("more than 500000000 pairs") && said.contains("`max_gap` below 5.000 mm"), "{said}");
+    let joined = with(&CandidateOptions { max_gap: Some(4.5e-3), ..CandidateOptions::default() }).unwrap();
+    assert!(joined.vessel_count() > 20_000 + 19_000);
+}
+
+/// What the book says of P ("What each P means"), on random fragments: P is the calibrated sum of the marginals of both directions between two
+/// points. The marginals of what excludes each other add up to 1 at the most, by the theory of forests: all ways of one fragment with its root
+/// to 1, all between two fragments to 1, all together to the fragments less one. P is of each pair of points by itself, and adds up to more.
+#[test]
+fn what_each_p_means() {
+    let weights = Weights::shipped().unwrap();
+    let mut most = 0.0_f64;
+    for seed in 0..6 {
+        let network = assemble(&fragments(&mut Draw::new(seed), 24));
+        let e = Resampled::new(&network, Kind::Tracing).extraction(&[]).unwrap();
+        let found = posterior(&e, &search(&e, &SearchOptions::default()).unwrap(), &weights).unwrap();
+        let (mut of_points, mut of_child) = (BTreeMap::new(), found.marginals.roots.clone());
+        let (mut of_fragments, mut of_p) = (BTreeMap::new(), BTreeMap::new());
+        let points = |c: &Candidate| {
+            let [a, b] = [e.ends[c.end].point, c.point];
+            [a.min(b), a.max(b)]
+        };
+        let sides = |c: &Candidate| {
+            let [a, b] = points(c).map(|point| e.fragment[point]);
+            [a.min(b), a.max(b)]
+        };
+        for (candidate, marginal) in found.table.candidates.iter().zip(&found.marginals.edges) {
+            *of_points.entry(points(candidate)).or_insert(0.0) += marginal;
+            *of_fragments.entry(sides(candidate)).or_insert(0.0) += marginal;
+            of_child[e.ends[candidate.end].fragment] += marginal;
+        }
+        let [a, b, c] = weights.calibration;
+        let mut told = BTreeMap::new();
+        for (candidate, p) in found.table.candidates.iter().zip(&found.probability) {
+            let sum: f64 = of_points[&points(candidate)];
+            let sum = sum.clamp(1e-12, 1.0 - 1e-12);
+            let log_odds = (sum / (1.0 - sum)).ln();
+            let expected = 1.0 / (1.0 + (-(a + b * log_odds + c * log_odds.min(0.0))).exp());
+            assert!((p - expected).abs() < 1e-12, "{p} for {expected}");
+            if told.insert(points(candidate), *p).is_none() {
+                *of_p.entry(sides(candidate)).or_insert(0.0) += p;
+            }
+        }
+        let fragments = e.fragments.len() as f64;
+        assert!(fragments > 5.0 && of_child.iter().all(|sum| (sum - 1.0).abs() < 1e-9), "{of_child:?}");
+        assert!(of_fragments.values().all(|sum| *sum <= 1.0 + 1e-9), "{of_fragments:?}");
+        assert!(found.marginals.edges.iter().sum::<f64>() <= fragments - 1.0 + 1e-9);
+        most = of_p.into_values().fold(most, f64::max);
+    }
+    assert!(most > 1.0, "{most}");
 }

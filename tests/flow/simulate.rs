@@ -157,6 +157,63 @@ fn line(vessels: &[(f64, f64)]) -> (Network, [(usize, Condition); 2]) {
     (network(last + 1, vessels), [(0, pressure(100.0)), (last, pressure(0.0))])
 }
 
+/// 100 Ω between inlet and outlet, and beside it 10¹⁸ Ω behind 10⁻² Ω, and behind 10⁻² Ω twice: the flow of the last ones is 10⁻¹⁶ of the
+/// first, and their first drops are lost beside the pressures, but each passes on what the last one carries. A dead end carries nothing.
+#[test]
+fn however_little_a_vessel_carries_the_one_before_it_carries_too() {
+    let ways = [(0, 1, 100.0), (0, 2, 1e-2), (2, 1, 1e18), (0, 3, 1e-2), (3, 4, 1e-2), (1, 4, 1e18), (3, 5, 1e-2), (5, 6, 1e-2)];
+    let network = resistors(7, &ways);
+    let state = solve(&network, &[(0, pressure(100.0)), (1, pressure(0.0))], VISCOSITY);
+    let little = 100.0 * MMHG / OHM / 1e18;
+    let expected = [MMHG / OHM, little, little, little, little, -little, 0.0, 0.0];
+    for (row, (vessel, expected)) in state.vessels.iter().zip(expected).enumerate() {
+        assert!((vessel.flow - expected).abs() <= 1e-12 * expected.abs(), "{row}: {} for {expected}", vessel.flow);
+        assert_eq!(vessel.diffused, expected != 0.0, "{row}");
+    }
+}
+
+/// What flows into a node flows out of it, in networks of vessels whose sizes differ by powers of ten: to 1e-12 of both together, and to 1e-6
+/// where that is less than 10⁻¹² of the largest flow.
+#[test]
+fn flows_balance_however_far_apart_sizes_are() {
+    let mut draw = Draw::new(70);
+    let mut solved = 0;
+    for _ in 0..20_000 {
+        let nodes = 3 + draw.below(5);
+        let mut size = |least: f64, most: f64| 10_f64.powf(draw.within(least, most)).max(1e-9);
+        let tubes: Vec<Vessel> = (0..nodes + 2).map(|_| tube(size(-1.0, 2.0), size(-2.0, 1.5))).collect();
+        let ends: Vec<[usize; 2]> = tubes.iter().map(|_| [draw.below(nodes), draw.below(nodes)]).collect();
+        let vessels = ends.into_iter().zip(tubes).filter(|([a, b], _)| a != b);
+        let network = network(nodes, vessels);
+        let conditions = [(0, pressure(100.0)), (1, pressure(0.0))];
+        let Ok(found) = simulate(&network, &boundary(&network, &conditions), VISCOSITY, &[]) else { continue };
+        let (mut net, mut all, mut largest) = (vec![0.0; nodes], vec![0.0; nodes], 0.0_f64);
+        for (([a, b], _), vessel) in network.vessels().zip(&found.unperturbed.vessels) {
+            net[a] += vessel.flow;
+            net[b] -= vessel.flow;
+            all[a] += vessel.flow.abs();
+            all[b] += vessel.flow.abs();
+            largest = largest.max(vessel.flow.abs());
+        }
+        for node in 2..nodes {
+            let share = if all[node] >= 1e-12 * largest { 1e-12 } else { 1e-6 };
+            assert!(net[node].abs() <= share * all[node], "{node}: {} of {}, {largest}", net[node], all[node]);
+        }
+        solved += 1;
+    }
+    assert!(solved > 5000, "{solved}");
+}
+
+/// A wide dead end beside a narrow inlet: the last bit of its pressure, times its conductance, is more than 10⁻¹² of what the narrow vessel
+/// carries, and yet nothing flows there.
+#[test]
+fn the_last_bit_of_a_pressure_drives_nothing_into_a_dead_end() {
+    let network = network(4, [([0, 1], tube(0.3, 0.01)), ([2, 1], tube(10.0, 0.5)), ([0, 3], tube(70.0, 0.4))]);
+    let vessels = solve(&network, &[(0, pressure(100.0)), (2, pressure(0.0))], VISCOSITY).vessels;
+    close(vessels[0].flow, -vessels[1].flow, vessels[0].flow);
+    assert!((vessels[2].flow, vessels[2].diffused) == (0.0, false), "{}", vessels[2].flow);
+}
+
 /// Vessels in series carry one flow; the power ΔP·Q that they dissipate adds up, and the shear is that of the narrow one.
 #[test]
 fn a_focal_stenosis_is_vessels_in_series() {

@@ -4,7 +4,8 @@
 use crate::draw::Draw;
 use crate::exact::{enumerate, keep};
 use crate::networks::{radii, random_conditions, random_network, run};
-use willis::internals::network::Origin;
+use willis::internals::decision::{Keep, all_decided, decide};
+use willis::internals::network::{Condition, Network, Node, Origin, Vessel};
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
@@ -179,6 +180,30 @@ fn no_spread_no_error() {
     }
     let candidates = SamplingOptions { uncertain: Uncertain::Candidates, ..SamplingOptions::default() };
     assert_eq!(run(&certain, &conditions, &candidates).std_error, [0.0; 11]);
+}
+
+/// Three vessels in series, each open in one sample of a thousand: blood flows in one of 10⁹, so 64 samples tell nothing of L, which the
+/// enumeration has above zero. An error of 0 would say that L is 0, exactly; and nothing is decided.
+#[test]
+fn where_blood_flowed_in_no_sample_the_error_is_unknown() {
+    let mut network = Network::new();
+    let nodes: Vec<usize> = (0..4).map(|id| network.add_node(Node { id: id.to_string(), ..Node::default() })).collect();
+    for pair in nodes.windows(2) {
+        network.add_vessel([pair[0], pair[1]], Vessel::new(0.01, 0.001, Origin::Candidate));
+    }
+    let conditions = [(nodes[0], Condition::Pressure(1e4)), (nodes[3], Condition::Pressure(0.0))];
+    let options = SamplingOptions { epsilon: 0.999, samples: 64, uniform_prior: true, ..SamplingOptions::default() };
+    let result = run(&network, &conditions, &options);
+    assert_eq!(result.likelihood, [0.0; 3]);
+    assert!(result.std_error.iter().all(|error| error.is_nan()), "{:?}", result.std_error);
+    let decided = decide(Keep::Median, &network, &result).unwrap();
+    assert_eq!((decided.undecided, decided.threshold), (vec![0, 1, 2], None));
+    assert!(!all_decided(Keep::Median, &network, &result).unwrap());
+    // Where it flows in every sample, all is as it was.
+    let open = run(&network, &conditions, &SamplingOptions { epsilon: 0.0, ..options });
+    assert!(open.likelihood.iter().all(|l| *l > 0.0));
+    assert_eq!(open.std_error, [0.0; 3]);
+    assert_eq!(decide(Keep::Value(0.0), &network, &open).unwrap().undecided, [0; 0]);
 }
 
 /// L of a vessel that few samples saw, or none, lies within 1.96 of its error in 95 % of runs at least; the truth is the enumeration. Vessels that

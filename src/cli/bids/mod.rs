@@ -50,7 +50,8 @@ pub struct BidsArgs {
     #[arg(value_name = "OUT_DIR", value_hint = clap::ValueHint::DirPath, help_heading = None::<&str>)]
     output: PathBuf,
     /// What to do
-    #[arg(value_name = "LEVEL", help_heading = None::<&str>)]
+    // Not the id `level`, which is that of --level.
+    #[arg(id = "of_analysis", value_name = "LEVEL", help_heading = None::<&str>)]
     level: Level,
     /// Only these participants, with or without sub-
     #[arg(long, alias = "participant_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]

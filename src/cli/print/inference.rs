@@ -12,6 +12,9 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
     }
 }
 
+/// What samples say in which everything was occluded.
+const NOTHING_FLOWED: &str = "blood flowed in none of the samples, so they tell nothing of L";
+
 /// What was kept, and what the kept graph looks like: facts under headings. Sampling took so many `seconds`.
 pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
@@ -24,6 +27,9 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
     say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    if outcome.result.is_unknown() {
+        say("warning", format!("{NOTHING_FLOWED}; take more, or a smaller --epsilon"));
+    }
     if let Some(stable) = outcome.stable {
         let about = if outcome.rule.asks_evidence() { "about the median of L" } else { "of the rule" };
         let clear = format!("every decision {about} is two standard errors from turning");

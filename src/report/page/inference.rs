@@ -19,7 +19,11 @@ const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"]
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
     let mut record = record(summary);
-    let warnings = super::warnings(&record);
+    let mut warnings = super::warnings(&record);
+    if outcome.result.is_unknown() {
+        let nothing = "Blood flowed in none of the samples, so they tell nothing of L. Take more samples, or a smaller epsilon.";
+        warnings.insert(0, nothing.to_owned());
+    }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
     // The page draws the positions.

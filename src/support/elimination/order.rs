@@ -7,6 +7,9 @@ use super::graph::{Bits, Lists, Remaining};
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 const MOST_IN_BITS: usize = 1 << 14;
 
+/// Larger graphs are lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
+const DENSE: usize = 32;
+
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
 const FILL_NODES: usize = 4096;
 const FILL_JOINS: usize = 60_000;
@@ -32,10 +35,40 @@ impl Star {
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        by_degree(nodes, &mut Bits::new(nodes, links), usize::MAX, limit)
-    } else {
-        by_degree(nodes, &mut Lists::new(nodes, links), usize::MAX, limit)
+        return by_degree(nodes, &mut Bits::new(nodes, links), usize::MAX, limit);
     }
+    let mut graph = Lists::new(nodes, links);
+    let mut stars = by_degree(nodes, &mut graph, DENSE - 1, limit)?;
+    let pairs: usize = stars.iter().map(Star::pairs).sum();
+    stars.extend(of_the_rest(&stars, &graph.into_lists(), limit - pairs)?);
+    Some(stars)
+}
+
+/// The stars of the nodes that `gone` leaves, whose neighbours that remain are given; in the same order as if nobody had stopped.
+fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option<Vec<Star>> {
+    let mut is_gone = vec![false; neighbours.len()];
+    for star in gone {
+        is_gone[star.center] = true;
+    }
+    let rest: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
+    let mut place = vec![0; neighbours.len()];
+    for (at, node) in rest.iter().enumerate() {
+        place[*node] = at;
+    }
+    let pairs = rest.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
+    let links: Vec<[usize; 2]> = pairs.map(|pair| pair.map(|node| place[node])).collect();
+    let mut stars = if rest.len() <= MOST_IN_BITS {
+        by_degree(rest.len(), &mut Bits::new(rest.len(), &links), usize::MAX, limit)
+    } else {
+        by_degree(rest.len(), &mut Lists::new(rest.len(), &links), usize::MAX, limit)
+    }?;
+    for star in &mut stars {
+        star.center = rest[star.center];
+        for node in &mut star.neighbours {
+            *node = rest[*node];
+        }
+    }
+    Some(stars)
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
@@ -193,6 +226,22 @@ mod tests {
         let stars = by_degree(300, &mut Bits::new(300, &links), usize::MAX, usize::MAX).expect("no limit");
         assert!(stars.len() == 300 && stars[0].neighbours.len() < 10);
         assert_eq!(Some(stars), by_degree(300, &mut Lists::new(300, &links), usize::MAX, usize::MAX));
+    }
+
+    /// A cube of 26³ places, each beside up to six others: more than are bits from the start, with a dense rest.
+    #[test]
+    fn a_large_graph_is_eliminated_in_the_same_order_in_parts() {
+        const SIDE: usize = 26;
+        const NODES: usize = SIDE * SIDE * SIDE;
+        let steps = [1, SIDE, SIDE * SIDE];
+        let next = |i: usize, step: usize| (i / step % SIDE + 1 < SIDE).then_some([i, i + step]);
+        let links: Vec<[usize; 2]> = (0..NODES).flat_map(|i| steps.map(|step| next(i, step))).flatten().collect();
+        let whole = by_degree(NODES, &mut Bits::new(NODES, &links), usize::MAX, usize::MAX).expect("no limit");
+        let parts = least_degree(NODES, &links, usize::MAX).expect("no limit");
+        assert!(NODES > MOST_IN_BITS && whole.iter().any(|star| star.neighbours.len() > 10 * DENSE));
+        assert!(whole == parts);
+        let pairs: usize = whole.iter().map(Star::pairs).sum();
+        assert!(least_degree(NODES, &links, pairs).is_some() && least_degree(NODES, &links, pairs - 1).is_none());
     }
 
     #[test]
