@@ -1,5 +1,5 @@
-//! report.html in a browser: counts at every threshold against NetworkX, switches, sorting, picking, keys, no error. Needs
-//! `WILLIS_CHROMIUM` (with chromedriver beside it or on the path) and `WILLIS_PYTHON`.
+//! report.html in a browser: counts at every threshold against NetworkX, switches, sorting, picking, keys, no error, no fault by
+//! axe-core where `WILLIS_AXE` names its script. Needs `WILLIS_CHROMIUM` (with chromedriver beside it or on the path) and `WILLIS_PYTHON`.
 
 use std::fs;
 use std::path::Path;
@@ -34,7 +34,8 @@ fn pages_work_in_chromium() {
     let scan = data("scan.nii.gz");
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "one.swc", "-q"]);
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
-    let runs: [(&str, &[&str]); 13] = [
+    let complete = data("circle-of-willis/complete.graphml");
+    let runs: [(&str, &[&str]); 14] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
@@ -47,7 +48,8 @@ fn pages_work_in_chromium() {
         ("classified", &["classify", "circle"]),
         ("cohort", &["infer", "one.swc", "two.swc", "--landmarks", "{}.landmarks.csv", "-n", "64"]),
         ("simulate", &["simulate", small, "--occlude", "</script>"]),
-        ("modulate", &["modulate", &data("circle-of-willis/complete.graphml"), "-n", "64"]),
+        ("modulate", &["modulate", &complete, "-n", "64"]),
+        ("pulse", &["simulate", &complete, "--pulse", "--transport", "--occlude", "L-A1"]),
     ];
     for (out, arguments) in runs {
         run(here.path(), &[arguments, &["-o", out, "-q"]].concat());

@@ -66,11 +66,13 @@ class Threshold {
     return at;
   }
 
-  // Whether a decision may be chance. Without a threshold nothing has L > 0, which is certain only where the errors are known.
-  isOpen(row, flip, asRun) {
+  // Whether a decision may be chance: near the threshold, or left open by the run and still not kept. Without a threshold nothing has
+  // L > 0, which is certain only where the errors are known.
+  isOpen(row, flip, passes) {
+    if (this.leftOpen[row] && !passes) return true;
     const error = this.errorOf(row);
     if (flip === null) return Boolean(this.midway) && Number.isNaN(error);
-    return !(Math.abs(this.values[row] - flip) >= this.within * error && !(asRun && this.leftOpen[row]));
+    return !(Math.abs(this.values[row] - flip) >= this.within * error);
   }
 
   // Where a decision would change: at the threshold, or midway between the two positive figures next to it. Where the rule of the run
@@ -92,7 +94,7 @@ class Threshold {
       const x = this.values[row], said = this.decided.get(row);
       const passes = said ?? (asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut));
       this.kept[row] = !this.uncertain[row] || passes ? 1 : 0;
-      this.open[row] = said === undefined && this.uncertain[row] && this.isOpen(row, flip, asRun) ? 1 : 0;
+      this.open[row] = said === undefined && this.uncertain[row] && this.isOpen(row, flip, passes) ? 1 : 0;
       this.counts.vessels += this.kept[row];
       if (this.uncertain[row]) this.counts[passes ? "kept" : "pruned"] += 1;
       this.counts.undecided += this.open[row];
