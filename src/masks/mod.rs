@@ -11,6 +11,7 @@
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
 //! | the picture beside a mask: smoothed, its value at any place | `image.rs` |
+//! | the voxels in few bytes, for the page | `run_lengths.rs` |
 //! | background, noise and the contrast of every vessel in it | `scene.rs` |
 //! | small pictures of it along a vessel | `strips.rs` |
 
@@ -21,6 +22,7 @@ mod image;
 mod lumen;
 mod mask;
 mod partial;
+mod run_lengths;
 mod scene;
 mod skeleton;
 pub mod strips;
@@ -33,6 +35,7 @@ pub use foreground::Foreground;
 pub use image::{Image, Picture};
 pub use mask::{Affine, Mask};
 pub use partial::{WallFinder, Walls};
+pub use run_lengths::RunLengths;
 pub use scene::{Appearance, Centerlines, Level, Scene, Unseen, View};
 pub use thinning::thin;
 pub use trace::{RadiusFrom, Traced, trace};

@@ -130,6 +130,7 @@ impl Inference {
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,
             image_cuts: &self.prepared.image_cuts,
+            segmentation: self.prepared.segmentation.as_ref(),
             result: &self.likelihood,
             rule: *keep,
             answer: &self.decision,

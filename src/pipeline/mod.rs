@@ -51,7 +51,7 @@ use crate::io::{Format, checksum, checksum_of};
 use crate::masks::Scene;
 use crate::naming::{Names, NamingModel, name_arteries};
 use crate::network::{Network, Origin};
-use crate::report::{ImageCut, Provenance};
+use crate::report::{ImageCut, Provenance, Segmentation};
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
 use cuts::{Contacts, Cuts};
@@ -110,6 +110,9 @@ pub struct Prepared {
     pub(crate) image: Value,
     /// What it shows along doubtful vessels.
     pub(crate) image_cuts: Vec<ImageCut>,
+    /// The segmentation that the vessels were found in, where they were.
+    #[serde(default)]
+    pub(crate) segmentation: Option<Segmentation>,
     /// The record of what a person decided.
     #[serde(default)]
     pub(crate) decisions: Value,
@@ -207,8 +210,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
     let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();
     let boundary = Boundary::resolve_knowing(&graph, &given, outlets, &known)?;
-    let none_named = arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
-    let all_stated = boundary.found_outlets.is_empty() && none_named;
+    let all_stated = boundary.found_outlets.is_empty() && arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
     if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
         progress.step(Step::OutletsAllStated);
     }
@@ -222,6 +224,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(prior.usual_rule(&graph)),
+        segmentation: input.lumen.as_ref().map(Segmentation::of),
         image_cuts: scene.map(|scene| picture::pictures(scene, &graph)).unwrap_or_default(),
         graph,
         boundary,

@@ -17,6 +17,7 @@ use crate::io::{
     Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use crate::masks::strips::Strip;
+use crate::masks::{Affine, Foreground, RunLengths};
 use crate::network::units::millimetres;
 use crate::network::{Condition, Network, Origin, Role, fragments};
 use crate::output::atomic::write_file;
@@ -67,6 +68,32 @@ impl ImageCut {
     }
 }
 
+/// The faces of a segmentation's surface beyond which the page holds it in blocks of voxels: a graphics chip in a laptop draws so many.
+const MOST_FACES: usize = 400_000;
+/// The blocks of its box beyond which the page holds it in larger ones: a browser takes a byte for each.
+const MOST_CELLS: usize = 1 << 26;
+
+/// The segmentation that the vessels were found in, for the page, which makes a surface of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Segmentation {
+    /// The lengths of the box around it.
+    pub shape: [usize; 3],
+    /// Where the centre of each block of the box is, mm.
+    pub affine: Affine,
+    /// Voxels along each side of a block.
+    pub block: usize,
+    /// [`RunLengths::bytes`] in base64.
+    pub runs: String,
+}
+
+impl Segmentation {
+    /// The voxels inside vessels, in blocks where they are very many.
+    pub fn of(vessels: &Foreground) -> Self {
+        let RunLengths { shape, affine, block, bytes } = RunLengths::of(vessels, MOST_FACES, MOST_CELLS);
+        Self { shape, affine, block, runs: STANDARD.encode(bytes) }
+    }
+}
+
 /// An inference and everything its files are made of.
 #[derive(Debug)]
 pub struct Outcome<'a> {
@@ -80,6 +107,8 @@ pub struct Outcome<'a> {
     pub pairings: &'a [Pairings],
     /// What an image shows along doubtful vessels, by row.
     pub image_cuts: &'a [ImageCut],
+    /// The segmentation that they were found in, where they were.
+    pub segmentation: Option<&'a Segmentation>,
     /// What the samples say.
     pub result: &'a Likelihood,
     /// The rule that decided.

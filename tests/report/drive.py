@@ -199,7 +199,7 @@ def check_threshold(page):
 def check_toggles(page):
     """Each switch changes the picture; with all off nothing is left but white, and back on all is as before."""
     names = ["kept", "pruned", "undecided", "observed"]
-    for dots in ("#markers", "#cuts", "#suggested"):
+    for dots in ("#markers", "#cuts", "#suggested", "#hull"):
         box = page.one(dots)
         if box.is_displayed() and box.is_selected():
             shown = page.picture()

@@ -30,6 +30,7 @@ pub fn page(page: &Page) -> io::Result<Value> {
         "phenotype": page.phenotype,
         "colourings": page.colourings,
         "threshold": page.threshold,
+        "segmentation": page.segmentation,
         "image_cuts": { "along": ALONG, "across": ACROSS, "of": page.image_cuts },
         "figures": page.figures,
         "tables": page.tables.iter().map(table).collect::<io::Result<Vec<_>>>()?,

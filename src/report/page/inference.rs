@@ -88,6 +88,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         scene,
         colourings: colourings(unit, evidence),
         image_cuts: outcome.image_cuts.to_vec(),
+        segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold(outcome, unit)),
         figures,
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]

@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 
 use super::figures::colour::Rgb;
 use super::figures::{DEFAULT_DPI, Figure};
-use super::inference::ImageCut;
+use super::inference::{ImageCut, Segmentation};
 use crate::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::error::Result;
 use crate::io::{Column, Values, escape};
@@ -51,6 +51,8 @@ pub struct Page {
     pub colourings: Vec<Colouring>,
     /// What an image shows along doubtful vessels.
     pub image_cuts: Vec<ImageCut>,
+    /// The segmentation that the vessels were found in.
+    pub segmentation: Option<Segmentation>,
     /// A threshold that the reader can move.
     pub threshold: Option<Threshold>,
     /// The pictures.
@@ -205,6 +207,7 @@ const RUN: Template = Template {
         include_str!("assets/colour.js"),
         include_str!("assets/camera.js"),
         include_str!("assets/shaders.js"),
+        include_str!("assets/surface.js"),
         include_str!("assets/webgl.js"),
         include_str!("assets/canvas.js"),
         include_str!("assets/shape.js"),

@@ -73,6 +73,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
         scene: scene(outcome.network, outcome.boundary),
         colourings: colourings(&classes),
         image_cuts: Vec::new(),
+        segmentation: None,
         threshold: None,
         figures,
         tables: all,

@@ -62,6 +62,7 @@ pub fn page(
         scene: scene(simulated.network, simulated.boundary),
         colourings,
         image_cuts: Vec::new(),
+        segmentation: None,
         threshold: None,
         figures,
         tables,

@@ -265,7 +265,7 @@ function showScene() {
     byId("stage").hidden = true;
     return;
   }
-  scene = new SceneView(data.scene, vessels, frame);
+  scene = new SceneView(data.scene, vessels, frame, data.segmentation);
   const names = { y: "y", x: "x", z: "z" };
   if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
   listen(scene, {
@@ -293,10 +293,20 @@ function showScene() {
   toggle("markers", has(kind => !CUTS.has(kind)), on => { scene.markersShown = on; });
   toggle("cuts", has(kind => kind === "cut"), on => { scene.cutsShown = on; });
   toggle("suggested", has(kind => kind === "suggested"), on => { scene.cutsShown = on; });
+  toggle("hull", Boolean(scene.hull), on => { scene.hullShown = on; });
+  if (scene.hull) tellResolution(data.segmentation);
   toggle("names", scene.overlay.names.length > 0, on => { scene.overlay.namesShown = on; });
   byId("markers").checked = scene.markersShown;
   byId("picture").addEventListener("click", () => make("a", { href: scene.picture().toDataURL(), download: "vessels.png" }).click());
   dress();
+}
+
+// How fine the surface of the segmentation is.
+function tellResolution({ affine, block }) {
+  const sides = [0, 1, 2].map(axis => shown(Math.hypot(...affine.map(row => row[axis])), 2)).join(" × ");
+  byId("hull-words").textContent = block > 1 ? `segmentation, in blocks of ${sides} mm` : "segmentation";
+  byId("hull-note").textContent = ` The surface of the segmentation is smoothed by less than half a ${block > 1 ? "block" : "voxel"}; ${block > 1
+    ? `it is drawn in blocks of ${block} × ${block} × ${block} voxels (${sides} mm), which thin vessels may fall between` : `its voxels are ${sides} mm`}.`;
 }
 
 function showPhenotype() {

@@ -11,7 +11,7 @@ const ANATOMICAL = {
 const FLIGHT = 450;
 
 class SceneView {
-  constructor(source, vessels, frame) {
+  constructor(source, vessels, frame, segmentation) {
     this.shape = new Shape(source, vessels);
     this.geometry = this.shape.raw;
     this.canvas = byId("canvas");
@@ -30,7 +30,12 @@ class SceneView {
     this.picked = -1;
     // The rows that stay when the neighbourhood of a vessel is isolated; the others become faint.
     this.near = null;
-    this.begin();
+    // The segmentation around the vessels, and how far apart its voxels are, mm.
+    this.hull = segmentation && surfaceOf(segmentation);
+    this.hullShown = Boolean(this.hull);
+    this.voxel = segmentation && Math.min(...[0, 1, 2].map(axis => Math.hypot(...segmentation.affine.map(row => row[axis]))));
+    this.focus = [0, 0, 0, 0];
+    this.begin(segmentation);
     this.geometry.markers.forEach(([kind], i) => this.looks.set(MARKERS[kind], 4 * (this.geometry.vessels + i)));
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.tone(dark.matches));
@@ -49,7 +54,7 @@ class SceneView {
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     // A lost graphics context is restored automatically, but empty.
     this.canvas.addEventListener("webglcontextlost", event => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => { this.begin(); this.tone(dark.matches); this.dress(); });
+    this.canvas.addEventListener("webglcontextrestored", () => { this.begin(segmentation); this.tone(dark.matches); this.dress(); });
     this.resize();
   }
 
@@ -63,9 +68,9 @@ class SceneView {
     else this.paint();
   }
 
-  begin() {
+  begin(segmentation) {
     try {
-      this.painter = new GlPainter(this.canvas, this.shape.drawn);
+      this.painter = new GlPainter(this.canvas, this.shape.drawn, this.hull);
     } catch (reason) {
       if (this.canvas.getContext("2d") === null) {
         // The canvas is bound to the failed context, so a new one replaces it.
@@ -75,7 +80,8 @@ class SceneView {
       }
       this.painter = new LinePainter(this.canvas, this.geometry);
       const note = byId("canvas-note");
-      note.textContent = `Drawn as flat lines because this browser has no WebGL 2 (${reason.message}).`;
+      this.hull = null;
+      note.textContent = `Drawn as flat lines${segmentation ? ", and without the segmentation," : ""} because this browser has no WebGL 2 (${reason.message}).`;
       note.hidden = false;
     }
   }
@@ -144,6 +150,7 @@ class SceneView {
         if (Math.hypot(...p.map((x, axis) => x - t * d[axis])) < reach) this.near.add(one);
       }
     }
+    this.focus = [...at, reach];
     const [a, b] = [4 * starts[row], 4 * (starts[row + 1] - 1)];
     this.fly(this.camera.around(at, reach, [0, 1, 2].map(axis => points[b + axis] - points[a + axis])));
   }
@@ -151,6 +158,7 @@ class SceneView {
   // Ends the isolation of a neighbourhood.
   showAll() {
     this.near = null;
+    this.focus = [0, 0, 0, 0];
     this.overlay.chances = [];
   }
 
@@ -174,9 +182,13 @@ class SceneView {
     this.flight = null;
   }
 
+  paintVessels() {
+    this.painter.paint(this.camera, this.hull && this.hullShown ? { lift: this.voxel, focus: this.focus } : null);
+  }
+
   frame() {
     if (!this.colour) return;
-    this.painter.paint(this.camera);
+    this.paintVessels();
     this.overlay.draw(this.over.getContext("2d"), this.camera.size, this.ratio, false);
   }
 
@@ -195,7 +207,7 @@ class SceneView {
     const [w, h] = this.camera.size, was = this.ratio, sum = make("canvas", { width: 2 * w, height: 2 * h });
     [this.canvas.width, this.canvas.height] = [2 * w, 2 * h];
     const over = make("canvas", { width: 2 * w, height: 2 * h });
-    this.painter.paint(this.camera);
+    this.paintVessels();
     this.overlay.draw(over.getContext("2d"), [w, h], 2, true);
     const ink = sum.getContext("2d");
     ink.drawImage(this.canvas, 0, 0);

@@ -104,3 +104,35 @@ void main() {
   if (part > 0.0 && part < flat_length) inside = max(inside, mix(radii.x, radii.y, part / flat_length) - abs(dot(place, vec2(-forth.y, forth.x))));
   ink = vec4(colour, clamp(inside / pixel + 0.5, 0.0, 1.0));
 }`;
+
+// The surface of the segmentation, as of glass: clear where it faces the reader, denser at its rims; far from a place in focus hardly there.
+const HULL_VERTEX = `#version 300 es
+precision highp float;
+uniform mat3 turn;
+uniform vec3 centre;
+uniform vec2 extent;
+uniform float depth, shift, lift;     // mm; lift: towards the reader, so that tubes as wide as the vessel do not come through
+uniform vec4 focus;                   // a place and how far around it the surface stays, mm; everywhere without
+in vec3 place, normal;
+out vec3 facing;
+out float deep, away;
+void main() {
+  vec3 at = (place - centre) * turn;
+  facing = normal * turn;
+  deep = clamp(0.5 - 0.5 * (at.z + lift - shift) / depth, 0.0, 1.0);
+  away = focus.w > 0.0 ? smoothstep(1.0, 1.8, distance(place, focus.xyz) / focus.w) : 0.0;
+  gl_Position = vec4(at.xy / extent, 2.0 * (0.02 + 0.98 * deep) - 1.0, 1.0);
+}`;
+const HULL_FRAGMENT = `#version 300 es
+precision highp float;
+in vec3 facing;
+in float deep, away;
+out vec4 ink;
+const vec3 LIGHT = normalize(vec3(-0.35, 0.55, 0.76));
+void main() {
+  vec3 n = normalize(facing);
+  if (n.z < 0.0) n = -n;
+  float rim = 1.0 - n.z, light = 0.72 + 0.08 * n.y + 0.30 * max(dot(n, LIGHT), 0.0);
+  float part = mix(0.16, 0.62, rim * rim) * (1.0 - 0.35 * smoothstep(0.4, 0.9, deep)) * (1.0 - 0.8 * away);
+  ink = vec4(vec3(0.80, 0.55, 0.47) * light, part);
+}`;

@@ -4,7 +4,8 @@ class Threshold {
     Object.assign(this, source);
     const values = name => vessels.find(name).values;
     this.rows = vessels.rows;
-    this.values = values(source.figure);
+    // Where no vessel is uncertain, none has a probability.
+    this.values = vessels.find(source.figure)?.values ?? new Float64Array(this.rows).fill(NaN);
     this.uncertain = values(source.uncertain);
     this.leftOpen = values(source.left_open);
     this.ends = [values("node_a"), values("node_b")];

@@ -2,21 +2,26 @@
 // (Instancing would be shorter, but nearly twice as slow in a browser without a graphics card.)
 class GlPainter {
   // Throws when the browser has no WebGL 2.
-  constructor(canvas, geometry) {
+  constructor(canvas, geometry, hull) {
     this.gl = canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
     if (!this.gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.geometry = geometry;
     this.textures = [];
     this.paper = [1, 1, 1];
-    this.program = this.link();
-    this.places = Object.fromEntries(["turn", "centre", "extent", "pixel", "depth", "shift", "paper", "segments", "looks"].map(n => [n, this.gl.getUniformLocation(this.program, n)]));
+    this.program = this.link(VERTEX, FRAGMENT);
+    this.places = this.uniforms(this.program, ["turn", "centre", "extent", "pixel", "depth", "shift", "paper", "segments", "looks"]);
     this.fill();
+    this.hull = hull && this.wrap(hull);
   }
 
-  link() {
+  uniforms(program, names) {
+    return Object.fromEntries(names.map(n => [n, this.gl.getUniformLocation(program, n)]));
+  }
+
+  link(vertex, fragment) {
     const gl = this.gl, program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
@@ -46,6 +51,24 @@ class GlPainter {
     this.texture(0, gl.RGBA32F, gl.FLOAT, Float32Array, segments);
   }
 
+  // The surface around the vessels, ready to be drawn.
+  wrap({ places, normals, triangles }) {
+    const { gl } = this, program = this.link(HULL_VERTEX, HULL_FRAGMENT), array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    const fill = (kind, numbers) => { gl.bindBuffer(kind, gl.createBuffer()); gl.bufferData(kind, numbers, gl.STATIC_DRAW); };
+    const bind = (name, numbers, type, isUnit, bytes) => {
+      const at = gl.getAttribLocation(program, name);
+      fill(gl.ARRAY_BUFFER, numbers);
+      gl.enableVertexAttribArray(at);
+      gl.vertexAttribPointer(at, 3, type, isUnit, bytes, 0);
+    };
+    bind("place", places, gl.FLOAT, false, 12);
+    bind("normal", normals, gl.BYTE, true, 4);
+    fill(gl.ELEMENT_ARRAY_BUFFER, triangles);
+    gl.bindVertexArray(null);
+    return { program, array, count: triangles.length, places: this.uniforms(program, ["turn", "centre", "extent", "depth", "shift", "lift", "focus"]) };
+  }
+
   // Red, green, blue and LOOK of every vessel and marker.
   dress(looks) {
     const { gl } = this;
@@ -66,24 +89,50 @@ class GlPainter {
     gl.texImage2D(gl.TEXTURE_2D, 0, inside, wide, high, 0, gl.RGBA, kind, dots);
   }
 
-  paint(camera) {
+  // `hull`: how the surface is shown; null where it is not.
+  paint(camera, hull) {
     const gl = this.gl, { width, height } = this.canvas, [w, h] = camera.size;
     gl.viewport(0, 0, width, height);
     gl.clearColor(...this.paper, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    const aim = places => {
+      // Rows of `turn` are columns here: the shader multiplies from the left.
+      gl.uniformMatrix3fv(places.turn, false, camera.turn.flat());
+      gl.uniform3fv(places.centre, camera.centre);
+      gl.uniform2f(places.extent, camera.mm * w / 2, camera.mm * h / 2);
+      gl.uniform1f(places.depth, camera.depth * 1.1);
+      gl.uniform1f(places.shift, dot(camera.turn[2], camera.middle.map((m, axis) => m - camera.centre[axis])));
+    };
     gl.useProgram(this.program);
-    // Rows of `turn` are columns here: the shader multiplies from the left.
-    gl.uniformMatrix3fv(this.places.turn, false, camera.turn.flat());
-    gl.uniform3fv(this.places.centre, camera.centre);
-    gl.uniform2f(this.places.extent, camera.mm * w / 2, camera.mm * h / 2);
+    aim(this.places);
     gl.uniform1f(this.places.pixel, camera.mm * w / width);
-    gl.uniform1f(this.places.depth, camera.depth * 1.1);
-    gl.uniform1f(this.places.shift, dot(camera.turn[2], camera.middle.map((m, axis) => m - camera.centre[axis])));
     gl.uniform3fv(this.places.paper, this.paper);
     gl.uniform1i(this.places.segments, 0);
     gl.uniform1i(this.places.looks, 1);
     gl.drawArrays(gl.TRIANGLES, 0, 6 * this.count);
+    if (this.hull && hull) this.paintHull(aim, hull);
+  }
+
+  // Two passes: the depth of what is nearest, then its colour over the vessels behind it. So nothing needs an order.
+  paintHull(aim, { lift, focus }) {
+    const { gl } = this, { program, array, count, places } = this.hull;
+    gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.useProgram(program);
+    aim(places);
+    gl.uniform1f(places.lift, lift);
+    gl.uniform4fv(places.focus, focus);
+    gl.bindVertexArray(array);
+    gl.colorMask(false, false, false, false);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    gl.colorMask(true, true, true, true);
+    gl.depthFunc(gl.LEQUAL);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    gl.depthFunc(gl.LESS);
+    gl.bindVertexArray(null);
+    gl.disable(gl.BLEND);
   }
 }

@@ -1,0 +1,194 @@
+//! The voxels of a mask in few bytes: alternating lengths of background and vessel, in blocks of voxels where there are too many.
+
+use super::foreground::Foreground;
+use super::mask::Affine;
+
+/// A block counts as vessel from this share of its voxels on: a vessel one voxel wide stays whole in blocks of two.
+const LEAST_OF_BLOCK: usize = 4;
+
+/// The voxels inside vessels, in a box with one voxel of background around them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunLengths {
+    /// The box's lengths.
+    pub shape: [usize; 3],
+    /// Where the centre of each block of the box is, mm.
+    pub affine: Affine,
+    /// Voxels along each side of a block; 1 where none is left out.
+    pub block: usize,
+    /// Lengths along x, then y, then z, first of background, then of vessel, and so on: seven bits a byte, the lowest first, with the
+    /// eighth bit where another byte follows (LEB128).
+    pub bytes: Vec<u8>,
+}
+
+impl RunLengths {
+    /// The voxels in the smallest blocks whose surface has at most `faces` faces, in a box of at most `cells` blocks.
+    pub fn of(vessels: &Foreground, faces: usize, cells: usize) -> Self {
+        (1..).find_map(|block| Self::in_blocks(vessels, block, faces, cells)).unwrap_or_else(|| Self::whole(vessels))
+    }
+
+    /// The voxels in blocks of one size; `None` where that is more than is allowed. One block is always allowed.
+    fn in_blocks(vessels: &Foreground, block: usize, faces: usize, cells: usize) -> Option<Self> {
+        let inner = vessels.box_shape().map(|length| length - 2);
+        let shape = inner.map(|length| length.div_ceil(block) + 2);
+        let is_one = shape == [3; 3];
+        if shape.iter().product::<usize>() > cells && !is_one {
+            return None;
+        }
+        if block == 1 {
+            let count = faces_of(vessels.places(), vessels.strides(), |place| vessels.contains(place), faces);
+            return (count <= faces || is_one).then(|| Self::whole(vessels));
+        }
+        let blocks = blocks_of(vessels, block, shape);
+        let strides = [1, shape[0], shape[0] * shape[1]];
+        let count = faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces);
+        (count <= faces || is_one).then(|| Self { bytes: runs(blocks.into_iter()), ..Self::frame(vessels, block, shape) })
+    }
+
+    /// Every voxel.
+    fn whole(vessels: &Foreground) -> Self {
+        Self { bytes: runs(vessels.places()), ..Self::frame(vessels, 1, vessels.box_shape()) }
+    }
+
+    /// The place in space of blocks of this size, without content.
+    fn frame(vessels: &Foreground, block: usize, shape: [usize; 3]) -> Self {
+        let of = vessels.affine();
+        // The centre of the first block, in voxels of the image: the block of background before the first one of the box within.
+        let first = vessels.box_origin().map(|origin| origin + 1.0 + 0.5 * (block as f64 - 1.0) - block as f64);
+        let affine = of.map(|row| {
+            let at = row[3] + (0..3).map(|axis| row[axis] * first[axis]).sum::<f64>();
+            [row[0] * block as f64, row[1] * block as f64, row[2] * block as f64, at]
+        });
+        Self { shape, affine, block, bytes: Vec::new() }
+    }
+}
+
+/// The blocks that count as vessel, by their places in a box of this shape, rising.
+fn blocks_of(vessels: &Foreground, block: usize, shape: [usize; 3]) -> Vec<usize> {
+    let [x, y, _] = vessels.box_shape();
+    let of = |at: usize| (at - 1) / block + 1;
+    let mut all: Vec<usize> =
+        vessels.places().map(|place| (of(place / (x * y)) * shape[1] + of(place / x % y)) * shape[0] + of(place % x)).collect();
+    all.sort_unstable();
+    all.chunk_by(|a, b| a == b).filter(|same| LEAST_OF_BLOCK * same.len() >= block.pow(3)).map(|same| same[0]).collect()
+}
+
+/// How many faces lie between what is inside and what is not; counting ends beyond `most`.
+fn faces_of(places: impl Iterator<Item = usize>, strides: [usize; 3], contains: impl Fn(usize) -> bool, most: usize) -> usize {
+    let mut count = 0;
+    for place in places {
+        count +=
+            strides.iter().map(|step| usize::from(!contains(place + step)) + usize::from(!contains(place - step))).sum::<usize>();
+        if count > most {
+            break;
+        }
+    }
+    count
+}
+
+/// The lengths of the runs that rising places make.
+fn runs(places: impl Iterator<Item = usize>) -> Vec<u8> {
+    let (mut bytes, mut end, mut begin) = (Vec::new(), 0, None);
+    let mut close = |from: usize, to: usize, end: &mut usize| {
+        put(&mut bytes, from - *end);
+        put(&mut bytes, to - from);
+        *end = to;
+    };
+    let mut last = 0;
+    for place in places {
+        match begin {
+            Some(from) if place != last + 1 => {
+                close(from, last + 1, &mut end);
+                begin = Some(place);
+            }
+            Some(_) => {}
+            None => begin = Some(place),
+        }
+        last = place;
+    }
+    if let Some(from) = begin {
+        close(from, last + 1, &mut end);
+    }
+    bytes
+}
+
+fn put(bytes: &mut Vec<u8>, mut length: usize) {
+    while length >= 0x80 {
+        bytes.push(length as u8 | 0x80);
+        length >>= 7;
+    }
+    bytes.push(length as u8);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mask::Mask;
+    use super::*;
+
+    const AFFINE: Affine = [[-0.5, 0.0, 0.0, 10.0], [0.0, 0.5, 0.0, -20.0], [0.0, 0.0, 2.0, 30.0]];
+
+    fn ball(radius: f64, size: usize) -> Mask {
+        let middle = (size as f64 - 1.0) / 2.0;
+        let inside = |at: [usize; 3]| at.iter().map(|x| (*x as f64 - middle).powi(2)).sum::<f64>() <= radius * radius;
+        let classes = (0..size.pow(3)).map(|n| u8::from(inside([n % size, n / size % size, n / (size * size)]))).collect();
+        Mask { shape: [size; 3], classes, affine: AFFINE, walls: None }
+    }
+
+    /// The places and positions (mm) of what is inside, read back as the page does.
+    fn read(runs: &RunLengths) -> Vec<[f64; 3]> {
+        let (mut at, mut inside, mut place, mut found) = (0, false, 0, Vec::new());
+        while at < runs.bytes.len() {
+            let (mut length, mut shift) = (0_usize, 0);
+            loop {
+                let byte = runs.bytes[at];
+                at += 1;
+                length |= usize::from(byte & 0x7f) << shift;
+                shift += 7;
+                if byte < 0x80 {
+                    break;
+                }
+            }
+            let [x, y, _] = runs.shape;
+            found.extend((place..place + length).filter(|_| inside).map(|p| {
+                let index = [p % x, p / x % y, p / (x * y)];
+                runs.affine.map(|row| row[3] + (0..3).map(|axis| row[axis] * index[axis] as f64).sum::<f64>())
+            }));
+            place += length;
+            inside = !inside;
+        }
+        found
+    }
+
+    /// Read back, every voxel of the mask is there at its own position, and no other.
+    #[test]
+    fn nothing_is_lost() {
+        let mask = ball(4.2, 11);
+        let runs = RunLengths::of(&Foreground::of(&mask).expect("voxels"), usize::MAX, usize::MAX);
+        assert_eq!(runs.block, 1);
+        let truth: Vec<[f64; 3]> = (0..mask.classes.len())
+            .filter(|n| mask.classes[*n] > 0)
+            .map(|n| {
+                AFFINE.map(|row| row[3] + row[0] * (n % 11) as f64 + row[1] * (n / 11 % 11) as f64 + row[2] * (n / 121) as f64)
+            })
+            .collect();
+        assert_eq!(read(&runs), truth);
+    }
+
+    /// In blocks the surface keeps its limit; the middle of the ball stays, and its volume to the width of a block.
+    #[test]
+    fn blocks_keep_the_limit_and_the_place() {
+        let vessels = Foreground::of(&ball(12.0, 29)).expect("voxels");
+        let all = RunLengths::of(&vessels, usize::MAX, usize::MAX);
+        for faces in [1_500, 600, 10] {
+            let runs = RunLengths::of(&vessels, faces, usize::MAX);
+            assert!(runs.block > 1);
+            let (found, truth) = (read(&runs), read(&all));
+            let mean = |of: &[[f64; 3]], axis: usize| of.iter().map(|p| p[axis]).sum::<f64>() / of.len() as f64;
+            for (axis, step) in [0.5, 0.5, 2.0].into_iter().enumerate() {
+                assert!((mean(&found, axis) - mean(&truth, axis)).abs() <= 0.5 * step * runs.block as f64, "{faces} {axis}");
+            }
+            let volume = (found.len() * runs.block.pow(3)) as f64 / truth.len() as f64;
+            assert!((0.9..(1.0 + runs.block as f64 / 12.0).powi(3)).contains(&volume) || found.len() == 1, "{faces}: {volume}");
+        }
+        assert!(RunLengths::of(&vessels, usize::MAX, 5_000).block > 1);
+    }
+}
