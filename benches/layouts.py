@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs willis on ten layouts that are hard for searches, eliminations and tables, and prints CPU seconds and MB of each as a table.
+"""Runs willis on layouts that are hard for searches, eliminations and tables, and prints CPU seconds and MB of each as a table.
 
     layouts.py WILLIS [LAYOUT...]
 """
@@ -82,6 +82,25 @@ def near():
     return dust(20_000, 5.0)
 
 
+def fewer_near():
+    """10,500 fragments of three points, 5 mm apart."""
+    return dust(10_500, 5.0)
+
+
+def near_with_max_gap():
+    """20,000 fragments of three points, 5 mm apart, with `--max-gap 4.999`."""
+    return near()
+
+
+def near_without_evidence():
+    """20,000 fragments of three points, 5 mm apart, with `--prior none`."""
+    return near()
+
+
+# What else the command says of a layout.
+OPTIONS = {near_with_max_gap: ["--max-gap", "4.999"], near_without_evidence: ["--prior", "none"]}
+
+
 def star(path):
     """A graph of one node with 100,000 leaves."""
     rows = "".join(f"0,{i},10,{0.5 + 0.0001 * (i % 100):.4f}\n" for i in range(1, 100_001))
@@ -101,7 +120,7 @@ def main():
     print("| layout | what | CPU s | MB | end |\n|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as made:
         named = sys.argv[2:]
-        for layout in (long_vessel, dust, hub, ball, comb, grid, parallel, near, star, wheel):
+        for layout in (long_vessel, dust, hub, ball, comb, grid, parallel, near, fewer_near, near_with_max_gap, near_without_evidence, star, wheel):
             if named and layout.__name__ not in named:
                 continue
             here = Path(made)
@@ -111,7 +130,7 @@ def main():
             else:
                 source = here / "a.swc"
                 swc(source, layout())
-                words = ["candidates", str(source), "-o", str(here / "a.graphml"), "--force", "-q"]
+                words = ["candidates", str(source), *OPTIONS.get(layout, []), "-o", str(here / "a.graphml"), "--force", "-q"]
             child = subprocess.Popen([willis, *words], stderr=subprocess.PIPE, text=True)
             said = child.stderr.read().strip().splitlines()
             _, status, used = os.wait4(child.pid, 0)

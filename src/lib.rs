@@ -76,7 +76,7 @@ pub use candidates::{Attach, CandidateOptions, CandidateRadius};
 pub use circle_of_willis::LabelScheme;
 pub use decision::{Decision, Keep};
 pub use error::{Error, Result};
-pub use flow::FoundOutlets;
+pub use flow::{FoundOutlets, Thickness, WallLaw};
 pub use io::ReadOptions;
 pub use masks::{Appearance, RadiusFrom};
 pub use modulation::ModulationOptions;
@@ -91,4 +91,4 @@ pub use pipeline::{
 };
 pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;
-pub use simulation::pulse::{Friction, Thickness, WallLaw};
+pub use simulation::pulse::Friction;

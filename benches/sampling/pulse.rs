@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use num_complex::Complex64;
-use willis::internals::flow::Tube;
+use willis::internals::flow::{Tube, WallLaw};
 use willis::internals::network::waveform::Quantity;
 use willis::internals::network::{Condition, Network, Windkessel};
 use willis::internals::simulation::pulse::womersley::Fluid;
-use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Setting, WallLaw, terminals, walled};
+use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Setting, terminals, walled};
 
 use crate::Result;
 use crate::case::Case;

@@ -9,12 +9,12 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use num_complex::Complex64;
-use willis::internals::flow::Tube;
+use willis::internals::flow::{Tube, WallLaw};
 use willis::internals::network::{Condition, Windkessel};
 use willis::internals::simulation::pulse::elimination::Equations;
 use willis::internals::simulation::pulse::two_port::Halved;
 use willis::internals::simulation::pulse::womersley::Fluid;
-use willis::internals::simulation::pulse::{Friction, WallLaw, terminals, walled};
+use willis::internals::simulation::pulse::{Friction, terminals, walled};
 use willis::internals::support::elimination::Elimination;
 
 use crate::Result;

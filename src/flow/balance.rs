@@ -14,7 +14,7 @@ use super::resilience::is_diffused;
 /// Imbalances below this share of what flows through a node are rounding.
 const ENOUGH: f64 = 1e-13;
 /// A node through which less than this share of the largest flow passes is at rest, unless a vessel there [carries](carrying) what little it is.
-pub(super) const AT_REST: f64 = 1e-12;
+const AT_REST: f64 = 1e-12;
 /// Each round gains about the digits of a double.
 const ROUNDS: usize = 4;
 
@@ -81,18 +81,13 @@ impl Balanced {
                 *lacking = 0.0;
             }
         }
-        let largest = |of: &mut dyn Iterator<Item = f64>| of.filter(|flow| flow.is_finite()).fold(0.0, f64::max);
-        let most = largest(&mut flows.iter().zip(&known).filter(|(_, known)| **known).map(|(flow, _)| *flow));
-        let least = AT_REST * if most > 0.0 { most } else { largest(&mut through.iter().copied()) };
+        let least = AT_REST * largest(&flows, &known).unwrap_or_else(|| through.iter().copied().fold(0.0, f64::max));
         let mut counts: Vec<bool> = through.iter().map(|through| *through > least).collect();
-        for (known, flow) in known.iter_mut().zip(&flows) {
-            *known |= *flow > least;
-        }
         for (carries, [a, b]) in carrying(circuit, &flows, known).into_iter().zip(&circuit.ends) {
             (counts[*a], counts[*b]) = (counts[*a] || carries, counts[*b] || carries);
         }
-        let worst =
-            (0..through.len()).filter(|node| counts[*node]).map(|node| lacking[node].abs() / through[node]).fold(0.0, f64::max);
+        let counted = (0..through.len()).filter(|node| counts[*node]);
+        let worst = counted.map(|node| lacking[node].abs() / through[node]).fold(0.0, f64::max);
         (lacking, worst)
     }
 
@@ -106,11 +101,19 @@ impl Balanced {
     }
 }
 
-/// Which vessels carry blood: those that are `known` to, and those that pass on what they carry. Where blood flows at a node, what flows in
-/// another vessel there is no rounding if it is not so much less, however little that is beside the largest flow elsewhere; a node whose
-/// pressure is fixed tells nothing, because there flows need not balance.
+/// The largest finite flow of the vessels that are `known` to carry blood; `None` where nothing is known to flow.
+fn largest(flow: &[f64], known: &[bool]) -> Option<f64> {
+    let flows = flow.iter().zip(known).filter(|(flow, known)| **known && flow.is_finite()).map(|(flow, _)| *flow);
+    Some(flows.fold(0.0, f64::max)).filter(|most| *most > 0.0)
+}
+
+/// Which vessels carry blood: those that are `known` to, because the drop along them is beyond rounding; those that carry as much as what is
+/// rounding beside the largest known flow, because a wide vessel may carry it along a drop that is rounding; and those that pass on what
+/// these carry. Where blood flows at a node, what flows in another vessel there is no rounding if it is not so much less, however little that
+/// is beside the largest flow elsewhere; a node whose pressure is fixed tells nothing, because there flows need not balance.
 pub(super) fn carrying(circuit: &Circuit, flow: &[f64], known: Vec<bool>) -> Vec<bool> {
-    let mut carries = known;
+    let rest = largest(flow, &known).map_or(f64::INFINITY, |most| AT_REST * most);
+    let mut carries: Vec<bool> = known.into_iter().zip(flow).map(|(known, flow)| known || *flow > rest).collect();
     let doubtful: Vec<usize> = (0..flow.len()).filter(|row| !carries[*row] && flow[*row] > 0.0).collect();
     if doubtful.is_empty() {
         return carries;

@@ -13,9 +13,11 @@ pub mod pressures;
 pub mod residual;
 pub mod resilience;
 pub mod state;
+pub mod wall;
 
 pub use batch::solver::BatchSolver;
 pub use batch::star_mesh::StarMesh;
 pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use poiseuille::{Factors, Tube};
+pub use wall::{Thickness, WallLaw};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::balance::{AT_REST, Balanced, carrying};
+use super::balance::{Balanced, carrying};
 use super::boundary_conditions::Boundary;
 use super::circuit::Circuit;
 use super::poiseuille::Tube;
@@ -79,16 +79,10 @@ impl State {
             [Some(a), Some(b)] => is_diffused(drop[row], a + circuit.level, b + circuit.level),
             _ => false,
         };
-        // A wide vessel may carry much along a drop that is rounding beside its pressures, but only what flows elsewhere too.
         let flow: Vec<f64> = drop.iter().enumerate().map(through).collect();
-        let flows = (0..flow.len()).filter(|row| is_beyond_rounding(*row)).map(|row| flow[row]);
-        let most = flows.filter(|flow| flow.is_finite()).fold(0.0, f64::max);
-        let rest = if most > 0.0 { AT_REST * most } else { f64::INFINITY };
-        let known = (0..flow.len()).map(|row| is_beyond_rounding(row) || flow[row] > rest).collect();
-        let carries = carrying(circuit, &flow, known);
+        let carries = carrying(circuit, &flow, (0..flow.len()).map(is_beyond_rounding).collect());
         let vessel = |(row, tube): (usize, &Tube)| {
-            let flows = carries[row];
-            if flows && tube.is_open() { VesselState::at(drop[row], tube, viscosity) } else { VesselState::at_rest(tube) }
+            if carries[row] && tube.is_open() { VesselState::at(drop[row], tube, viscosity) } else { VesselState::at_rest(tube) }
         };
         let vessels: Vec<VesselState> = tubes.iter().enumerate().map(vessel).collect();
         let open = tubes.iter().filter(|tube| tube.is_open()).count();

@@ -18,8 +18,8 @@ pub struct Marginals {
     pub log_total: f64,
 }
 
-/// Pairs of neighbours at the elimination of all fragments, at the most: 1,400 fragments each of which may be joined to each, or 11,000 on a
-/// lattice, each of which may be joined to the six around it. These take 13 s and 290 MB; the time grows as their number to the power of 3.5.
+/// Pairs of neighbours at the elimination of all fragments, at the most: 1,400 fragments each of which may be joined to each, or over 10,500 on a
+/// lattice, each of which may be joined to the six around it (`benches/layouts.py`).
 pub const MOST_PAIRS: usize = 500_000_000;
 
 /// Whether the elimination of fragments between which there are these links brings together more than 500 million pairs of them.

@@ -23,7 +23,13 @@ pub struct RunLengths {
 impl RunLengths {
     /// The voxels in the smallest blocks whose surface has at most `faces` faces, in a box of at most `cells` blocks.
     pub fn of(vessels: &Foreground, faces: usize, cells: usize) -> Self {
-        (1..).find_map(|block| Self::in_blocks(vessels, block, faces, cells)).unwrap_or_else(|| Self::whole(vessels))
+        let mut block = 1;
+        loop {
+            if let Some(runs) = Self::in_blocks(vessels, block, faces, cells) {
+                return runs;
+            }
+            block += 1;
+        }
     }
 
     /// The voxels in blocks of one size; `None` where that is more than is allowed. One block is always allowed.

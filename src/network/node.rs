@@ -63,6 +63,9 @@ pub struct Windkessel {
 }
 
 impl Windkessel {
+    /// RC of outlets that state no compliance, s: 0.687 to 0.697 at each of eleven in Alastruey et al. 2007.
+    pub const TIME_CONSTANT: f64 = 0.69;
+
     /// Whether nothing is stated.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

@@ -120,7 +120,7 @@ impl SampledVessel {
         let vessel = network.vessel(row);
         let mut path: Vec<(Point, f64)> = vessel.path.iter().map(|p| (p.position, p.radius)).collect();
         if path.len() < 2 {
-            let node = |end: usize| network.node(end).position.expect("break_up and gaps refuse nodes without positions");
+            let node = |end: usize| network.node(end).position.expect("check_positions has refused a node without one");
             path = network.ends(row).map(|end| (node(end), vessel.radius)).to_vec();
         }
         let mut arc = vec![0.0];

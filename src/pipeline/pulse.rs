@@ -10,16 +10,16 @@ use super::options::{FlowOptions, SourceFile};
 use super::progress::{Progress, Step};
 use crate::error::{Error, Result};
 use crate::flow::state::{BLOOD_DENSITY, State};
-use crate::flow::{Boundary, Tube};
+use crate::flow::{Boundary, Tube, WallLaw};
 use crate::io::{bytes_of, checksum, read_waveform};
 use crate::network::units::{ml_per_min, mmhg};
 use crate::network::waveform::{Quantity, Waveform};
-use crate::network::{Condition, Network, Role, locate};
+use crate::network::{Condition, Network, Role, Windkessel, locate};
 use crate::report::end_name;
 use crate::simulation::pulse::fourier::{beyond, coefficients};
 use crate::simulation::pulse::typical::{self, Typical};
 use crate::simulation::pulse::womersley::Fluid;
-use crate::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, WallLaw, terminals, walled};
+use crate::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, terminals, walled};
 use crate::simulation::{Perturbation, Simulation, perturbed};
 
 /// How the flow pulsates. The default is what `willis simulate --pulse` does.
@@ -64,9 +64,6 @@ pub enum PulseMean {
     Flow(f64),
 }
 
-/// RC of the outlets in Alastruey et al. 2007, s: 0.687 to 0.697 at each of eleven.
-pub const TIME_CONSTANT: f64 = 0.69;
-
 impl Default for PulseOptions {
     fn default() -> Self {
         Self {
@@ -76,7 +73,7 @@ impl Default for PulseOptions {
             harmonics: 40,
             wall: None,
             wall_viscosity: 0.0,
-            time_constant: Some(TIME_CONSTANT),
+            time_constant: Some(Windkessel::TIME_CONSTANT),
             friction: Friction::default(),
             density: BLOOD_DENSITY,
             times: 100,

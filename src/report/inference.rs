@@ -94,6 +94,10 @@ impl Segmentation {
     }
 }
 
+/// What samples say in which everything was occluded.
+pub const NOTHING_FLOWED: &str =
+    "Blood flowed in none of the samples, so they tell nothing of L. Take more, or a smaller --epsilon.";
+
 /// An inference and everything its files are made of.
 #[derive(Debug)]
 pub struct Outcome<'a> {

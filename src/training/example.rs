@@ -10,7 +10,6 @@ use super::scores::found;
 use crate::candidates::features::Extraction;
 use crate::candidates::kind::Kind;
 use crate::candidates::model::feature_table::CandidateTable;
-use crate::candidates::model::posterior::check_tangle;
 use crate::candidates::resample::Resampled;
 use crate::candidates::search::{SearchOptions, search};
 use crate::error::{Fault, Result};
@@ -66,9 +65,7 @@ impl<'a> Example<'a> {
     /// A node without a position; fragments in a tangle.
     pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
         let extraction = Resampled::new(&case.network, Kind::Tracing).extraction(if with_inlets { &case.inlets } else { &[] })?;
-        let found = search(&extraction, &SearchOptions::default())?;
-        check_tangle(&extraction, &found)?;
-        let table = CandidateTable::new(&extraction, &found);
+        let table = CandidateTable::new(&extraction, &search(&extraction, &SearchOptions::default())?)?;
         let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
         let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();
         let allowed = case.truth.allowed(&candidates);

@@ -3,13 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
+use willis::internals::flow::WallLaw;
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Vessel, Wall, Windkessel};
 use willis::internals::perturbation::{Stenosis, StretchPlace};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::indices::{Indices, behind};
 use willis::internals::simulation::pulse::womersley::{Fluid, Segment, viscous};
-use willis::internals::simulation::pulse::{Friction, Pulse, WallLaw};
+use willis::internals::simulation::pulse::{Friction, Pulse};
 use willis::internals::simulation::{Change, Perturbation};
 
 use crate::draw::Draw;

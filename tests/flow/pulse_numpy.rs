@@ -6,13 +6,14 @@ use std::process::{Command, Stdio};
 
 use num_complex::Complex64;
 use serde_json::{Value, json};
+use willis::internals::flow::{Thickness, WallLaw};
 use willis::internals::io::read_waveform;
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Wall};
 use willis::internals::phantom::{Kind, Recipe, without};
 use willis::internals::simulation::pulse::fourier::coefficients;
 use willis::internals::simulation::pulse::womersley::Fluid;
-use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Thickness, WallLaw};
+use willis::internals::simulation::pulse::{Drive, Friction, Pulse};
 use willis::internals::simulation::simulate;
 use willis::internals::simulation::transport::{Transport, Transports};
 use willis::{FlowOptions, PulseOptions, ReadOptions};
@@ -60,7 +61,7 @@ for line in sys.stdin:
                           mean=clean(m["mean"]), sd=clean(m["sd"]), first=clean(m["first"]), through=clean(m["through"]), by_source=[clean(x) for x in m["mean_of_source"]])))
 "#;
 
-/// One case: what the programs are told, and what willis found.
+/// One case: the input of the two programs, and what willis found.
 struct Compared {
     name: String,
     told: Value,
@@ -86,7 +87,7 @@ fn wall(law: &WallLaw, network: &Network) -> Value {
     }
 }
 
-/// What the programs are told of a case; waves as points.
+/// The input of the two programs for a case; waves as points.
 fn told(case: &Case, waves: &[(usize, Waveform)]) -> Value {
     let network = case.network;
     let column = |of: &dyn Fn([usize; 2], &willis::internals::network::Vessel) -> Value| -> Vec<Value> {

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use num_complex::Complex64;
 use serde_json::Value;
+use willis::internals::flow::WallLaw;
 use willis::internals::io::read_waveform;
 use willis::internals::network::units::{cubic_metres_per_second, ml_per_min, mmhg};
 use willis::internals::network::{Condition, Network, Role, Windkessel};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::typical::Typical;
 use willis::internals::simulation::pulse::womersley::Fluid;
-use willis::internals::simulation::pulse::{Friction, Pulse, Pulses, WallLaw};
+use willis::internals::simulation::pulse::{Friction, Pulse, Pulses};
 use willis::{FlowOptions, PulseOptions, ReadOptions};
 
 use crate::pulse_case::{BLOOD, Case, flow, pressure_wave};

@@ -20,6 +20,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
+from drive_surface import check_surface
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -303,6 +304,8 @@ def check_lead(page):
     """Every page begins with a sentence whose figures are those of run.json; the equal tiles stand with the settings, folded."""
     said, record = page.text("#answer-words"), page.record
     assert said.endswith(".") and not page.one("#facts").is_displayed(), said
+    if record.get("counts", {}).get("uncertain") == 0:
+        assert said.startswith("There is no possible connection.") and not page.one("#threshold").is_displayed(), said
     inflows = [record.get("total_inflow_mL_per_min"), record.get("total_inflow_mL_per_min_perturbed")]
     if "classes" in record:
         inflows = [part["total_inflow_mL_per_min"] for part in (record["unperturbed"], record["classes"][-1])]
@@ -400,7 +403,9 @@ def main():
                     check_table(page)
                     check_picking(page)
                 check_colours(page)
-                if page.one("#review").is_displayed() and len(page.edges) < 1000:
+                if page.one("#hull").is_displayed():
+                    check_surface(page)
+                if page.one("#threshold").is_displayed() and page.one("#review").is_displayed() and len(page.edges) < 1000:
                     page = Page(driver, folder)
                     page.click("#threshold summary")
                     review(page)

@@ -35,13 +35,15 @@ fn pages_work_in_chromium() {
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "one.swc", "-q"]);
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
     let complete = data("circle-of-willis/complete.graphml");
-    let runs: [(&str, &[&str]); 14] = [
+    fs::write(here.path().join("line.swc"), "1 0 0 0 0 1 -1\n2 0 5 0 0 1 1\n3 0 10 0 0 1 2\n").expect("written");
+    let runs: [(&str, &[&str]); 15] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
         ("all", &["infer", small, "-n", "300", "--uncertain", "all", "--keep", "value=1e6"]),
         ("probable", &["infer", "tree.swc", "-n", "64"]),
         ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
+        ("certain", &["infer", "line.swc", "-n", "64"]),
         ("contacts", &["infer", &scan, "-n", "64"]),
         ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
         ("circle", &["infer", "one.swc", "--landmarks", "one.landmarks.csv", "-n", "64"]),

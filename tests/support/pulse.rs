@@ -1,11 +1,11 @@
 //! Solves the pulse of a network with conditions as they stand, for the tests.
 
 use num_complex::Complex64;
-use willis::internals::flow::Tube;
+use willis::internals::flow::{Tube, WallLaw};
 use willis::internals::network::waveform::Quantity;
 use willis::internals::network::{Condition, Network, Windkessel};
 use willis::internals::simulation::pulse::womersley::Fluid;
-use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Setting, WallLaw, terminals, walled};
+use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Setting, terminals, walled};
 use willis::internals::simulation::{Perturbation, perturbed, simulate};
 
 use crate::networks::{VISCOSITY, boundary};

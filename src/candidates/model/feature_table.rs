@@ -9,8 +9,10 @@ use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::features;
 use crate::candidates::features::root_features::root_features;
 use crate::candidates::search::Candidate;
-use crate::error::Result;
-use crate::forest_posterior::{Edge, Forests};
+use crate::error::{Error, Result};
+use crate::forest_posterior::{Edge, Forests, MOST_PAIRS, is_tangle};
+use crate::network::units::millimetres;
+use crate::support::geometry::distance;
 
 /// Log weights are cut at ±25, so that one odd feature does not decide everything.
 const MOST_LOG_WEIGHT: f64 = 25.0;
@@ -38,7 +40,12 @@ pub struct CandidateTable {
 
 impl CandidateTable {
     /// Measures the candidates of a search; those within a fragment count among the rivals of the others.
-    pub fn new(extraction: &Extraction, found: &[Candidate]) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// Fragments in a tangle, before anything is measured.
+    pub fn new(extraction: &Extraction, found: &[Candidate]) -> Result<Self> {
+        check_tangle(extraction, found)?;
         let (within, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].within);
         let all = features(extraction, found);
         let [features, within_features] = [&between, &within].map(|rows| all.select(Axis(0), rows));
@@ -53,7 +60,7 @@ impl CandidateTable {
             fragments.push(points.map(|point| extraction.fragment[point]));
         }
         let (pairs, root_features) = (pairs.len(), root_features(extraction));
-        Self { candidates, within, within_features, fragments, pair, pairs, features, root_features }
+        Ok(Self { candidates, within, within_features, fragments, pair, pairs, features, root_features })
     }
 
     /// The features of the candidates with more columns.
@@ -85,6 +92,34 @@ impl CandidateTable {
         let roots = self.root_features.dot(&ArrayView1::from(&pass.root));
         Forests::new(roots.iter().map(cut).collect(), self.fragments.iter().zip(&log_weights).map(edge).collect())
     }
+}
+
+/// Refuses fragments that depend on one another so much that their posterior would take very long, before anything is measured.
+///
+/// # Errors
+///
+/// More than 500 million pairs of fragments meet when they are eliminated one after another.
+fn check_tangle(extraction: &Extraction, candidates: &[Candidate]) -> Result<()> {
+    let between = || candidates.iter().filter(|candidate| !candidate.within);
+    let fragments = |c: &Candidate| [extraction.ends[c.end].fragment, extraction.fragment[c.point]];
+    let mut links: Vec<[usize; 2]> = between().map(fragments).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    links.sort_unstable();
+    links.dedup();
+    let count = extraction.fragments.len();
+    if !is_tangle(count, &links) {
+        return Ok(());
+    }
+    let gap = |c: &Candidate| distance(extraction.position[extraction.ends[c.end].point], extraction.position[c.point]);
+    let mut gaps: Vec<f64> = between().map(gap).collect();
+    gaps.sort_unstable_by(f64::total_cmp);
+    let found = format!(
+        "{count}, of which {} pairs may be joined: by way of others, more than {MOST_PAIRS} pairs depend on one another",
+        links.len()
+    );
+    let most = millimetres(gaps[gaps.len() / 2]);
+    let accepted =
+        format!("evidence takes fewer: give `max_gap` below {most:.3} mm, which half of the candidates are, or `prior` none");
+    Err(Error::parameter("fragments", found, accepted))
 }
 
 /// Whether a log weight is at its limit, where the weights of features no longer move it.

@@ -10,8 +10,7 @@ use crate::candidates::features::feedback::Feedback;
 use crate::candidates::search::Candidate;
 use crate::candidates::search::free_ends::FreeEnd;
 use crate::error::{Error, Result};
-use crate::forest_posterior::{Forests, MOST_PAIRS, Marginals, arborescence, is_tangle, marginals};
-use crate::network::units::millimetres;
+use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use crate::support::geometry::{distance, sub};
 use crate::support::statistics::sigmoid;
 use crate::support::ties::{compare, near_zero, steady};
@@ -42,8 +41,7 @@ pub struct Posterior {
 /// Weights without a pass, or of other features than this program measures; fragments in a tangle.
 pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &Weights) -> Result<Posterior> {
     weights.validate()?;
-    check_tangle(extraction, candidates)?;
-    let table = CandidateTable::new(extraction, candidates);
+    let table = CandidateTable::new(extraction, candidates)?;
     let (forests, marginals) = last_pass(extraction, &table, weights)?;
     let calibration = Calibration(weights.calibration);
     let of_pair: Vec<f64> = table.summed_by_pair(&marginals.edges).into_iter().map(|p| calibration.apply(p)).collect();
@@ -58,34 +56,6 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
         found.iter().map(|c| (c.candidate, c.probability(&weights.closure))).collect()
     };
     Ok(Posterior { table, forests, marginals, probability, attachment_scores, root_scores, closures })
-}
-
-/// Refuses fragments that depend on one another so much that their posterior would take very long, before anything is measured.
-///
-/// # Errors
-///
-/// More than 500 million pairs of fragments meet when they are eliminated one after another.
-pub(crate) fn check_tangle(extraction: &Extraction, candidates: &[Candidate]) -> Result<()> {
-    let between = || candidates.iter().filter(|candidate| !candidate.within);
-    let fragments = |c: &Candidate| [extraction.ends[c.end].fragment, extraction.fragment[c.point]];
-    let mut links: Vec<[usize; 2]> = between().map(fragments).map(|[a, b]| [a.min(b), a.max(b)]).collect();
-    links.sort_unstable();
-    links.dedup();
-    let count = extraction.fragments.len();
-    if !is_tangle(count, &links) {
-        return Ok(());
-    }
-    let gap = |c: &Candidate| distance(extraction.position[extraction.ends[c.end].point], extraction.position[c.point]);
-    let mut gaps: Vec<f64> = between().map(gap).collect();
-    gaps.sort_unstable_by(f64::total_cmp);
-    let found = format!(
-        "{count}, of which {} pairs may be joined: by way of others, more than {MOST_PAIRS} pairs depend on one another",
-        links.len()
-    );
-    let most = millimetres(gaps[gaps.len() / 2]);
-    let accepted =
-        format!("evidence takes fewer: give `max_gap` below {most:.3} mm, which half of the candidates are, or `prior` none");
-    Err(Error::parameter("fragments", found, accepted))
 }
 
 /// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.

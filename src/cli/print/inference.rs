@@ -1,6 +1,6 @@
 //! Prints what came out of `willis infer`.
 
-use crate::internals::report::Outcome;
+use crate::internals::report::{NOTHING_FLOWED, Outcome};
 use crate::{Keep, Weight};
 
 use super::{Terminal, brief, count, plural};
@@ -11,9 +11,6 @@ pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
         terminal.say(heading, fact);
     }
 }
-
-/// What samples say in which everything was occluded.
-const NOTHING_FLOWED: &str = "blood flowed in none of the samples, so they tell nothing of L";
 
 /// What was kept, and what the kept graph looks like: facts under headings. Sampling took so many `seconds`.
 pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, String)> {
@@ -28,7 +25,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     };
     say("sampled", format!("{took}, {} solver", outcome.method.solver));
     if outcome.result.is_unknown() {
-        say("warning", format!("{NOTHING_FLOWED}; take more, or a smaller --epsilon"));
+        say("warning", NOTHING_FLOWED.to_owned());
     }
     if let Some(stable) = outcome.stable {
         let about = if outcome.rule.asks_evidence() { "about the median of L" } else { "of the rule" };

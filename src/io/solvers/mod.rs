@@ -11,13 +11,9 @@ use std::io;
 pub use openbf::write_openbf;
 pub use svzerod::write_svzerod;
 
-use crate::network::{Condition, Network, Vessel, Wall};
-
-/// Blood, kg/m³ and Pa s.
-const DENSITY: f64 = 1060.0;
-const VISCOSITY: f64 = 3.5e-3;
-/// Walls that are not stated have a thickness of this share of the radius.
-const THICKNESS: f64 = 0.1;
+use crate::flow::WallLaw;
+use crate::flow::state::BLOOD_DENSITY;
+use crate::network::{Condition, Network, Vessel};
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
 struct Directed<'a> {
@@ -28,6 +24,8 @@ struct Directed<'a> {
     at: Vec<Vec<usize>>,
     /// A vessel to which no inlet leads, if there is one.
     unfed: Option<usize>,
+    /// By row C' = dA/dP of the wall, as it is stated, else by Olufsen's law, m²/Pa.
+    distensibility: Vec<f64>,
 }
 
 impl<'a> Directed<'a> {
@@ -36,7 +34,7 @@ impl<'a> Directed<'a> {
     ///
     /// # Errors
     ///
-    /// No condition at all, a condition in the middle of vessels, a self-loop (`InvalidInput`).
+    /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
     fn of(network: &'a Network) -> io::Result<Self> {
         let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
         let mut at = vec![Vec::new(); network.node_count()];
@@ -83,12 +81,26 @@ impl<'a> Directed<'a> {
         let unfed = way.turned.iter().position(Option::is_none);
         let turned = way.turned.into_iter().enumerate();
         let ends = turned.map(|(row, ends)| ends.unwrap_or_else(|| as_it_stands(row))).collect();
-        Ok(Self { network, turned: ends, at, unfed })
+        let wall = |row: usize| {
+            let vessel = network.vessel(row);
+            let law = if vessel.wall.is_some() { WallLaw::Stated } else { WallLaw::OLUFSEN };
+            let given = law.compliance(vessel.radius, vessel.wall, BLOOD_DENSITY, &network.vessel_name(row));
+            given.map_err(|error| refused(error.to_string()))
+        };
+        let distensibility = (0..network.vessel_count()).map(wall).collect::<io::Result<_>>()?;
+        Ok(Self { network, turned: ends, at, unfed, distensibility })
     }
 
     /// The condition of a free end; `None` of an inner node, a flow of zero of an end that states nothing.
     fn condition(&self, node: usize) -> Option<Condition> {
         (self.at[node].len() == 1).then(|| self.network.node(node).condition.unwrap_or(Condition::Flow(0.0)))
+    }
+
+    /// R1 (Pa s/m³) of a terminal resistance at the end of a vessel: as the node states it, else the wave impedance √(ρ/(A C')) of the
+    /// vessel, as in `willis simulate --pulse`; at most the resistance.
+    fn proximal(&self, node: usize, resistance: f64, row: usize) -> f64 {
+        let matched = (BLOOD_DENSITY / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
+        self.network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
     }
 }
 
@@ -161,28 +173,7 @@ impl Ways<'_> {
     }
 }
 
-/// Eh of a wall, Pa m: as it is stated, else Olufsen's law (1999).
-fn stiffness(vessel: &Vessel) -> f64 {
-    match vessel.wall {
-        Some(Wall::Elastic { young, thickness }) => young * thickness,
-        Some(Wall::Speed(speed)) => 1.5 * DENSITY * speed * speed * vessel.radius,
-        None => vessel.radius * (2.0e6 * (-2253.0 * vessel.radius).exp() + 8.65e4),
-    }
-}
-
-/// C' = dA/dP of a wall that keeps its volume, (3/2) A r/(Eh), m²/Pa.
-fn distensibility(vessel: &Vessel) -> f64 {
-    1.5 * area(vessel) * vessel.radius / stiffness(vessel)
-}
-
 /// The cross-section of a vessel, m².
 fn area(vessel: &Vessel) -> f64 {
     PI * vessel.radius * vessel.radius
-}
-
-/// R1 (Pa s/m³) of a terminal resistance at the end of a vessel: as the node states it, else the wave impedance √(ρ/(A C')) of the vessel, as in
-/// `willis simulate --pulse`; at most the resistance.
-fn proximal(network: &Network, node: usize, resistance: f64, vessel: &Vessel) -> f64 {
-    let matched = (DENSITY / (area(vessel) * distensibility(vessel))).sqrt();
-    network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
 }

@@ -2,13 +2,14 @@
 
 use std::io::{self, Write};
 
-use super::{DENSITY, Directed, THICKNESS, VISCOSITY, proximal, stiffness};
-use crate::network::{Condition, Network, Wall};
+use super::{Directed, area};
+use crate::flow::poiseuille::BLOOD_VISCOSITY;
+use crate::flow::state::BLOOD_DENSITY;
+use crate::network::{Condition, Network, Wall, Windkessel};
 
-/// RC of outlets that state no compliance, s, as in `willis simulate --pulse`: openBF divides by it.
-const TIME_CONSTANT: f64 = 0.69;
-
-/// The least share of an outlet's resistance that R1 and R2 get, for the same reason.
+/// Walls that are not stated have a thickness of this share of the radius.
+const THICKNESS: f64 = 0.1;
+/// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
 const LEAST: f64 = 1e-3;
 
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
@@ -36,7 +37,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         number[node] = place + 1;
     }
     writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
-    writeln!(out, "blood:\n  rho: {DENSITY:?}\n  mu: {VISCOSITY:?}")?;
+    writeln!(out, "blood:\n  rho: {BLOOD_DENSITY:?}\n  mu: {BLOOD_VISCOSITY:?}")?;
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
     writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
     writeln!(out, "network:")?;
@@ -51,7 +52,9 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
         writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
         writeln!(out, "    L: {:?}\n    R0: {:?}", vessel.length, vessel.radius)?;
-        writeln!(out, "    E: {:?}\n    h0: {thickness:?}", stiffness(vessel) / thickness)?;
+        // A wall that keeps its volume has C' = (3/2) A r/(Eh).
+        let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];
+        writeln!(out, "    E: {:?}\n    h0: {thickness:?}", stiffness / thickness)?;
         if let Some(condition) = ends.condition(*begins) {
             inlets += 1;
             let quantity = if matches!(condition, Condition::Pressure(_)) { "P" } else { "Q" };
@@ -60,9 +63,9 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         match ends.condition(*stops) {
             None => {}
             Some(Condition::Resistance { resistance, venous }) => {
-                let compliance = network.node(*stops).windkessel.compliance.unwrap_or(TIME_CONSTANT / resistance);
+                let compliance = network.node(*stops).windkessel.compliance.unwrap_or(Windkessel::TIME_CONSTANT / resistance);
                 let least = LEAST * resistance;
-                let proximal = proximal(network, *stops, resistance, vessel).clamp(least, resistance - least);
+                let proximal = ends.proximal(*stops, resistance, row).clamp(least, resistance - least);
                 let distal = resistance - proximal;
                 writeln!(out, "    outlet: wk3\n    R1: {proximal:?}\n    R2: {distal:?}\n    Cc: {compliance:?}")?;
                 if venous != 0.0 {

@@ -4,8 +4,11 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::{DENSITY, Directed, VISCOSITY, area, distensibility, proximal};
-use crate::network::{Condition, Network, Vessel};
+use super::{Directed, area};
+use crate::flow::Tube;
+use crate::flow::poiseuille::BLOOD_VISCOSITY;
+use crate::flow::state::BLOOD_DENSITY;
+use crate::network::{Condition, Network};
 
 /// Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
 const PRESSURE: f64 = 10.0;
@@ -22,34 +25,33 @@ const COMPLIANCE: f64 = 1e5;
 pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
     let ends = Directed::of(network)?;
     let mut conditions = Vec::new();
-    let mut name = |node: usize, vessel: &Vessel, is_inlet: bool| -> Option<String> {
+    let mut name = |node: usize, row: usize, is_inlet: bool| -> Option<String> {
         let condition = ends.condition(node)?;
         let name = format!("{}_{}", if is_inlet { "INLET" } else { "OUTLET" }, network.node(node).id);
-        let (kind, values) = values(network, node, vessel, condition, is_inlet);
+        let (kind, values) = values(&ends, node, row, condition, is_inlet);
         conditions.push(json!({ "bc_name": name, "bc_type": kind, "bc_values": values }));
         Some(name)
     };
     let mut vessels = Vec::new();
     for (row, [begins, stops]) in ends.turned.iter().enumerate() {
         let vessel = network.vessel(row);
-        let poiseuille = 8.0 * VISCOSITY * vessel.length / (std::f64::consts::PI * vessel.radius.powi(4));
         let mut entry = json!({
             "vessel_id": row,
             "vessel_name": format!("branch{row}_seg0"),
             "vessel_length": vessel.length * 100.0,
             "zero_d_element_type": "BloodVessel",
             "zero_d_element_values": {
-                "R_poiseuille": vessel.resistance.unwrap_or(poiseuille) * RESISTANCE,
-                "L": DENSITY * vessel.length / area(vessel) * RESISTANCE,
-                "C": distensibility(vessel) * vessel.length * COMPLIANCE,
+                "R_poiseuille": Tube::of(vessel, BLOOD_VISCOSITY).resistance * RESISTANCE,
+                "L": BLOOD_DENSITY * vessel.length / area(vessel) * RESISTANCE,
+                "C": ends.distensibility[row] * vessel.length * COMPLIANCE,
                 "stenosis_coefficient": 0.0,
             },
         });
         let mut at = serde_json::Map::new();
-        if let Some(name) = name(*begins, vessel, true) {
+        if let Some(name) = name(*begins, row, true) {
             at.insert("inlet".to_owned(), json!(name));
         }
-        if let Some(name) = name(*stops, vessel, false) {
+        if let Some(name) = name(*stops, row, false) {
             at.insert("outlet".to_owned(), json!(name));
         }
         if !at.is_empty() {
@@ -79,15 +81,15 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> 
 }
 
 /// The kind of a condition at the end of a vessel, and its values.
-fn values(network: &Network, node: usize, vessel: &Vessel, condition: Condition, is_inlet: bool) -> (&'static str, Value) {
+fn values(ends: &Directed<'_>, node: usize, row: usize, condition: Condition, is_inlet: bool) -> (&'static str, Value) {
     let constant = |key: &str, value: f64| json!({ key: [value, value], "t": [0.0, 1.0] });
     match condition {
         Condition::Pressure(pressure) => ("PRESSURE", constant("P", pressure * PRESSURE)),
         // A flow into the network; out of an outlet it is positive there.
         Condition::Flow(flow) => ("FLOW", constant("Q", if is_inlet { flow } else { -flow } * VOLUME)),
-        Condition::Resistance { resistance, venous } => match network.node(node).windkessel.compliance {
+        Condition::Resistance { resistance, venous } => match ends.network.node(node).windkessel.compliance {
             Some(compliance) => {
-                let proximal = proximal(network, node, resistance, vessel);
+                let proximal = ends.proximal(node, resistance, row);
                 (
                     "RCR",
                     json!({

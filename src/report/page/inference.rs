@@ -8,7 +8,7 @@ use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
-use crate::report::inference::{Outcome, pairing_columns, suggested_cut_columns};
+use crate::report::inference::{NOTHING_FLOWED, Outcome, pairing_columns, suggested_cut_columns};
 use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
@@ -21,8 +21,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let mut record = record(summary);
     let mut warnings = super::warnings(&record);
     if outcome.result.is_unknown() {
-        let nothing = "Blood flowed in none of the samples, so they tell nothing of L. Take more samples, or a smaller epsilon.";
-        warnings.insert(0, nothing.to_owned());
+        warnings.insert(0, NOTHING_FLOWED.to_owned());
     }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));

@@ -8,7 +8,6 @@ pub mod fourier;
 pub mod indices;
 pub mod two_port;
 pub mod typical;
-pub mod wall;
 pub mod womersley;
 
 mod terminal;
@@ -31,7 +30,6 @@ use womersley::{Fluid, Segment};
 
 pub use terminal::{Terminal, terminals};
 pub use vessels::{Walled, walled};
-pub use wall::{Thickness, WallLaw};
 pub use womersley::Friction;
 
 /// The most joins of an elimination.

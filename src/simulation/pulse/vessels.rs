@@ -1,9 +1,8 @@
 //! The vessels as the pulse meets them: their lumen in stretches of one radius, cut in the middle, with and without perturbations.
 
-use super::wall::WallLaw;
 use super::womersley::{Fluid, Segment};
 use crate::error::Result;
-use crate::flow::Tube;
+use crate::flow::{Tube, WallLaw};
 use crate::network::Network;
 use crate::perturbation::stenosis::StretchPlace;
 use crate::simulation::{Change, Perturbation};

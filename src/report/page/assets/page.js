@@ -60,10 +60,10 @@ function showAnswer() {
     const candidates = uncertain.filter(row => origins?.at(row) !== "contact" && origins?.at(row) !== "observed"), contacts = uncertain.filter(row => origins?.at(row) === "contact");
     const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
     const kept = candidates.filter(row => threshold.kept[row]).length;
-    words.push(figure(`${grouped(kept)} of ${count(candidates.length, "possible connection")} kept`));
+    words.push(figure(candidates.length ? `${grouped(kept)} of ${count(candidates.length, "possible connection")} kept` : "There is no possible connection"));
     if (contacts.length) words.push(", ", figure(`${count(contacts.filter(row => !threshold.kept[row]).length, "observed contact")} cut`));
     if (observed) words.push(", ", figure(`${count(uncertain.filter(row => origins?.at(row) === "observed" && !threshold.kept[row]).length, "observed vessel")} pruned`));
-    words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
+    if (uncertain.length) words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
     const about = x => x < 0.05 ? "none" : `about ${shown(x, x < 1 ? 1 : 2)}`;
     if (expected) words.push("; ", figure(`${about(expected.wrong)} expected to be wrong, ${about(expected.missed)} missed`, false));
     words.push(". ", figure(`The vessels form ${count(counts.components, "part")}${counts.cycles ? ` with ${count(counts.cycles, "loop")}` : ""}.`, false));
@@ -184,7 +184,7 @@ function dress() {
 }
 
 function showThreshold() {
-  byId("threshold").hidden = byId("states").hidden = byId("fit-doubt").hidden = !threshold;
+  byId("threshold").hidden = byId("states").hidden = byId("fit-doubt").hidden = !threshold?.uncertain.some(Boolean);
   if (!threshold) return () => {};
   const slider = byId("slider"), number = byId("number");
   byId("rule").textContent = `${threshold.name} ${threshold.at_least ? "≥" : ">"} threshold`;

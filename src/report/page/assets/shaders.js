@@ -105,7 +105,7 @@ void main() {
   ink = vec4(colour, clamp(inside / pixel + 0.5, 0.0, 1.0));
 }`;
 
-// The surface of the segmentation, as of glass: clear where it faces the reader, denser at its rims; far from a place in focus hardly there.
+// The surface of the segmentation looks like glass: clear where it faces the reader, denser at its rims. Far from a place in focus it nearly disappears.
 const HULL_VERTEX = `#version 300 es
 precision highp float;
 uniform mat3 turn;

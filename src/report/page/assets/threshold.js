@@ -2,10 +2,10 @@
 class Threshold {
   constructor(source, vessels) {
     Object.assign(this, source);
-    const values = name => vessels.find(name).values;
+    // A column without any value is left out of the page.
+    const values = name => vessels.find(name)?.values ?? new Float64Array(vessels.rows).fill(NaN);
     this.rows = vessels.rows;
-    // Where no vessel is uncertain, none has a probability.
-    this.values = vessels.find(source.figure)?.values ?? new Float64Array(this.rows).fill(NaN);
+    this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
     this.leftOpen = values(source.left_open);
     this.ends = [values("node_a"), values("node_b")];

@@ -1,0 +1,56 @@
+"""The surface that a page makes of a segmentation, of shapes whose area, volume and Euler characteristic are known."""
+import base64
+import math
+from pathlib import Path
+
+import numpy as np
+
+STEP = 0.5
+ASSETS = Path(__file__).resolve().parents[2] / "src/report/page/assets"
+# The scripts of the page that make the surface, without the page's own data.
+SCRIPTS = "".join((ASSETS / name).read_text().replace('const data = JSON.parse(byId("data").textContent);', "") for name in ("data.js", "surface.js"))
+
+
+def run_lengths(inside):
+    """Lengths of background and of vessel in turn, seven bits a byte; the last axis of `inside` runs fastest."""
+    flat = np.concatenate([[False], inside.ravel(), [False]])
+    out, before = bytearray(), 0
+    for turn in map(int, np.flatnonzero(flat[1:] != flat[:-1])):
+        length, before = turn - before, turn
+        while length >= 128:
+            out.append(length % 128 + 128)
+            length //= 128
+        out.append(length)
+    return base64.b64encode(bytes(out)).decode()
+
+
+def surface(page, inside):
+    """Corners (mm) and triangles."""
+    affine = [[STEP if row == column else 0 for column in range(3)] + [0] for row in range(3)]
+    source = {"shape": inside.shape[::-1], "runs": run_lengths(inside), "affine": affine, "block": 1}
+    places, triangles = page.driver.execute_script(SCRIPTS + "const s = surfaceOf(arguments[0]); return [Array.from(s.places), Array.from(s.triangles)]", source)
+    return np.array(places).reshape(-1, 3), np.array(triangles, int).reshape(-1, 3)
+
+
+def check_surface(page):
+    """A ball and a ring: closed, turned outwards, of the right volume and area, with no corner further than half a voxel from a voxel's."""
+    z, y, x = np.mgrid[-24:25, -24:25, -24:25]
+    ball, ring = x**2 + y**2 + z**2 <= 18.3**2, (np.hypot(x, y) - 14) ** 2 + z**2 <= 6.3**2
+    tube, way = 6.3 * STEP, 14 * STEP
+    truths = [
+        (ball, 2, 4 / 3 * math.pi * (18.3 * STEP) ** 3, 4 * math.pi * (18.3 * STEP) ** 2),
+        (ring, 0, 2 * math.pi**2 * way * tube**2, 4 * math.pi**2 * way * tube),
+    ]
+    for inside, euler, volume, area in truths:
+        places, triangles = surface(page, inside)
+        edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        forth, back = set(map(tuple, edges)), set(map(tuple, edges[:, ::-1]))
+        assert len(forth) == len(edges) and forth == back, "closed: every edge once each way"
+        assert len(places) - len(edges) // 2 + len(triangles) == euler
+        a, b, c = places[triangles].transpose(1, 0, 2)
+        across = np.cross(b - a, c - a)
+        assert math.isclose((a * across).sum() / 6, volume, rel_tol=0.03)
+        # The faces of the voxels themselves have 1.5 times the area of a ball, and smoothing takes most of that excess away.
+        assert 1 <= np.linalg.norm(across, axis=1).sum() / 2 / area < 1.1
+        from_corner = np.abs(places / STEP - 0.5 - np.round(places / STEP - 0.5)).max()
+        assert from_corner <= 0.451, from_corner
