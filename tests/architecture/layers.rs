@@ -348,7 +348,7 @@ fn every_kind_of_violation_is_caught() {
     one("candidates/mod.rs", "use super::perturbation::Occlusion;", "points sideways");
     one("network/mod.rs", "use crate::{support::{Point, resilience}, flow::Circuit};", "flow points up");
     one("network/mod.rs", "fn f() -> crate :: sampling\n::Options { made_up() }", "points up");
-    one("io/mod.rs", "use super::flow::Circuit;", "points sideways");
+    one("io/mod.rs", "use super::candidates::Candidates;", "points up");
     one("cli/infer.rs", "use crate::internals::decision::decide;", "front door");
     one("cli/infer.rs", "use crate::decision::decide;", "front door");
     one("pipeline/mod.rs", "use crate::cli::words;", "points up");
