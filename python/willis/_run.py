@@ -269,7 +269,7 @@ def infer(
     landmarks: PathLike | None = None,
     labels: Literal["names", "icafe", "topcow"] | None = None,
     variant_prior: PathLike | None = None,
-    unseen: float = 0.0,
+    unseen: float | None = None,
     arteries: PathLike | None = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,

@@ -43,7 +43,7 @@ def classify(
     landmarks: PathLike | None = None,
     labels: Literal["names", "icafe", "topcow"] | None = None,
     variant_prior: PathLike | None = None,
-    unseen: float = 0.0,
+    unseen: float | None = None,
     arteries: PathLike | None = None,
 ) -> Phenotype:
     """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""

@@ -48,8 +48,8 @@ pub struct Phenotype {
 }
 
 /// Classifies the Circle of Willis of an input. The vessels of a file are taken as they are; of the folder of a run, the plausible
-/// topologies are drawn again. The arteries are known by `source`, else as the run knew them, else by labels. `progress` says whether to
-/// go on.
+/// topologies are drawn again. The arteries are known by `source`, else as the run knew them, else by labels; what `phenotypes` does not
+/// say is as the run had it. `progress` says whether to go on.
 ///
 /// # Errors
 ///
@@ -62,6 +62,7 @@ pub fn classify(
 ) -> Result<Phenotype> {
     phenotypes.validate()?;
     let path = Path::new(&input.provenance.input);
+    let phenotypes = &input.run.as_ref().map_or_else(|| phenotypes.clone(), |run| phenotypes.or(&run.options.infer.phenotypes));
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
     let usual = ArterySource::Automatic;
     let chosen = &source.or(of_run).unwrap_or(&usual).resolved(&input.network);

@@ -104,8 +104,8 @@ pub struct PhenotypeOptions {
     /// A CSV table of `missing,share`: how frequent each variant is in the study at hand, in the place of the published table.
     #[serde(rename = "variant_prior")]
     pub frequencies: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all, 0 to below 1.
-    pub unseen: f64,
+    /// How often a segment that is there is not in the extraction at all, 0 to below 1; without it never.
+    pub unseen: Option<f64>,
     /// A model of `willis train --model labels` that names arteries, in the place of the one that ships.
     pub arteries: Option<PathBuf>,
 }
@@ -117,10 +117,22 @@ impl PhenotypeOptions {
     ///
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        if (0.0..1.0).contains(&self.unseen) {
-            return Ok(());
+        match self.unseen {
+            Some(share) if !(0.0..1.0).contains(&share) => {
+                Err(Error::parameter("unseen", share, "expected a share from 0 to below 1"))
+            }
+            _ => Ok(()),
         }
-        Err(Error::parameter("unseen", self.unseen, "expected a share from 0 to below 1"))
+    }
+
+    /// The same, with what is not said here as others say it.
+    #[must_use]
+    pub fn or(&self, others: &Self) -> Self {
+        Self {
+            frequencies: self.frequencies.clone().or_else(|| others.frequencies.clone()),
+            unseen: self.unseen.or(others.unseen),
+            arteries: self.arteries.clone().or_else(|| others.arteries.clone()),
+        }
     }
 
     /// The model that names arteries.
@@ -138,7 +150,7 @@ impl PhenotypeOptions {
             Some(path) => VariantFrequencies::of_file(path)?,
             None => VariantFrequencies::published()?,
         };
-        Ok(crate::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen })
+        Ok(crate::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
     }
 }
 

@@ -21,9 +21,9 @@ pub struct ArteryArgs {
     /// How frequent each variant is among such people, in the place of the published table: a CSV file of missing,share
     #[arg(long, value_name = "FILE.csv", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
     variant_prior: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
-    unseen: f64,
+    /// How often a segment that is there is not in the extraction at all [default: 0]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, hide_short_help = true)]
+    unseen: Option<f64>,
     /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
     arteries: Option<PathBuf>,
