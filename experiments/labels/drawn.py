@@ -15,8 +15,8 @@ from cases import OTHER, OWNERS, RING, bare
 
 # What each variant lacks: those of experiments/phenotypes.
 VARIANTS = ("", "AComm", "L-A1", "R-A1", "L-P1", "R-P1", "L-PComm", "R-PComm", "L-PComm,R-PComm", "L-PComm,R-P1", "R-PComm,L-P1")
-# A vessel of the phantom -> its name here; what is not listed is `other`.
-NAMES = {f"{s}-ICA {part}": f"{s}-ICA" for s in "LR" for part in ("I", "II")} | {f"{s}-{a}": f"{s}-{a}" for s in "LR" for a in ("M1", "A1", "A2", "P1", "P2", "PComm")} | {"BA": "BA", "AComm": "AComm"}
+# A vessel of the phantom -> its name here. The last state of the basilar artery holds the vertebral ones.
+NAMES = {f"{s}-ICA {part}": f"{s}-ICA" for s in "LR" for part in ("I", "II")} | {f"{s}-{a}": f"{s}-{a}" for s in "LR" for a in ("M1", "A1", "A2", "P1", "P2", "PComm")} | {"BA": "BA", "L-VA": "BA", "R-VA": "BA", "AComm": "AComm"}
 # Points of a broken circle further from every vessel (mm) are spurious.
 FAR = 1.5
 

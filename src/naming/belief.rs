@@ -381,7 +381,7 @@ mod tests {
     /// Three nodes in a row, the last behind a gap: the marginals are those of all 113³ assignments.
     #[test]
     fn beliefs_are_those_of_all_assignments() {
-        let atlas = NamingModel::shipped().expect("reads").atlas;
+        let atlas = super::super::NamingModels::shipped().expect("reads").first().atlas.clone();
         let mut nodes = Nodes {
             at: vec![[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]],
             links: vec![[0, 1]],

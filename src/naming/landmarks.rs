@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::atlas::Atlas;
 use super::emission::Pose;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided, first_state, name_of};
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, STATES, Sided, bins_of, first_state, name_of};
 use crate::circle_of_willis::Side;
 use crate::support::geometry::{Point, distance, lerp};
 
@@ -133,9 +133,36 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
         }) || label == BA
     };
     let kept = found.iter().filter(|(label, _)| leaves(**label));
-    kept.map(|(label, (_, n))| {
-        let shown = if Side::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
-        NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
-    })
-    .collect()
+    let mut places: Vec<NamedPlace> = kept
+        .map(|(label, (_, n))| {
+            let shown = if Side::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
+            NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
+        })
+        .collect();
+    if let Some(vertebral) = vertebral_ends(nodes, labels, states, best) {
+        places.retain(|place| place.label != name_of(BA));
+        places.extend(vertebral);
+    }
+    places
+}
+
+/// Ends of the basilar artery further apart than this (mm) from left to right are those of the vertebral arteries, which the states of the
+/// basilar artery hold.
+const VERTEBRAL: f64 = 15.0;
+
+/// Where the vertebral arteries enter: of the free ends that lie as far along the basilar artery as its states go, the lowest on the left
+/// and on the right of their middle.
+fn vertebral_ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], best: &[Label]) -> Option<[NamedPlace; 2]> {
+    let last = first_state(BA) + bins_of(BA) - 1;
+    let is_end = |n: &usize| best[*n] == BA && nodes.degree(*n) <= 1 && states[n * STATES + last] > 0.5;
+    let ends: Vec<usize> = (0..nodes.len()).filter(is_end).collect();
+    let across = |n: usize| nodes.at[n][0];
+    let (least, most) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), n| (a.min(across(*n)), b.max(across(*n))));
+    let lowest = |side: Side| {
+        let own = ends.iter().filter(|n| (2.0 * across(**n) < least + most) == (side == Side::Left));
+        own.min_by(|a, b| nodes.at[**a][2].total_cmp(&nodes.at[**b][2]))
+    };
+    let (left, right) = (lowest(Side::Left)?, lowest(Side::Right)?);
+    let place = |label: &str, n: usize| NamedPlace { label: label.to_owned(), at: nodes.at[n], probability: labels[n][BA] };
+    (most - least > VERTEBRAL).then(|| [place("L-VA", *left), place("R-VA", *right)])
 }

@@ -15,6 +15,7 @@ mod joins;
 mod labelled;
 pub(crate) mod landmarks;
 pub(crate) mod model;
+mod models;
 pub(crate) mod nodes;
 pub(crate) mod pieces;
 pub(crate) mod pose;
@@ -30,6 +31,7 @@ pub use circle::{NamedCircle, Prior};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
+pub use models::NamingModels;
 pub use nodes::Nodes;
 pub use states::{LABELS, Label, OTHER, name_of};
 
@@ -61,6 +63,10 @@ pub struct Names {
     pub frame_was_found: bool,
     /// How the case lies in the atlas.
     pub pose: Pose,
+    /// How well it fits there: the log ratio of all names to no artery of the circle, with the prior of the pose. NaN where the pose was known.
+    pub fit: f64,
+    /// The number of the model that named it, of [`NamingModels`].
+    pub(crate) by: usize,
     /// Per node the probabilities of the labels.
     pub labels: Vec<[f64; LABELS]>,
     /// Per node the probabilities of the states, given that its piece is part of the circle: nodes x states.
@@ -162,6 +168,7 @@ fn names_at(
     let weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
     let (mut pose, mut median, mut used, mut weight) = (pose, median, used, weight);
+    let mut fit = f64::NAN;
     if counted >= LEAST_TRUE {
         if core.median_log_radius.is_none() {
             median = nodes.median_log_radius(|n| weight[n]);
@@ -172,7 +179,7 @@ fn names_at(
             let forest = Forest::of(&nodes, &used);
             let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
             if let Some(found) = search.around(poses).first() {
-                pose = found.pose;
+                (pose, fit) = (found.pose, found.score);
             }
         }
     } else {
@@ -195,6 +202,8 @@ fn names_at(
         nodes,
         frame,
         pose,
+        fit,
+        by: 0,
         labels,
         false_pieces,
         presence,
@@ -247,6 +256,12 @@ impl Names {
     /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
     pub fn seen_length(&self, segment: usize) -> f64 {
         self.seen.length[presence::label_of_segment(segment)]
+    }
+
+    /// The share of the length that is an artery of the circle.
+    pub fn share_named(&self) -> f64 {
+        let all: f64 = self.nodes.weight.iter().sum();
+        (all - self.seen.length[OTHER]) / all.max(f64::MIN_POSITIVE)
     }
 
     /// The most probable label of each node.

@@ -1,8 +1,6 @@
 //! A model that names arteries: the atlas, which pieces are false, which segments are there; and its file.
 
 use std::io::{self, Write};
-use std::path::Path;
-use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -56,9 +54,6 @@ pub struct NamingModel {
 /// The place of the log odds of the plausible topologies among the weights of `presence_with_topology`.
 pub const TOPOLOGY_FEATURE: usize = 1 + PRESENCE_FEATURES;
 
-/// The model that ships with willis.
-const SHIPPED: &str = include_str!("arteries.toml");
-
 /// P = 1/(1 + e^-z) of a logistic regression.
 pub fn logistic_probability(weights: &[f64], features: &[f64]) -> f64 {
     sigmoid(weights[0] + weights[1..].iter().zip(features).map(|(w, x)| w * x).sum::<f64>())
@@ -110,21 +105,6 @@ const FORMAT: &str = "willis artery names 1";
 const ACCEPTED: &str = "expected a model as `willis train --model labels` writes it";
 
 impl NamingModel {
-    /// The model that ships with willis.
-    ///
-    /// # Errors
-    ///
-    /// None in a released version: a test reads it.
-    pub fn shipped() -> Result<Self> {
-        // A cohort asks for every subject.
-        static MODEL: OnceLock<NamingModel> = OnceLock::new();
-        if let Some(model) = MODEL.get() {
-            return Ok(model.clone());
-        }
-        let model = Self::read(SHIPPED).map_err(|fault| fault.in_file(Path::new("src/naming/arteries.toml")))?;
-        Ok(MODEL.get_or_init(|| model).clone())
-    }
-
     /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.
     pub fn is_false(&self, features: &[f64; PIECE_FEATURES], before: Option<f64>) -> f64 {
         let mut x = features.to_vec();

@@ -136,7 +136,7 @@ mod tests {
     /// The same by logarithms, as the names themselves are found.
     #[test]
     fn probabilities_are_those_of_the_log_likelihoods() {
-        let atlas = NamingModel::shipped().expect("reads").atlas;
+        let atlas = super::super::NamingModels::shipped().expect("reads").first().atlas.clone();
         let nodes = Nodes {
             at: vec![[0.0; 3], [10.0, -4.0, 7.0], [-60.0, 90.0, 20.0]],
             direction: vec![[0.5, 0.3, 0.2, 0.1, 0.0, -0.1], [0.1, 0.1, 0.8, 0.05, 0.02, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]],

@@ -16,7 +16,7 @@ use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{LandmarkFormat, bytes_of, checksum, read_landmarks};
-use crate::naming::{NamedCircle, Names, NamingModel, name_again, name_arteries};
+use crate::naming::{NamedCircle, Names, NamingModels};
 use crate::network::units::Scale;
 use crate::network::{Condition, Network, Role};
 use crate::output::atomic::write_file;
@@ -68,7 +68,7 @@ impl ArterySource {
     ) -> Result<FoundArteries> {
         let scheme = match self {
             Self::Landmarks(file) => return by_landmarks(file, network, scale),
-            Self::Geometry | Self::Automatic => return by_geometry(input, network, None, &phenotypes.model()?),
+            Self::Geometry | Self::Automatic => return by_geometry(input, network, None, &phenotypes.models()?),
             Self::Labels(scheme) => *scheme,
             Self::AnyLabels => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
@@ -95,10 +95,10 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
-pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>, model: &NamingModel) -> Result<FoundArteries> {
+pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>, models: &NamingModels) -> Result<FoundArteries> {
     let names = match like {
-        Some(names) => name_again(network, model, names),
-        None => name_arteries(network, model),
+        Some(names) => models.name_again(network, names),
+        None => models.name(network),
     };
     let here = |fault: Fault| fault.in_file(input);
     let no_vessel = || {
@@ -108,6 +108,7 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>,
         )
     };
     let names = names.ok_or_else(no_vessel).map_err(here)?;
+    let model = models.of(&names);
     let (circle, notes) = names.located(network, model).map_err(here)?;
     let named = Some(names.circle(model));
     Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named })

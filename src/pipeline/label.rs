@@ -12,7 +12,7 @@ use crate::io::bytes_of;
 use crate::io::convert::Target;
 use crate::io::{Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks};
 use crate::naming::states::OTHER;
-use crate::naming::{LABELS, NamedPlace, Names, NamingModel, labelled_network, name_arteries, name_of};
+use crate::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
 use crate::network::Network;
 use crate::network::units::metres;
 use crate::output::StagedFile;
@@ -22,7 +22,7 @@ use crate::output::atomic::write_file;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LabelOptions {
-    /// A model of `willis train --model labels`; the shipped one without it.
+    /// A model of `willis train --model labels`; those that ship without it.
     pub model: Option<PathBuf>,
     /// How candidates are built, which pass names over gaps.
     pub infer: InferOptions,
@@ -43,16 +43,17 @@ pub struct Labelled {
     pub probability: Vec<Option<f64>>,
 }
 
-/// The model of a file, or the shipped one.
+/// The model of a file, or those that ship.
 ///
 /// # Errors
 ///
 /// A file that cannot be read or is no model.
-pub(crate) fn load_model(path: Option<&Path>) -> Result<NamingModel> {
-    let Some(path) = path else { return NamingModel::shipped() };
+pub(crate) fn load_models(path: Option<&Path>) -> Result<NamingModels> {
+    let Some(path) = path else { return NamingModels::shipped() };
     let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train --model labels` writes it");
     let bytes = bytes_of(path)?;
-    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(NamingModel::read).map_err(|fault| fault.in_file(path))
+    let model = std::str::from_utf8(&bytes).map_err(not_utf8).and_then(NamingModel::read).map_err(|fault| fault.in_file(path))?;
+    Ok(NamingModels::one(model))
 }
 
 /// Names the arteries of an input: exactly what `willis label` does.
@@ -61,13 +62,13 @@ pub(crate) fn load_model(path: Option<&Path>) -> Result<NamingModel> {
 ///
 /// As [`infer`](crate::infer) before any sample; a network without positions.
 pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Progress) -> Result<Labelled> {
-    let model = load_model(options.model.as_deref())?;
+    let models = load_models(options.model.as_deref())?;
     let (path, original) = (input.provenance.input.clone(), input.network.node_count());
     let prepared = prepare(input, &options.infer, progress)?;
-    let names = name_arteries(&prepared.graph, &model).ok_or_else(|| {
+    let names = models.name(&prepared.graph).ok_or_else(|| {
         Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path))
     })?;
-    let landmarks = names.landmarks(&model);
+    let landmarks = names.landmarks(models.of(&names));
     let (network, probability) = labelled_network(&prepared.graph, original, &names);
     Ok(Labelled { prepared, names, landmarks, network, probability })
 }

@@ -49,7 +49,7 @@ use crate::error::{Error, Fault, Result};
 use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
 use crate::masks::Scene;
-use crate::naming::{Names, NamingModel, name_arteries};
+use crate::naming::{Names, NamingModels};
 use crate::network::{Network, Origin};
 use crate::report::{ImageCut, Provenance, Segmentation};
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
@@ -168,7 +168,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
             let given = options.boundary.given(network, &mut Silent)?;
             Ok(prior.graph(network.clone(), is_fragments, &given, &building, None)?.0)
         };
-        match named(&path, &network, over_connected, &options.phenotypes.model()?, progress)? {
+        match named(&path, &network, over_connected, &options.phenotypes.models()?, progress)? {
             Named::Circle(found, found_names) => (arteries, names) = (Some(*found), Some(found_names)),
             Named::Nothing(why) => unnamed = Some(why),
         }
@@ -204,7 +204,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         arteries = Some(source.find(&path, &graph, &scale, &options.phenotypes)?);
     }
     if let Some(names) = &names {
-        arteries = Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.model()?)?);
+        arteries = Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.models()?)?);
     }
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
@@ -268,7 +268,7 @@ fn named(
     path: &Path,
     network: &Network,
     over_connected: impl Fn(&Network) -> Result<Network>,
-    model: &NamingModel,
+    models: &NamingModels,
     progress: &mut dyn Progress,
 ) -> Result<Named> {
     let find = || {
@@ -280,8 +280,8 @@ fn named(
             )
             .in_file(path)
         };
-        let names = name_arteries(&graph, model).ok_or_else(no_vessel)?;
-        Ok((arteries::by_geometry(path, network, Some(&names), model)?, names))
+        let names = models.name(&graph).ok_or_else(no_vessel)?;
+        Ok((arteries::by_geometry(path, network, Some(&names), models)?, names))
     };
     match find() {
         Ok((found, names)) => Ok(Named::Circle(Box::new(found), Box::new(names))),

@@ -135,13 +135,13 @@ impl PhenotypeOptions {
         }
     }
 
-    /// The model that names arteries.
+    /// The models that name arteries.
     ///
     /// # Errors
     ///
     /// A file that cannot be read or is no model.
-    pub(crate) fn model(&self) -> Result<crate::naming::NamingModel> {
-        super::label::load_model(self.arteries.as_deref())
+    pub(crate) fn models(&self) -> Result<crate::naming::NamingModels> {
+        super::label::load_models(self.arteries.as_deref())
     }
 
     /// The prior that they mean.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use willis::internals::naming::{LABELS, NamingModel, name_arteries, name_of};
+use willis::internals::naming::{LABELS, NamingModels, name_of};
 use willis::internals::network::{Frame, Network, Origin};
 use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
 
@@ -61,7 +61,7 @@ fn right(network: &Network, of: &BTreeMap<usize, String>) -> f64 {
 
 /// The name of most of each vessel.
 fn names(network: &Network) -> BTreeMap<usize, String> {
-    let names = name_arteries(network, &NamingModel::shipped().expect("a model")).expect("names");
+    let names = NamingModels::shipped().expect("models").name(network).expect("names");
     let mut sums: BTreeMap<usize, [f64; LABELS]> = BTreeMap::new();
     for n in 0..names.nodes.len() {
         let sum = sums.entry(names.nodes.place[n].vessel).or_insert([0.0; LABELS]);
