@@ -141,7 +141,7 @@ def run(work, options):
     for level in LEVELS:
         for folder in sorted((cases / level).iterdir()):
             subject = json.loads((folder / "truth.json").read_text())["subject"]
-            jobs.append((folder, trees[subject], work, ["--prior", weights] if (weights := ask.unseeing(subject, "WILLIS_FOLD_WEIGHTS", "weights.fold-*.toml")) else []))
+            jobs.append((folder, trees[subject], work, ask.folds(subject)))
     rows = [row for row in common.everywhere(case, jobs) if row]
     right = lambda segments, scored: all(segments[name] == there for name, there in scored.items())
     lines, pairs, parts = [], [], []

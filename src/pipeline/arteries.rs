@@ -11,7 +11,7 @@ use crate::circle_of_willis::{
     Circle, Collateral, Informant, LabelScheme, Posterior, Supply, artery_of_label, collaterals, identify_landmarks, in_axes_of,
     supplies,
 };
-use crate::decision::{KnownEnds, Topologies, TopologySource};
+use crate::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
 use crate::flow::{Boundary, FoundOutlets};
@@ -125,12 +125,23 @@ pub(crate) struct FoundArteries {
     #[serde(default)]
     copy: Option<(LandmarkFormat, String)>,
     pub(crate) notes: Vec<String>,
-    /// What names say of the segments, where the arteries are known by their geometry.
+    /// What names say of the segments, where the arteries are known by their geometry, or by landmarks in a circle that has names.
     #[serde(default)]
     pub(crate) named: Option<NamedCircle>,
 }
 
 impl FoundArteries {
+    /// The same with what names by geometry say of the segments, where the arteries are known by landmarks: a person says where arteries
+    /// enter and leave, names what lies between.
+    pub(crate) fn with_names(self, graph: &Network, phenotypes: &PhenotypeOptions) -> Result<Self> {
+        if self.landmarks.is_none() || !has_evidence(graph) {
+            return Ok(self);
+        }
+        let models = phenotypes.models()?;
+        let names = models.name(graph).filter(Names::is_circle);
+        Ok(Self { named: names.map(|names| names.circle(models.of(&names))), ..self })
+    }
+
     /// The record of the landmarks.
     pub(crate) fn record(&self) -> Value {
         json!(self.landmarks)

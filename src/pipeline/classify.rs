@@ -74,7 +74,7 @@ pub fn classify(
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
     let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
-    let found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?;
+    let mut found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?;
     if source.is_none() {
         check_landmarks(input, &found)?;
     }
@@ -82,6 +82,7 @@ pub fn classify(
     let (topologies, variant, posterior) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
+        found = found.with_names(network, phenotypes)?;
         let above = if has_evidence(network) {
             None
         } else {

@@ -206,6 +206,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     if let Some(names) = &names {
         arteries = Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.models()?)?);
     }
+    arteries = arteries.map(|found| found.with_names(&graph, &options.phenotypes)).transpose()?;
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
     let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();
