@@ -66,7 +66,7 @@ const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an out
 ///
 /// # Errors
 ///
-/// A label that is not accepted, or is given twice.
+/// A label that is not accepted, or is given twice; but M2 has several branches, which may have one each.
 pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
     for ListedLandmark { place, label, position } in listed {
@@ -74,10 +74,12 @@ pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, 
             Ok(named) => named,
             Err(hint) => return Err(Fault::at(place, format!("label \"{label}\""), format!("{hint}{ACCEPTED}"))),
         };
-        if let Some(first) = out.iter().find(|other| other.arteries == arteries && other.meet == meet) {
+        let is_branch = matches!(sites(&arteries, meet)[..], [Site::M1(_)]);
+        let same = |other: &Landmark| other.arteries == arteries && other.meet == meet;
+        if let Some(first) = out.iter().find(|other| same(other) && (!is_branch || other.position == position)) {
             let on = if matches!(place, Place::Line(_)) { "on " } else { "" };
             let found = format!("label \"{label}\", as {on}{}", first.place.words());
-            return Err(Fault::at(place, found, "expected every label once"));
+            return Err(Fault::at(place, found, "expected every label once, but that of M2, once a branch"));
         }
         out.push(Landmark { place, label, arteries, meet, position });
     }
@@ -191,6 +193,7 @@ impl Site {
     pub fn put(self, points: &mut Points, node: usize) {
         match self {
             Self::Ica(s) => points.ica[s.index()] = Some(node),
+            Self::M1(s) if points.m1[s.index()].is_some() => points.m2[s.index()].push(node),
             Self::M1(s) => points.m1[s.index()] = Some(node),
             Self::A2(s) => points.a2[s.index()] = Some(node),
             Self::P2(s) => points.p2[s.index()] = Some(node),

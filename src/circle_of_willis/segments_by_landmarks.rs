@@ -21,8 +21,11 @@ const LENGTH_OF_P1: f64 = 0.01;
 pub(crate) struct Points {
     /// Inlets of the carotids.
     pub ica: [Option<usize>; 2],
-    /// Outlets of M1.
+    /// Outlets of M1, or of the branch of M2 whose landmark is nearest to its end.
     pub m1: [Option<usize>; 2],
+    /// Outlets of the other branches of M2.
+    #[serde(default)]
+    pub m2: [Vec<usize>; 2],
     /// Outlets of A2, or where A2 begins.
     pub a2: [Option<usize>; 2],
     /// Outlets of P2, or where P2 begins.
@@ -65,8 +68,13 @@ impl Points {
     /// Every node of a landmark.
     pub fn nodes(&self) -> impl Iterator<Item = usize> {
         let pairs = [self.ica, self.m1, self.a2, self.p2, self.posterior, self.anterior, self.middle];
-        let others = self.carotid.iter().flatten().chain(&self.feeders).chain(&self.tip).chain(&self.third);
+        let others = self.carotid.iter().chain(&self.m2).flatten().chain(&self.feeders).chain(&self.tip).chain(&self.third);
         pairs.into_iter().flatten().flatten().chain(others.copied())
+    }
+
+    /// The outlets of the middle cerebral artery of a side.
+    fn middle_outlets(&self, side: usize) -> Vec<usize> {
+        self.m1[side].into_iter().chain(self.m2[side].iter().copied()).collect()
     }
 
     /// The variant in the vessels that `kept` selects.
@@ -97,7 +105,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     /// one.
     fn find_carotids(&mut self) {
         let points = self.points;
-        let ends = |s: usize| -> Vec<usize> { points.m1[s].map_or_else(|| points.carotid[s].clone(), |m1| vec![m1]) };
+        let ends = |s: usize| if points.m1[s].is_some() { points.middle_outlets(s) } else { points.carotid[s].clone() };
         let length = |path: &Path| path.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
         let find = |s: usize, avoid: &[usize]| {
             let posterior = self.posterior_nodes(&points.feeders);
@@ -110,7 +118,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let of_first = free[first].as_ref().map(|path| path.nodes.clone()).unwrap_or_default();
         let other = find(second, &of_first);
         for (s, path) in [(first, &free[first]), (second, &other)] {
-            let seen = [points.ica[s], points.m1[s]].into_iter().flatten().chain(points.carotid[s].iter().copied());
+            let seen = points.ica[s].into_iter().chain(points.middle_outlets(s)).chain(points.carotid[s].iter().copied());
             let mut nodes: Vec<usize> = path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen).collect();
             nodes.sort_unstable();
             nodes.dedup();
@@ -216,7 +224,8 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
         let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
-        let [[l_a2, r_a2], [l_m1, r_m1], [l_p2, r_p2]] = [points.a2, points.m1, points.p2].map(|pair| pair.map(one));
+        let [[l_a2, r_a2], [l_p2, r_p2]] = [points.a2, points.p2].map(|pair| pair.map(one));
+        let [l_m1, r_m1] = [0, 1].map(|side| at(&points.middle_outlets(side)));
         ArteryVessels {
             feeders: [one(points.ica[0]), one(points.ica[1]), at(&feeders)],
             segments: [l_a1, r_a1, acomm, l_p1, r_p1, l_pcomm, r_pcomm],

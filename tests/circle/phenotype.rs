@@ -526,6 +526,38 @@ fn names_and_words_say_what_is_missing() {
     assert!(!of(&["AComm", "L-PComm"]).is_published());
 }
 
+/// Two branches of M2 with a landmark each: both are outlets, and the artery is there while either hangs on the carotid.
+#[test]
+fn each_branch_of_m2_may_have_its_landmark() {
+    let mut branched = network(&CIRCLE);
+    let end = branched.ends(4)[1];
+    let from = branched.node(end).position.expect("a position");
+    let tips: Vec<usize> = [("up", 8.0), ("down", -8.0)]
+        .into_iter()
+        .map(|(id, z)| {
+            let at = [from[0] + metres(-10.0), from[1], from[2] + metres(z)];
+            let tip = branched.add_node(Node { id: id.to_owned(), position: Some(at), ..Node::default() });
+            let path = [from, at].map(|position| PathPoint { position, radius: metres(1.0), id: None });
+            branched.add_vessel([end, tip], Vessel::along(path.to_vec(), RadiusRule::Mean));
+            tip
+        })
+        .collect();
+    let mut text = landmarks(&[&ENDS[..2], &ENDS[3..]].concat());
+    for (label, tip) in [("L-M2", tips[0]), ("left M2", tips[1])] {
+        let [x, y, z] = branched.node(tip).position.expect("a position").map(|x| x * 1e3);
+        writeln!(text, "{label},{x},{y},{z}").expect("written");
+    }
+    let (circle, _) = Circle::at(&branched, &marked(&text).expect("landmarks")).expect("a circle");
+    assert!(tips.iter().all(|tip| circle.outlets().contains(tip)), "{:?} {tips:?}", circle.outlets());
+    let last = branched.vessel_count() - 1;
+    for lost in [&[last - 1][..], &[last], &[]] {
+        assert_eq!(circle.variant(&branched, |row| !lost.contains(&row)), Variant::COMPLETE, "without {lost:?}");
+    }
+    assert!(!circle.variant(&branched, |row| row < last - 1).ica[0]);
+    let twice = format!("{text}L-M2,{}\n", text.lines().last().and_then(|line| line.split_once(',')).expect("a place").1);
+    assert!(marked(&twice).is_err_and(|fault| fault.accepted.contains("once")));
+}
+
 #[test]
 fn landmarks_are_refused_with_their_line() {
     let refused = |text: &str, words: &[&str]| {

@@ -226,6 +226,16 @@ fn a_folder_of_infer_is_asked_again() {
     assert!(said.contains("that samples vote for"), "{said}");
     assert_eq!(json(&here.path().join("flow/phenotype.json")), json(&here.path().join("flow-again/phenotype.json")));
 
+    // The run's own rate of unseen segments holds, unless another one is stated.
+    run(&["infer", "a.swc", "-o", "seen", "--landmarks", "auto", "-n", "200", "--unseen", "0.4"]);
+    run(&["classify", "seen", "-o", "same"]);
+    run(&["classify", "seen", "-o", "never", "--unseen", "0"]);
+    let [seen, same, never] = ["seen", "same", "never"].map(|run| json(&here.path().join(run).join("phenotype.json")));
+    // How the vessels lie in the atlas is searched again, to a tolerance.
+    let there = |run: &serde_json::Value| run["probabilities"]["segments"]["L-PComm"].as_f64().unwrap();
+    assert!((there(&seen) - there(&same)).abs() < 1e-5, "{} {}", there(&seen), there(&same));
+    assert!(there(&seen) > there(&never) + 0.05, "{} {}", there(&seen), there(&never));
+
     let graph = here.path().join("run/candidates.graphml");
     let text = fs::read_to_string(&graph).unwrap();
     fs::write(&graph, text.replacen("candidate", "observed", 1)).unwrap();

@@ -49,6 +49,9 @@ pub struct TrainArgs {
     /// What the cases are: hand tracings, whose fragments form a forest, or automatic skeletons, whose candidates are judged one by one
     #[arg(long, value_enum, default_value_t = Kind::Tracing)]
     model: Kind,
+    /// The same as --model labels
+    #[arg(long, conflicts_with = "model", hide = true)]
+    labels: bool,
     /// Add the pass over images to MODEL.toml, a model of skeletons, and change nothing else in it
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath)]
     images_onto: Option<PathBuf>,
@@ -77,7 +80,7 @@ impl TrainArgs {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force };
         output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
-        match self.model {
+        match if self.labels { Kind::Labels } else { self.model } {
             Kind::Tracing => self.fit_tracings(&params, &output, terminal),
             Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
             Kind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),
