@@ -1,9 +1,9 @@
-"""Labelled cases of the drawn circle that `willis phantom` makes, whole and broken, to train on: drawn.py OUT [--seeds FIRST LAST]."""
-import argparse
+"""The drawn circle of `willis phantom`, whole and broken: cases to train its atlas on, and how well each variant is named without it."""
 import csv
 import json
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,8 @@ from cases import OTHER, OWNERS, RING, bare
 VARIANTS = ("", "AComm", "L-A1", "R-A1", "L-P1", "R-P1", "L-PComm", "R-PComm", "L-PComm,R-PComm", "L-PComm,R-P1", "R-PComm,L-P1")
 # A vessel of the phantom -> its name here. The last state of the basilar artery holds the vertebral ones.
 NAMES = {f"{s}-ICA {part}": f"{s}-ICA" for s in "LR" for part in ("I", "II")} | {f"{s}-{a}": f"{s}-{a}" for s in "LR" for a in ("M1", "A1", "A2", "P1", "P2", "PComm")} | {"BA": "BA", "L-VA": "BA", "R-VA": "BA", "AComm": "AComm"}
+# Seeds of the damage: none of experiments/phenotypes.
+SEEDS = range(1000, 1008)
 # Points of a broken circle further from every vessel (mm) are spurious.
 FAR = 1.5
 
@@ -51,7 +53,8 @@ def write(out, lacks, level, source, tree, names):
     (folder / "truth.json").write_text(json.dumps({"subject": lacks or "complete", "level": level.split("-")[0], "whole": level == "whole", "frame": "RAS", "phenotype": present}) + "\n")
 
 
-def make(out, seeds):
+def make(out):
+    """Writes OUT/VARIANT-whole and OUT/VARIANT-broken-SEED."""
     with tempfile.TemporaryDirectory() as scratch:
         for lacks in VARIANTS:
             without = ["--without", lacks] if lacks else []
@@ -63,20 +66,19 @@ def make(out, seeds):
             tree = cKDTree(points)
             names = [min((names[k] for k in tree.query_ball_point(p, 1e-6)), key=lambda name: OWNERS.index(bare(name))) for p in points]
             write(out, lacks, "whole", source, tree, names)
-            for seed in seeds:
+            for seed in SEEDS:
                 common.willis("phantom", "cerebral", *without, "--break", "--seed", seed, "-o", source)
                 write(out, lacks, f"broken-{seed}", source, tree, names)
                 for path in Path(scratch).iterdir():
                     path.unlink()
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--seeds", type=int, nargs=2, default=(1000, 1004), help="of the damage: not those of experiments/phenotypes [1000 1004]")
-    options = parser.parse_args()
-    make(options.out, range(*options.seeds))
-
-
-if __name__ == "__main__":
-    main()
+def run(work, _):
+    """Each variant named by an atlas of the ten others."""
+    if not (work / "train").exists():
+        make(work / "train")
+    common.willis("train", "train", "--model", "labels", "-o", work / "drawn.toml", "--folds", len(VARIANTS), threads=2, folder=work)
+    lines = []
+    for row in tomllib.loads((work / "drawn.toml").read_text())["figures"]:
+        lines.append([row["of"], row["cases"], f"{row['length_right']:.3f}", *(f"{share:.3f}" for share in (*row["presence_right"], *row["exact"]))])
+    return common.table(["damage", "cases", "length right", "segments right, by names", "with topologies", "all of a case right, by names", "with topologies"], lines)

@@ -8,12 +8,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import brava
 import cases
 import common
+import drawn
 import patients
 import topcow
 
 README = Path(__file__).resolve().parent / "README.md"
 OTHER_DRAW = 2
-PARTS = {"patients": patients.patients, "draws": patients.draws, "frames": patients.frames, "unseen": patients.unseen, "brava": brava.run, "topcow": topcow.run}
+PARTS = {"patients": patients.patients, "draws": patients.draws, "frames": patients.frames, "unseen": patients.unseen, "brava": brava.run, "topcow": topcow.run, "drawn": drawn.run}
 
 
 def main():
@@ -31,7 +32,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="labels-") as scratch:
         work = (options.work or Path(scratch)).resolve()
         for name in options.only:
-            part = work / name if name in ("brava", "topcow") else work
+            part = work / name if name in ("brava", "topcow", "drawn") else work
             part.mkdir(parents=True, exist_ok=True)
             text = PARTS[name](part, options)
             if text is not None:
