@@ -3,8 +3,8 @@
 //! A drop P_a - P_b has as many digits as the two pressures differ in: few or none where a vessel conducts 10¹² times what lies in series
 //! with it. Here drops are carried through the star-mesh elimination instead. With w the weights of the star of node k, and j one of its
 //! neighbours, P_k - P_j = Σ_i w_i (P_i - P_j) + s_k/S_k, where each difference is that of two later nodes, or of a later node and a
-//! pressure that a condition holds. Such a sum cancels only where flows do. How far rounding may have moved it is summed up beside it, which
-//! tells a small flow from none.
+//! pressure that a condition holds. Such a sum loses digits only where larger drops cancel in it. How far rounding may have
+//! moved it is summed up beside it, which tells a small flow from none.
 
 use super::circuit::{Circuit, same_pressure};
 use super::floating_components::grounded;
@@ -83,7 +83,9 @@ impl Drops {
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
         let free: Vec<usize> = (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none()).collect();
         let mut index = vec![None; circuit.node_count()];
-        free.iter().enumerate().for_each(|(at, node)| index[*node] = Some(at));
+        for (at, node) in free.iter().enumerate() {
+            index[*node] = Some(at);
+        }
         let both_free = |[a, b]: &[usize; 2]| Some([index[*a]?, index[*b]?]).filter(|_| a != b);
         let links: Vec<[usize; 2]> = circuit.ends.iter().filter_map(both_free).collect();
         let program = Elimination::compile(free.len(), &links, limit)?;
@@ -177,9 +179,8 @@ impl Drops {
         conductance.resize(program.rays(), 0.0);
         ground.resize(program.nodes() * levels.len(), 0.0);
         source.resize(program.nodes(), 0.0);
-        for list in [&mut *above, &mut *drop] {
-            list.clear();
-        }
+        above.clear();
+        drop.clear();
         above.resize(program.nodes() * levels.len(), Bounded::default());
         drop.resize(program.rays(), Bounded::default());
 
@@ -218,12 +219,16 @@ impl Drops {
                 conductance[ray] = weight;
                 source[to] += weight * source[k];
                 let others = &mut later[(to - k - 1) * levels..][..levels];
-                others.iter_mut().zip(&*own).for_each(|(other, own)| *other += weight * own);
+                for (other, own) in others.iter_mut().zip(&*own) {
+                    *other += weight * own;
+                }
                 for (other, target) in (ray + 1..star.end).zip(&mut mesh) {
                     conductance[*target as usize] += weight * conductance[other];
                 }
             }
-            own.iter_mut().for_each(|own| *own *= inverse);
+            for own in own {
+                *own *= inverse;
+            }
             source[k] *= inverse;
         }
     }
@@ -238,13 +243,19 @@ impl Drops {
             let injected = Bounded { value: source[k], error: unit * source[k].abs() };
             for (at, level) in levels.iter().enumerate() {
                 let mut sum = injected;
-                star.clone().for_each(|ray| sum.add(weight[ray], above[to(ray) + at], unit));
-                own.iter().zip(levels).for_each(|(own, other)| sum.add(*own, Bounded::exactly(other - level), unit));
+                for ray in star.clone() {
+                    sum.add(weight[ray], above[to(ray) + at], unit);
+                }
+                for (own, other) in own.iter().zip(levels) {
+                    sum.add(*own, Bounded::exactly(other - level), unit);
+                }
                 above[k * levels.len() + at] = sum;
             }
             for ray in star.clone() {
                 drop[ray] = injected;
-                own.iter().enumerate().for_each(|(at, own)| drop[ray].add(*own, -above[to(ray) + at], unit));
+                for (at, own) in own.iter().enumerate() {
+                    drop[ray].add(*own, -above[to(ray) + at], unit);
+                }
             }
             let mut mesh = program.mesh(k).iter();
             for a in star.clone() {

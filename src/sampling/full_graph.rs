@@ -204,7 +204,7 @@ impl Kernel for BlockKernel<'_> {
             }
             let mut total = graph.resiliences(simd, masks, group, memory);
             if let Some(drops) = &graph.drops
-                && graph.from_drops(drops, masks, first..(first + B).min(*samples), memory)
+                && graph.refine(drops, masks, first..(first + B).min(*samples), memory)
             {
                 total = graph.sum_and_keys(simd, group, memory);
             }
@@ -261,7 +261,7 @@ impl FullGraph {
     /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly; returns
     /// whether there are any.
     #[cold]
-    fn from_drops(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, memory: &mut Memory) -> bool {
+    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, memory: &mut Memory) -> bool {
         let (vessels, rounding, group) = (self.vessels.len(), FEW_DIGITS / DROP_CUT, samples.start / B);
         let resilience = &mut memory.resilience[group * vessels..][..vessels];
         let mut found = false;
