@@ -5,6 +5,7 @@ pub mod batch;
 pub mod boundary_conditions;
 pub mod circuit;
 pub mod dead_ends;
+pub mod drops;
 pub mod floating_components;
 pub mod free_ends;
 pub mod peeling;

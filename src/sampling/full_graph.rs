@@ -3,6 +3,8 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
+use std::ops::Range;
+
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest, KeySlot};
 use super::block_sums::{Forests, PerSample, expectation, open_vessels, part};
 use super::choose_solver;
@@ -14,10 +16,14 @@ use super::sampler::Block;
 use crate::error::Result;
 use crate::flow::batch::star_mesh;
 use crate::flow::circuit::beyond_doubles;
+use crate::flow::drops;
+use crate::flow::drops::{Drops, FEW_DIGITS};
 use crate::flow::floating_components::stranded;
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::residual::Check;
-use crate::flow::resilience::{diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drops};
+use crate::flow::resilience::{
+    DROP_CUT, MOST_RESILIENCE, diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drops,
+};
 use crate::flow::{Circuit, StarMesh};
 use crate::network::Network;
 use crate::support::random::BLOCK;
@@ -29,6 +35,8 @@ pub struct FullGraph {
     /// Dead ends and certain chains are taken out of it.
     circuit: Circuit,
     solver: StarMesh,
+    /// Where pressures may not show what flows in wide vessels.
+    drops: Option<Drops>,
     /// The forest program; Kruskal's algorithm without one.
     forest: Option<ForestProgram>,
     /// Where the keys of each vessel go: as the forest program has it, or each to a place of its own.
@@ -45,6 +53,8 @@ pub struct FullGraph {
 struct VesselFlow {
     /// Where the pressures at the two ends of its chain stand.
     slots: [u32; 2],
+    /// The row that stands for the chain.
+    stand_in: u32,
     /// ρ over the square of the drop between them, W/(m³ Pa²); zero for a vessel that never carries flow.
     factor: f64,
 }
@@ -62,6 +72,7 @@ pub struct Memory {
     in_forest: Vec<InForest<B>>,
     kruskal: Forest,
     check: Check,
+    drops: drops::Workspace,
 }
 
 /// The pressure at a slot above the circuit's level, and the drop that is only rounding beside it, Pa.
@@ -91,7 +102,7 @@ impl FullGraph {
         let mut vessels = Vec::with_capacity(chain.len());
         for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
             vessels.push(match chain {
-                None => VesselFlow { slots: [slot(ends[row][0]); 2], factor: 0.0 },
+                None => VesselFlow { slots: [slot(ends[row][0]); 2], stand_in: row as u32, factor: 0.0 },
                 Some(chain) => {
                     let factor = match vessel.resistance {
                         _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
@@ -107,7 +118,7 @@ impl FullGraph {
                     if !factor.is_normal() {
                         return Err(beyond_doubles(network, row, "resilience"));
                     }
-                    VesselFlow { slots: chain.ends.map(slot), factor }
+                    VesselFlow { slots: chain.ends.map(slot), stand_in: chain.first as u32, factor }
                 }
             });
         }
@@ -118,6 +129,7 @@ impl FullGraph {
             key_slots: forest.as_ref().map_or_else(one_each, |program| program.key_slots().to_vec()),
             forest,
             weight: options.weight,
+            drops: Drops::may_hide(&circuit).then(|| Drops::compile(&circuit, most_joins)).flatten(),
             circuit,
             solver,
             vessels,
@@ -149,6 +161,7 @@ impl FullGraph {
             in_forest: vec![[0; B]; (vessels + 1) * groups],
             kruskal: Forest::default(),
             check: Check::default(),
+            drops: drops::Workspace::default(),
         }
     }
 
@@ -189,7 +202,12 @@ impl Kernel for BlockKernel<'_> {
             if let Some(program) = forest {
                 program.clear(&mut memory.key);
             }
-            let total = graph.resiliences(simd, masks, group, memory);
+            let mut total = graph.resiliences(simd, masks, group, memory);
+            if let Some(drops) = &graph.drops
+                && graph.refine(drops, masks, first..(first + B).min(*samples), memory)
+            {
+                total = graph.sum_and_keys(simd, group, memory);
+            }
             global[first..first + B].copy_from_slice(&*total);
             let in_forest = &mut memory.in_forest[group * (vessels + 1)..][..=vessels];
             match forest {
@@ -236,6 +254,51 @@ impl FullGraph {
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
             key_slot.put(simd, &keys_or_zero(simd, &rho, row), key);
+        }
+        sum
+    }
+
+    /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly; returns
+    /// whether there are any.
+    #[cold]
+    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, memory: &mut Memory) -> bool {
+        let (vessels, rounding, group) = (self.vessels.len(), FEW_DIGITS / DROP_CUT, samples.start / B);
+        let resilience = &mut memory.resilience[group * vessels..][..vessels];
+        let mut found = false;
+        for sample in samples {
+            let open = |row: usize| masks[row] >> sample & 1 == 1;
+            let lane = sample % B;
+            let doubtful = |row: &usize| {
+                let vessel = &self.vessels[*row];
+                let [a, b] = vessel.slots.map(|slot| &memory.nodes[slot as usize]);
+                let few = rounding * a.rounding[lane].max(b.rounding[lane]);
+                vessel.factor > 0.0 && open(*row) && (a.pressure[lane] - b.pressure[lane]).abs() <= few
+            };
+            if !(0..vessels).any(|row| doubtful(&row)) {
+                continue;
+            }
+            drops.solve(open, &mut memory.drops);
+            let drop = |row: usize| drops.drop(self.vessels[row].stand_in as usize, &memory.drops);
+            if !(0..vessels).filter(doubtful).any(|row| drop(row).is_some()) {
+                continue;
+            }
+            found = true;
+            for (row, (vessel, resilience)) in self.vessels.iter().zip(&mut *resilience).enumerate() {
+                let drop = if vessel.factor > 0.0 && open(row) { drop(row) } else { None };
+                resilience[lane] = drop.map_or(0.0, |drop| (drop * drop * vessel.factor).min(MOST_RESILIENCE));
+            }
+        }
+        found
+    }
+
+    /// Puts the forest key of every vessel in a group anew; returns Σ ρ of each sample.
+    #[inline(always)]
+    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, memory: &mut Memory) -> Lanes<B> {
+        let resilience = &memory.resilience[group * self.vessels.len()..][..self.vessels.len()];
+        let mut sum = Lanes::ZERO;
+        for (row, (rho, key_slot)) in resilience.iter().zip(&self.key_slots).enumerate() {
+            sum = plus(simd, &sum, rho);
+            key_slot.put(simd, &keys_or_zero(simd, rho, row), &mut memory.key);
         }
         sum
     }

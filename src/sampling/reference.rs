@@ -29,6 +29,8 @@ use crate::error::{Error, Result};
 use crate::flow::Circuit;
 use crate::flow::dead_ends;
 use crate::flow::dead_ends::DeadEnds;
+use crate::flow::drops;
+use crate::flow::drops::Drops;
 use crate::flow::floating_components::{grounded, stranded};
 use crate::flow::residual::Check;
 use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
@@ -45,6 +47,8 @@ pub struct Reference {
     volume: Vec<f64>,
     /// ρ over the square of the flow, of each vessel.
     factor: Vec<f64>,
+    /// Where pressures may not show what flows in wide vessels.
+    drops: Option<Drops>,
     ties: Ties,
     weight: Weight,
 }
@@ -54,7 +58,8 @@ impl Reference {
     pub fn new(network: &Network, circuit: Circuit, weight: Weight) -> Self {
         let volume: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.volume()).collect();
         let factor: Vec<f64> = volume.iter().zip(&circuit.conductance).map(|(v, c)| resilience(1.0 / c, 1.0, *v)).collect();
-        Self { ties: Ties::new(&circuit, &factor), circuit, volume, factor, weight }
+        let drops = Drops::may_hide(&circuit).then(|| Drops::compile(&circuit, usize::MAX)).flatten();
+        Self { ties: Ties::new(&circuit, &factor), circuit, volume, factor, drops, weight }
     }
 
     /// How the samples are computed.
@@ -75,7 +80,8 @@ impl Reference {
             let open: Vec<bool> = block.masks[..self.volume.len()].iter().map(|mask| mask >> sample & 1 == 1).collect();
             let circuit = self.circuit.in_sample(|vessel| open[vessel]);
             let pressure = pressures(&circuit, |vessel| open[vessel])?;
-            let resilience = self.resiliences(&open, &pressure);
+            let is_open = |row: usize| block.masks[row] >> sample & 1 == 1;
+            let resilience = self.resiliences(is_open, &pressure);
             let present = open.iter().filter(|open| **open).count().max(1);
             let global = resilience.iter().sum::<f64>() / present as f64;
             let probability = block.probability.map_or(1.0, |p| p[sample]);
@@ -98,15 +104,28 @@ impl Reference {
 
     /// ρ = ΔP·Q / (π r² l), Q = C ΔP, of every vessel; zero where no blood flows. Vessels in series share one flow: those that tie by their
     /// radii tie exactly.
-    fn resiliences(&self, open: &[bool], pressure: &[f64]) -> Vec<f64> {
+    fn resiliences(&self, open: impl Fn(usize) -> bool, pressure: &[f64]) -> Vec<f64> {
         let Circuit { ends, conductance, level, .. } = &self.circuit;
+        let of_drop =
+            |vessel: usize, drop: f64| resilience(drop, conductance[vessel] * drop, self.volume[vessel]).min(MOST_RESILIENCE);
         let of_vessel = |vessel: usize| {
             let [a, b] = ends[vessel].map(|node| pressure[node]);
-            let flows = open[vessel] && is_diffused(a - b, a + level, b + level);
-            let rho = resilience(a - b, conductance[vessel] * (a - b), self.volume[vessel]);
-            [if flows { rho.min(MOST_RESILIENCE) } else { 0.0 }]
+            let flows = open(vessel) && is_diffused(a - b, a + level, b + level);
+            [if flows { of_drop(vessel, a - b) } else { 0.0 }]
         };
-        let mut rho: Vec<[f64; 1]> = (0..open.len()).map(of_vessel).collect();
+        let mut rho: Vec<[f64; 1]> = (0..self.volume.len()).map(of_vessel).collect();
+        if let Some(drops) = &self.drops {
+            let few = |vessel: &usize| {
+                let [a, b] = ends[*vessel].map(|node| pressure[node]);
+                Drops::has_few_digits(a - b, a + level, b + level)
+            };
+            let mut work = drops::Workspace::default();
+            drops.solve(&open, &mut work);
+            let drop = |vessel: usize| drops.drop(vessel, &work).filter(|_| open(vessel));
+            if (0..rho.len()).filter(few).any(|vessel| drop(vessel).is_some()) {
+                rho = (0..rho.len()).map(|vessel| [drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))]).collect();
+            }
+        }
         self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut ties::Workspace::default());
         rho.concat()
     }

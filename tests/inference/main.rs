@@ -31,3 +31,4 @@ mod solvers;
 mod statistics;
 mod textbook;
 mod topologies;
+mod wide_vessels;
