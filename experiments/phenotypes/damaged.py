@@ -76,7 +76,28 @@ def run(work, options):
     limits = rules.limits(cases)
     judged = bench.each(by_rule, [(case, limits, kept) for case, (_, kept) in zip(cases, answers)])
     scored = [{patients.name_of(s["segment"]): bool(s["present"]) for s in json.loads((case.folder / "truth.json").read_text())["phenotype"]} for case in cases]
-    return tables_of(cases, scored, [found or ask.REFUSED for found, _ in answers], judged, judge)
+    return tables_of(cases, scored, [found or ask.REFUSED for found, _ in answers], judged, judge, unfed(cases, options.seed))
+
+
+def unfed(cases, seed):
+    """Of each case, whether what was removed leaves an A2 or a P2 that nothing feeds."""
+    sys.path.append(str(Path(__file__).resolve().parent.parent / "labels"))
+    labels = importlib.import_module("cases")
+    trees, make_cases = labels.trees()
+    traced = {subject: {name for branch in tree.branches for name in branch["arteries"]} for subject, tree in trees.items()}
+    out = []
+    for case in cases:
+        subject, _, variant = case.name.rpartition("_")
+        *_, removed = labels.damaged(make_cases, trees, subject, case.level, int(variant), seed)
+        has = lambda *names: all(name in traced[subject] and name not in removed for name in names)
+        lost = [
+            f"{s}-{end}"
+            for s, o in ("LR", "RL")
+            for end, ways in (("A2", ((f"{s}-A1",), ("AComm", f"{o}-A1"))), ("P2", ((f"{s}-P1",), (f"{s}-PComm",))))
+            if f"{s}-{end}" in traced[subject] and not any(has(*way) for way in ways)
+        ]
+        out.append(bool(lost))
+    return out
 
 
 def interval(figure):
@@ -84,7 +105,7 @@ def interval(figure):
     return "-" if figure is None else f"{figure[0]:.3f} ({figure[1]:.2f}-{figure[2]:.2f})"
 
 
-def tables_of(cases, scored, found, judged, judge):
+def tables_of(cases, scored, found, judged, judge, impossible):
     """All tables of the part as Markdown."""
     exact = [float(all(f["segments"][s] == there for s, there in own.items())) if own else None for f, own in zip(found, scored)]
     still = [np.mean([f["segments"][s] is False for s in absent]) if (absent := [s for s, there in own.items() if not there]) else None for f, own in zip(found, scored)]
@@ -99,6 +120,15 @@ def tables_of(cases, scored, found, judged, judge):
     text = "Share of cases in which all scored segments are right, and share of absent segments that stay absent, mean of the cases:\n\n"
     text += common.table(["damage", "cases", "`classify`, exact", "kept topology, exact", *(f"{name}, exact" for name in RULES.values()), "`classify`, absent stays absent", "kept topology", *RULES.values()], lines)
     text += "\n\nExact, less that of the rules:\n\n" + common.table(["damage", *(f"`classify` - {name}" for name in RULES.values()), *(f"kept topology - {name}" for name in RULES.values())], less)
+    rows = []
+    for level in LEVELS:
+        cells = [level]
+        for which in (True, False):
+            own = [exact[k] for k, case in enumerate(cases) if case.level == level and impossible[k] is which and exact[k] is not None]
+            cells.append(f"{np.mean(own):.3f} of {len(own)}")
+        rows.append(cells)
+    text += "\n\nWhat is removed is drawn without regard to anatomy. `classify`, exact, where an A2 or a P2 is left that nothing feeds, and elsewhere:\n\n"
+    text += common.table(["damage", "an artery that nothing feeds", "none"], rows)
     field = {f"{level}: `classify`": [(own, ask.with_third(f)) for case, f, own in zip(cases, found, scored) if case.level == level and own] for level in LEVELS}
     text += "\n\n" + topcow.field_table(common, field)
     rows = []

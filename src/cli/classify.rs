@@ -7,6 +7,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::RECORD;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
+use crate::internals::support::endings::stem;
 use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify, read};
 use clap::Args;
 use serde_json::Value;
@@ -100,8 +101,7 @@ impl ClassifyArgs {
 
 /// What to call the subject of an input, file or folder.
 fn name_of(input: &Path) -> String {
-    let name = if input.is_dir() { input.file_name() } else { input.file_stem() };
-    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
 }
 
 impl ClassifyArgs {

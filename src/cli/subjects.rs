@@ -8,6 +8,7 @@ use crate::error::{Error, Fault, Result};
 use crate::internals::io::{Manifest, ManifestRow, bytes_of, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
+use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
 use super::command_line::words_of_row;
@@ -242,7 +243,6 @@ pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
 /// The same where a person may have said what an input is called.
 fn named_as(inputs: Vec<(PathBuf, Option<String>)>) -> Vec<Subject> {
     let (inputs, names): (Vec<PathBuf>, Vec<Option<String>>) = inputs.into_iter().unzip();
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut times: HashMap<String, usize> = HashMap::new();
     for path in &inputs {
         *times.entry(stem(path).to_lowercase()).or_default() += 1;

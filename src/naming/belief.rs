@@ -375,7 +375,6 @@ fn divided(belief: &[f64], message: Option<&[f64]>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::naming::NamingModel;
     use crate::naming::nodes::Bridge;
 
     /// Three nodes in a row, the last behind a gap: the marginals are those of all 113³ assignments.

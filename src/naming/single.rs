@@ -127,7 +127,6 @@ impl Kernel for Fit<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::NamingModel;
     use super::super::algebra::rotation;
     use super::super::atlas::all_states;
     use super::super::emission::{Parts, emission, radius_fit};

@@ -23,6 +23,7 @@ use crate::report::{
     write_phenotype,
 };
 use crate::sampling::{Likelihood, Method, SamplingOptions};
+use crate::support::endings::stem;
 
 /// What a run found.
 #[derive(Debug)]
@@ -260,7 +261,7 @@ impl Inference {
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
             let variant = posterior.best();
             let phenotype = phenotype_json(&prepared.graph, &variant, Some(posterior));
-            let subject = Path::new(&prepared.provenance.input).file_stem().unwrap_or_default().to_string_lossy();
+            let subject = stem(Path::new(&prepared.provenance.input));
             write_phenotype(folder, &subject, &variant, Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
             summary.supply = supply_json(&prepared.graph, &self.supplies);

@@ -200,13 +200,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let (mut graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
     let uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
     let (uniform_prior, decided) = decided(&mut graph, options.decisions.as_deref(), &provenance.sha256, uniform_prior)?;
-    if let Some(source) = by_labels {
-        arteries = Some(source.find(&path, &graph, &scale, &options.phenotypes)?);
-    }
-    if let Some(names) = &names {
-        arteries = Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.models()?)?);
-    }
-    arteries = arteries.map(|found| found.with_names(&graph, &options.phenotypes)).transpose()?;
+    arteries = match (by_labels, &names) {
+        (Some(source), _) => Some(source.find(&path, &graph, &scale, &options.phenotypes)?),
+        (None, Some(names)) => Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.models()?)?),
+        (None, None) => arteries.map(|found| found.with_names(&graph, &options.phenotypes)).transpose()?,
+    };
     let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
     let outlets = options.boundary.found_outlets.unwrap_or(usual);
     let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();

@@ -57,7 +57,11 @@ fn runs_made_apart_are_the_cohort_of_one_command() {
     assert_eq!(whole.status.code(), Some(1), "{}", stderr(&whole));
     for (at, input) in INPUTS.iter().enumerate() {
         let out = format!("on/machine-{at}/run & {at}");
-        done(here, &["infer", input, "-n128", "--seed=5", "--threads", "1", "--record-failure", "-o", &out, "-q"]);
+        let auto = ["--landmarks", "auto"];
+        done(
+            here,
+            &[&["infer", input, "-n128", "--seed=5", "--threads", "1", "--record-failure", "-o", &out, "-q"], &auto[..]].concat(),
+        );
     }
     let said = done(here, &["merge", "on/machine-*/run*", "-o", "far/cohort"]);
     assert!(said.contains("5 subjects, 2 failed") && said.contains("bad: bad.swc:1: "), "{said}");

@@ -14,6 +14,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
+use crate::internals::support::endings::without_ending;
+
 /// A parser for an enum of the library by the words that serde writes, each with its help.
 pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
     words: &[(&'static str, &'static str)],
@@ -32,7 +34,7 @@ pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
 pub fn file_of(name: &Path, input: &Path) -> PathBuf {
     let Some(text) = name.to_str().filter(|text| text.contains('{')) else { return name.to_owned() };
     let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let whole = if input.is_dir() { input.to_owned() } else { input.with_extension("") };
+    let whole = if input.is_dir() { input.to_owned() } else { without_ending(input) };
     // Split first, so that braces in the name of a folder stay as they are.
     let parts = text.split("{dir}").map(|part| part.replace("{}", &whole.to_string_lossy()));
     parts.collect::<Vec<_>>().join(&folder.to_string_lossy()).into()
