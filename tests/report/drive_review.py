@@ -47,7 +47,9 @@ def check_flight(page):
     before = page.picture()
     page.click(f"#review-list li[data-row='{rows[0]}'] .go")
     page.rest()
-    assert page.picture() != before and page.text("#picked h3").startswith(f"Vessel {rows[0]}")
+    edge = page.edges[rows[0]]
+    name = edge["label"] or f"{'contact' if edge['origin'] == 'contact' else 'connection'} {rows[0]}"
+    assert page.picture() != before and page.text("#picked h3").lower() == name.lower(), page.text("#picked h3")
     ring = """const c = document.getElementById('overlay'), k = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
       for (let i = 0; i < k.length; i += 4) if (k[i] > 190 && k[i + 1] < 40 && k[i + 2] < 70 && k[i + 3] > 200) return true; return false"""
     assert page.driver.execute_script(ring), "no ring"
@@ -72,6 +74,10 @@ def check_decisions(page, downloads):
     now, was = page.counts(), page.edges[rows[0]]["kept"] == "1"
     assert now["undecided"] == start["undecided"] - 1 and now["kept"] == start["kept"] + (not was), (start, now)
     assert page.text("#answer-words") != sentence and "1 decided by a person" in page.text("#answer-words")
+    # The list and the figure in the view follow the decision.
+    assert page.text(f"#review-list li[data-row='{rows[0]}'] .chance") == "accepted"
+    beside = page.driver.execute_script("return scene.overlay.chances.filter(one => one.strong).map(one => one.text)")
+    assert len(beside) == 1 and beside[0].endswith("P > .999"), beside
     canvas.send_keys("u")
     assert page.counts() == start and page.text("#answer-words") == sentence
     page.click(f"#review-list li[data-row='{rows[0]}'] .accept")
@@ -101,7 +107,7 @@ def check_decisions(page, downloads):
     assert again[rows[-1]]["kept"] == "0" and float(again[rows[-1]]["probability"]) == 0 and float(again[rows[-1]]["likelihood"]) == 0
     # What the page says of the others is what the run says.
     for row in rows[1:-1]:
-        said = page.text(f"#review-list li[data-row='{row}'] .chance").split("= ")[1]
+        said = page.text(f"#review-list li[data-row='{row}'] .chance").removeprefix("P").removeprefix(" = ").strip()
         p = float(again[row]["probability"])
         assert said[0] in "<>" or abs(float(said) - p) <= 0.005, (row, said, p)
     refused = replay("--decisions", str(target), "-k", "2")
@@ -126,14 +132,16 @@ def check_tooltip(page):
 
 
 def check_picture(page, downloads):
-    """The saved picture is twice as fine as the view."""
-    target = Path(downloads) / "vessels.png"
+    """The saved picture is twice as fine as the view, and has the name of the input."""
+    name = Path(page.record["input"]["path"]).name.removesuffix(".gz")
+    found = lambda: [path for path in Path(downloads).glob(f"{Path(name).stem}*.png") if path.stat().st_size]
     page.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(downloads)})
     page.click("#picture")
     for _ in range(100):
-        if target.exists() and target.stat().st_size:
+        if found():
             break
         time.sleep(0.1)
+    [target] = found()
     wide = int.from_bytes(target.read_bytes()[16:20], "big")
     assert wide == 2 * page.driver.execute_script("return document.getElementById('canvas').clientWidth")
     target.unlink()

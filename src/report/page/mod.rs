@@ -96,8 +96,8 @@ fn warnings(record: &Value) -> Vec<String> {
     }
     match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
         None | Some(0) => {}
-        Some(1) => all.push("One part of the vessels carries no flow: it lacks an inlet or an outlet.".to_owned()),
-        Some(n) => all.push(format!("{n} parts of the vessels carry no flow: they lack an inlet or an outlet.")),
+        Some(1) => all.push("One part of what the run kept carries no flow: it lacks an inlet or an outlet.".to_owned()),
+        Some(n) => all.push(format!("{n} parts of what the run kept carry no flow: they lack an inlet or an outlet.")),
     }
     let notes = record["notes"].as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(Value::as_str);
     let plain = |note: &&str| note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING);

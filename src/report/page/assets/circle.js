@@ -36,6 +36,12 @@ function segmentState(phenotype, name) {
 }
 
 // A probability in two or three figures; never a rounded 0 or 1.
+// A probability as it stands after "P": `= .35`, or `> .999`.
+function isChance(p) {
+  const text = chance(p);
+  return /^[<>]/.test(text) ? `P ${text}` : `P = ${text}`;
+}
+
 function chance(p) {
   if (!Number.isFinite(p)) return "";
   if (p > 0.9995) return "> .999";
@@ -52,7 +58,7 @@ function stateWords(state) {
 }
 
 function drawSegment(state, { course, text: [x, y, anchor] }, colours) {
-  const wide = state.hypoplastic ? 6 : 13, named = state.probability !== null ? `P = ${chance(state.probability)}` : state.present ? "present" : "absent";
+  const wide = state.hypoplastic ? 6 : 13, named = state.probability !== null ? isChance(state.probability) : state.present ? "present" : "absent";
   const seen = !state.notSeen, fill = state.probability === null ? (state.present ? "var(--kept)" : "var(--paper)") : `rgb(${blend(colours, state.probability)})`;
   const whole = [state.name, named, stateWords(state)].filter((word, at, all) => word && all.indexOf(word) === at).join(", ");
   const line = (style) => draw("path", { d: course, fill: "none", "stroke-linecap": "butt", ...style });
@@ -98,7 +104,7 @@ function drawCircle(phenotype, colours) {
 // A list of the next most probable variants and of what would decide between them. `flies(row)` goes to a vessel, where there is a view.
 function variantList(phenotype, flies) {
   const known = phenotype.probabilities, parts = [];
-  const says = (words, p) => make("li", {}, words, " ", make("b", { text: `P = ${chance(p)}` }));
+  const says = (words, p) => make("li", {}, words, " ", make("b", { text: isChance(p) }));
   if (!known) return [make("p", { class: "quiet", text: "The vessels were taken as they stand, so there are no probabilities. Classify the folder of a run to have them." })];
   const [, ...others] = known.variants;
   if (others.length) parts.push(make("h3", { text: "Next most probable" }), make("ol", { class: "variants" }, ...others.slice(0, 3).map(v => says(v.words, v.probability))));
@@ -108,7 +114,7 @@ function variantList(phenotype, flies) {
       const name = `connection ${d.edge} (${d.id_a} to ${d.id_b})`;
       const go = flies ? make("button", { type: "button", text: name }) : make("span", { text: name });
       if (flies) go.addEventListener("click", () => flies(d.edge));
-      return make("li", {}, go, `, P = ${chance(d.probability)}: the variant has P = ${chance(d.variant_with)} with it and ${chance(d.variant_without)} without it`);
+      return make("li", {}, go, `, ${isChance(d.probability)}: the variant has P = ${chance(d.variant_with)} with it and ${chance(d.variant_without)} without it`);
     };
     parts.push(make("h3", { text: "What would decide" }), make("ol", { class: "variants" }, ...deciding.map(item)));
   }
@@ -124,6 +130,6 @@ function showCircle(phenotype, colours, flies) {
     any(s => s.notSeen) ? "A grey dashed line is a segment that was not seen; its probability is what is usual." : null, any(s => s.hypoplastic) ? "A thin one is hypoplastic." : null];
   byId("circle-drawing").replaceChildren(svg, make("p", { class: "quiet", text: ["Seen as a radiologist sees it: the patient's right is on the left, the front is at the top.", ...notes].filter(Boolean).join(" ") }));
   byId("circle-words").replaceChildren(
-    make("p", { class: "variant-words" }, make("b", { text: phenotype.words.replace(/^./, c => c.toUpperCase()) }), known ? ` P = ${chance(known.variant)}` : ""),
+    make("p", { class: "variant-words" }, make("b", { text: phenotype.words.replace(/^./, c => c.toUpperCase()) }), known ? ` ${isChance(known.variant)}` : ""),
     ...variantList(phenotype, flies));
 }

@@ -43,7 +43,7 @@ function listen(scene, acts) {
       camera.orbit(0.005 * dx, 0.005 * dy);
     } else if (event.shiftKey || event.buttons & 6) camera.pan(dx, dy);
     else camera.orbit(0.008 * dx, 0.008 * dy);
-    scene.paint();
+    scene.move();
   });
   const leave = event => {
     const mine = fingers.delete(event.pointerId);
@@ -60,7 +60,7 @@ function listen(scene, acts) {
     scene.halt();
     const lines = event.deltaMode === 1 ? 16 : 1;
     camera.zoom(Math.exp(-0.0015 * Math.min(Math.max(event.deltaY * lines, -300), 300)), ...fromMiddle(event));
-    scene.paint();
+    scene.move();
   }, { passive: false });
 
   const turn = Math.PI / 24, step = 30;

@@ -33,7 +33,7 @@ function showPicked() {
   const image = of === vessels ? imageOf(row) : null;
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
-  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), image, beside,
+  place.replaceChildren(...[make("h3", { text: beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), image, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
 
@@ -42,13 +42,19 @@ function goTo(row) {
   pick(row, false);
   if (!scene || !threshold?.uncertain[row]) { scene?.reveal(row); return; }
   const rivals = threshold.rivals(row);
-  scene.overlay.chances = [row, ...rivals]
-    .filter((one, at) => at === 0 || !(threshold.chance(one) < 0.02)).slice(0, 12).map(one => ({ at: scene.shape.middle(one), text: review.figure(one), strong: one === row }));
+  showChances(row);
   // Alternatives that are hardly probable do not widen the view.
   const likely = rivals.filter(one => threshold.probability === null || !(threshold.chance(one) < 0.03));
   scene.goTo(row, rivals, likely);
   scene.dress();
   if (byId("view").getBoundingClientRect().top < 0) byId("view").scrollIntoView({ block: "start" });
+}
+
+// How probable a connection and its alternatives are, beside them in the view.
+function showChances(row) {
+  const all = [row, ...threshold.rivals(row)].filter((one, at) => at === 0 || !(threshold.chance(one) < 0.02)).slice(0, 12);
+  const text = one => all.length > 1 ? `${review.name(one).replace("connection ", "")}: ${review.figure(one)}` : review.figure(one);
+  scene.overlay.chances = all.map(one => ({ at: scene.shape.middle(one), text: text(one), strong: one === row }));
 }
 
 // One sentence that says what was found.
@@ -74,7 +80,7 @@ function showAnswer() {
   const phenotype = data.phenotype;
   if (phenotype) {
     const known = phenotype.probabilities;
-    words.push(" ", make("a", { href: "#circle", text: `Circle of Willis: ${phenotype.words}${known ? ` (P = ${chance(known.variant)})` : ""}.` }));
+    words.push(" ", make("a", { href: "#circle", text: `Circle of Willis: ${phenotype.words}${known ? ` (${isChance(known.variant)})` : ""}.` }));
   }
   byId("answer-words").hidden = words.length === 0;
   byId("answer-words").replaceChildren(...words);
@@ -227,7 +233,12 @@ function showThreshold() {
 
 function showReview() {
   if (!threshold) return;
-  const show = () => { review.show(); showThreshold.again(); if (picked >= 0) showPicked(); };
+  const show = () => {
+    review.show();
+    if (picked >= 0 && scene?.overlay.chances.length) showChances(picked);
+    showThreshold.again();
+    if (picked >= 0) showPicked();
+  };
   decisions = new Decisions(threshold, vessels, tables.find(t => t.title === "Nodes"), show);
   review = new Review(threshold, decisions, vessels, goTo);
   byId("review").hidden = false;
@@ -297,8 +308,13 @@ function showScene() {
   if (scene.hull) tellResolution(data.segmentation);
   toggle("names", scene.overlay.names.length > 0, on => { scene.overlay.namesShown = on; });
   byId("markers").checked = scene.markersShown;
-  byId("picture").addEventListener("click", () => make("a", { href: scene.picture().toDataURL(), download: "vessels.png" }).click());
+  byId("picture").addEventListener("click", () => make("a", { href: scene.picture().toDataURL(), download: `${[nameOfInput(), picked >= 0 ? review?.name(picked).replace(/\W+/g, "-") ?? picked : ""].filter(Boolean).join("-")}.png` }).click());
   dress();
+}
+
+// The name of the input without its folder and its endings.
+function nameOfInput() {
+  return data.record.input.path.split(/[\\/]/).at(-1).replace(/(\.[a-z]+)?(\.gz)?$/i, "") || "vessels";
 }
 
 // How fine the surface of the segmentation is.

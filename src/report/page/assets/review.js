@@ -37,16 +37,16 @@ class Review {
 
   figure(row) {
     const { threshold } = this, p = threshold.chance(row);
-    if (!Number.isNaN(p)) return `P = ${chance(p)}`;
+    if (!Number.isNaN(p)) return isChance(p);
     return `${threshold.name.split(" ").at(-1)} = ${withUnit(shown(threshold.values[row], 3), threshold.unit)}`;
   }
 
   line({ row, hangs }) {
     const { threshold } = this, state = threshold.state(row), said = threshold.decided.get(row);
     const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
-    const words = [this.vessels.find("origin")?.at(row) === "contact" ? null : `gap ${shown(gap, 2)} mm`, hangs > 0 ? `${shown(hangs, 2)} mm hang on it` : "closes a loop", rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative"];
+    const words = [this.vessels.find("origin")?.at(row) === "contact" ? null : `gap ${shown(gap, 2)} mm`, hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop", rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative"];
     const go = make("button", { type: "button", class: "go" },
-      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: this.figure(row) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: said === undefined ? this.figure(row) : said ? "accepted" : "rejected" }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
     const choose = (text, label, accepted) => {
       const button = make("button", { type: "button", text, "aria-pressed": said === accepted, "aria-label": `${label} ${this.name(row)}`, title: label, class: accepted ? "accept" : "reject" });
@@ -65,7 +65,7 @@ class Review {
     if (here !== undefined) list.querySelector(`li[data-row="${here}"] .${which}`)?.focus();
     byId("review-note").textContent = items.length === 0 ? "Nothing: every connection is decided." :
       left === 0 ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
-      `${left === items.length ? grouped(left) : `${grouped(left)} of ${grouped(items.length)}`}, those on which most depends first. Press n for the next, a to accept, r to reject, u to undo.`;
+      `${left === items.length ? grouped(left) : `${grouped(left)} of ${grouped(items.length)}`} connection${items.length > 1 ? "s" : ""}, those on which most depends first. Press n for the next, a to accept, r to reject, u to undo.`;
     const more = byId("review-more");
     more.hidden = items.length <= this.shown;
     more.textContent = `Show more (${grouped(items.length - this.shown)})`;
@@ -81,16 +81,16 @@ class Review {
     const { threshold } = this;
     const all = [row, ...threshold.rivals(row).sort((a, b) => threshold.chance(b) - threshold.chance(a) || threshold.values[b] - threshold.values[a])].slice(0, 12);
     const evidence = all.some(other => !Number.isNaN(threshold.chance(other)));
-    const heads = ["", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
+    const heads = ["connection", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
     const line = other => {
       const { bends, radii } = shape.junction(other, threshold);
-      const go = make("button", { type: "button", text: this.name(other).replace("connection ", "nr. "), disabled: other === row });
+      const go = make("button", { type: "button", text: this.name(other).replace("connection ", ""), disabled: other === row });
       go.addEventListener("click", () => this.goes(other));
       const cells = [evidence ? chance(threshold.chance(other)) : shown(threshold.values[other], 3), shown(this.vessels.find("length_mm").at(other), 3),
         bends.map(b => Number.isNaN(b) ? "–" : Math.round(b)).join(", "), radii.map(r => Number.isNaN(r) ? "–" : shown(r, 2)).join(", "), threshold.state(other).split(",")[0]];
       return make("tr", { "aria-current": other === row ? "true" : null }, make("th", { scope: "row" }, go), ...cells.map(text => make("td", { text })));
     };
-    return make("div", { class: "fit", tabindex: "0", role: "region", "aria-label": "Alternatives" }, make("table", { class: "alternatives" }, make("caption", { text: all.length > 1 ? "This connection and its alternatives" : "This connection; it has no alternative" }),
+    return make("div", { class: "fit", tabindex: "0", role: "region", "aria-label": "Alternatives" }, make("table", { class: "alternatives" }, make("caption", { text: all.length > 1 ? "This connection and its alternatives; bends and radii are those at either end" : "This connection; it has no alternative" }),
       make("thead", {}, make("tr", {}, ...heads.map(text => make(text ? "th" : "td", { scope: text ? "col" : null, text })))), make("tbody", {}, ...all.map(line))));
   }
 }

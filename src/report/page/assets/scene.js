@@ -9,6 +9,8 @@ const ANATOMICAL = {
   LPS: { y: [[1, 0, 0], [0, 0, 1], [0, -1, 0]], x: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], z: [[1, 0, 0], [0, -1, 0], [0, 0, -1]] },
 };
 const FLIGHT = 450;
+// A frame with the surface that takes more (ms) is slow; so long after the last move (ms) the view rests.
+const SLOW = 50, REST = 150;
 
 class SceneView {
   constructor(source, vessels, frame, segmentation) {
@@ -170,7 +172,7 @@ class SceneView {
       if (this.flight !== goal) return;
       const t = still ? 1 : Math.min(Math.max((now - from) / FLIGHT, 0), 1);
       camera.between(start, goal, t * t * (3 - 2 * t));
-      this.paint();
+      this.move();
       if (t < 1) requestAnimationFrame(step);
       else this.flight = null;
     };
@@ -183,12 +185,34 @@ class SceneView {
   }
 
   paintVessels() {
-    this.painter.paint(this.camera, this.hull && this.hullShown ? { lift: this.voxel, focus: this.focus } : null);
+    const seen = this.hull && this.hullShown && !(this.hullIsSlow && this.moving);
+    this.painter.paint(this.camera, seen ? { lift: this.voxel, focus: this.focus } : null);
+  }
+
+  // Whether a frame with the surface takes long here, as without a graphics card: then it is left out while the view moves.
+  time() {
+    this.painter.finish();
+    const from = performance.now();
+    this.paintVessels();
+    this.painter.finish();
+    this.hullIsSlow = performance.now() - from > SLOW;
+  }
+
+  // Paints a view that moves.
+  move() {
+    this.moving = true;
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => {
+      this.moving = false;
+      this.paint();
+    }, REST);
+    this.paint();
   }
 
   frame() {
     if (!this.colour) return;
     this.paintVessels();
+    if (this.hull && this.hullShown && this.hullIsSlow === undefined && this.canvas.width > 1) this.time();
     this.overlay.draw(this.over.getContext("2d"), this.camera.size, this.ratio, false);
   }
 
@@ -204,6 +228,7 @@ class SceneView {
 
   // The view as a picture, twice as fine, with scale bar and legend; a canvas.
   picture() {
+    this.moving = false;
     const [w, h] = this.camera.size, was = this.ratio, sum = make("canvas", { width: 2 * w, height: 2 * h });
     [this.canvas.width, this.canvas.height] = [2 * w, 2 * h];
     const over = make("canvas", { width: 2 * w, height: 2 * h });

@@ -115,6 +115,11 @@ class GlPainter {
     if (this.hull && hull) this.paintHull(aim, hull);
   }
 
+  // Waits until all is drawn.
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
   // Two passes: the depth of what is nearest, then its colour over the vessels behind it. So nothing needs an order.
   paintHull(aim, { lift, focus }) {
     const { gl } = this, { program, array, count, places } = this.hull;
