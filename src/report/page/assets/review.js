@@ -81,7 +81,7 @@ class Review {
     const { threshold } = this;
     const all = [row, ...threshold.rivals(row).sort((a, b) => threshold.chance(b) - threshold.chance(a) || threshold.values[b] - threshold.values[a])].slice(0, 12);
     const evidence = all.some(other => !Number.isNaN(threshold.chance(other)));
-    const heads = ["connection", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
+    const heads = ["nr.", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
     const line = other => {
       const { bends, radii } = shape.junction(other, threshold);
       const go = make("button", { type: "button", text: this.name(other).replace("connection ", ""), disabled: other === row });
