@@ -8,12 +8,12 @@ const frame = data.record.input?.frame;
 let scene = null, sheet = null, picked = -1, decisions = null, review = null;
 
 // Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
-function pick(row, turn = true) {
+function pick(row, turn = true, reveal = turn) {
   picked = row;
   if (scene) {
     if (row < 0) scene.showAll();
     scene.pick(row);
-    if (row >= 0 && turn) scene.reveal(row);
+    if (row >= 0 && reveal) scene.reveal(row);
   }
   sheet.pick(row, turn);
   showPicked();
@@ -33,13 +33,13 @@ function showPicked() {
   const image = of === vessels ? imageOf(row) : null;
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
-  place.replaceChildren(...[make("h3", { text: beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : label ? `Vessel ${row}: ${label}` : `Vessel ${row}` }), image, beside,
+  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), image, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
 
 // Flies to an uncertain connection and shows its alternatives; to any other vessel as a selection does.
 function goTo(row) {
-  pick(row, false);
+  pick(row, true, false);
   if (!scene || !threshold?.uncertain[row]) { scene?.reveal(row); return; }
   const rivals = threshold.rivals(row);
   showChances(row);

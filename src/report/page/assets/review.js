@@ -32,7 +32,7 @@ class Review {
   // What a connection is called: by its labels, or by its row.
   name(row) {
     const label = this.vessels.find("label")?.at(row), kind = this.vessels.find("origin")?.at(row);
-    return label || `${kind === "contact" ? "contact" : "connection"} ${row}`;
+    return label || `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}`;
   }
 
   figure(row) {
