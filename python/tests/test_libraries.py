@@ -156,7 +156,7 @@ def test_many_subjects_are_those_of_the_command(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", willis.Note)
         study = willis.cohort(inputs, tmp_path / "study", samples=128)
-        alone = willis.infer(BROKEN, samples=128)
+        alone = willis.infer(BROKEN, samples=128, landmarks="auto")
     assert len(study) == 2 and set(study.subjects["status"]) == {"ok"}
     assert same(study.run(study.subjects["subject"][0]).edges["likelihood"], alone.edges["likelihood"])
     with pytest.raises(willis.WillisError, match="epsilom"):
