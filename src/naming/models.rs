@@ -3,14 +3,15 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use super::{Names, NamingModel, name_again, name_arteries};
+use super::core::WHOLE_BRAIN;
+use super::{Names, NamingModel, Nodes, name_again, name_arteries};
 use crate::error::Result;
 use crate::network::Network;
 
 /// The models that ship: of patients, and of the drawn circle of `willis phantom`.
 const SHIPPED: [(&str, &str); 2] =
     [("src/naming/arteries.toml", include_str!("arteries.toml")), ("src/naming/drawn.toml", include_str!("drawn.toml"))];
-/// Where the first model names this share of the length, no other one is asked.
+/// Where the first model names this share of the length, no other one is asked; nor of a whole brain.
 const ENOUGH: f64 = 0.8;
 
 /// Models that name arteries, the one that is asked first before the others.
@@ -45,7 +46,8 @@ impl NamingModels {
         let mut best: Option<Names> = None;
         for (by, model) in self.0.iter().enumerate() {
             let Some(names) = name_arteries(network, model) else { continue };
-            if by == 0 && names.share_named() >= ENOUGH {
+            // Of a whole brain each atlas names another part, so that their fits do not compare; and drawn circles are no brains.
+            if by == 0 && (names.share_named() >= ENOUGH || Nodes::of(network).length() > WHOLE_BRAIN) {
                 return Some(names);
             }
             // A case of which a model knows next to nothing has no fit.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::{folder, stderr, willis as command};
-use willis::internals::naming::{LABELS, NamingModels, name_of};
+use willis::internals::naming::{LABELS, NamingModel, NamingModels, name_of};
 use willis::internals::network::{Frame, Network, Origin};
 use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
 
@@ -62,7 +62,11 @@ fn right(network: &Network, of: &BTreeMap<usize, String>) -> f64 {
 
 /// The name of most of each vessel.
 fn names(network: &Network) -> BTreeMap<usize, String> {
-    let names = NamingModels::shipped().expect("models").name(network).expect("names");
+    names_by(&NamingModels::shipped().expect("models"), network)
+}
+
+fn names_by(models: &NamingModels, network: &Network) -> BTreeMap<usize, String> {
+    let names = models.name(network).expect("names");
     let mut sums: BTreeMap<usize, [f64; LABELS]> = BTreeMap::new();
     for n in 0..names.nodes.len() {
         let sum = sums.entry(names.nodes.place[n].vessel).or_insert([0.0; LABELS]);
@@ -110,6 +114,26 @@ fn nothing_of_a_tracing_is_lost_by_its_labels() {
         assert!(found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count() > 8);
         assert!(found.probability.iter().flatten().all(|p| (0.0..=1.0).contains(p)));
         assert!(!found.landmarks.is_empty());
+    }
+}
+
+/// A brain is named by the atlas of patients, and as if there were no other: of a brain each atlas names another part.
+#[test]
+fn a_whole_brain_is_named_by_the_atlas_of_patients() {
+    let shared = std::env::var_os("WILLIS_SHARED_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let Ok(entries) = fs::read_dir(shared.join("brava/vtp")) else {
+        println!("skipped: there is no {}", shared.join("brava/vtp").display());
+        return;
+    };
+    let mut brains: Vec<PathBuf> =
+        entries.flatten().map(|e| e.path()).filter(|p| p.to_string_lossy().ends_with(".vtp")).collect();
+    brains.sort();
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/naming/arteries.toml")).expect("a model");
+    let patients = NamingModels::one(NamingModel::read(&text).expect("a model"));
+    assert!(brains.len() > 10);
+    for path in brains.iter().step_by(9) {
+        let brain = read(path, &ReadOptions::default()).expect("a brain").network;
+        assert_eq!(names(&brain), names_by(&patients, &brain), "{}", path.display());
     }
 }
 
