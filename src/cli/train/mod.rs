@@ -80,7 +80,8 @@ impl TrainArgs {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force };
         output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
-        match if self.labels { Kind::Labels } else { self.model } {
+        let kind = if self.labels { Kind::Labels } else { self.model };
+        match kind {
             Kind::Tracing => self.fit_tracings(&params, &output, terminal),
             Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
             Kind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),
