@@ -9,6 +9,9 @@ import common
 import numpy as np
 import score
 
+# Draws of a patient and level to train on.
+TRAINED = 6
+
 
 def models(work, options):
     """The folder of arteries.toml and its folds, trained unless it is there: one patient left out at a time."""
@@ -17,7 +20,7 @@ def models(work, options):
         folder.mkdir(parents=True, exist_ok=True)
         source = work / "train"
         if not source.exists():
-            cases.make(source, seed=1, upright=True)
+            cases.make(source, seed=1, variants=TRAINED, upright=True)
         common.willis("train", source.name, "--model", "labels", "-o", folder / "arteries.toml", "--folds", 26, "--save-folds", threads=2, folder=work)
     return folder
 

@@ -94,6 +94,11 @@ impl Artery {
         sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
     }
 
+    /// Whether blood enters the circle by it.
+    pub(crate) fn brings_blood(self) -> bool {
+        matches!(self, Self::Ica(_) | Self::Ba | Self::Va(_))
+    }
+
     /// A number for the artery of either side, its name without the side, and its side; `None` in the midline.
     fn parts(self) -> (usize, &'static str, Option<Side>) {
         match self {

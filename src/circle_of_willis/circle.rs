@@ -66,7 +66,7 @@ impl Circle {
                 format!("expected {codes}"),
             ));
         }
-        if !meanings.iter().any(|meaning| matches!(meaning, LabelMeaning::Artery(artery) if is_inlet(*artery))) {
+        if !meanings.iter().any(|meaning| matches!(meaning, LabelMeaning::Artery(artery) if artery.brings_blood())) {
             return Err(Fault::file(
                 "no vessel is labelled as an internal carotid, basilar or vertebral artery",
                 "expected labels such as L-ICA, R-ICA, BA, L-VA (`labels` icafe|topcow for numbers), or give `landmarks` FILE",
@@ -94,7 +94,7 @@ impl Circle {
     ///
     /// A landmark too far from every vessel; no landmark of an inlet; nodes without positions.
     pub fn at(network: &Network, landmarks: &[Landmark]) -> Result<(Self, Vec<String>), Fault> {
-        if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if is_inlet(single))) {
+        if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if single.brings_blood())) {
             return Err(Fault::file(
                 "no inlet among the landmarks",
                 "expected one at least of L-ICA, R-ICA, BA, L-VA, R-VA: where it enters the field of view",
@@ -204,7 +204,7 @@ impl Circle {
         let Location::Vessels(meanings) = &self.location else { return Vec::new() };
         let ends = outermost_ends(network, meanings);
         let has_vertebral = ends.keys().any(|artery| matches!(artery, Artery::Va(_)));
-        let enters = |artery: &Artery| is_inlet(*artery) && !(has_vertebral && *artery == Artery::Ba);
+        let enters = |artery: &Artery| artery.brings_blood() && !(has_vertebral && *artery == Artery::Ba);
         ends.into_iter().filter(|(artery, _)| enters(artery)).map(|(_, node)| node).collect()
     }
 
@@ -250,10 +250,6 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
         }
     }
     found.into_iter().map(|(artery, (_, node))| (artery, node)).collect()
-}
-
-fn is_inlet(artery: Artery) -> bool {
-    matches!(artery, Artery::Ica(_) | Artery::Ba | Artery::Va(_))
 }
 
 /// The mean position of the ends of the vessels of every artery, m.

@@ -135,7 +135,7 @@ impl Posterior {
 /// No segment is surer than this of being there or not: evidence that is missing proves nothing.
 const LEAST: f64 = 0.002;
 /// The share of the topologies in the variants that are fitted, the rest being independent segments.
-const BY_TOPOLOGIES: f64 = 0.5;
+const BY_TOPOLOGIES: f64 = 0.2;
 /// Rounds of proportional fitting at the most.
 const ROUNDS: usize = 200;
 /// Variants below this probability are not listed.

@@ -4,6 +4,8 @@
 //! any order, mixed with the pair factors. A gap of probability p has the factor p B + (1 - p): names pass it as far as it is believed.
 //! A loop loses the link that closes it.
 
+use std::ops::Range;
+
 use super::algebra::{TableTimes, dot};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
@@ -107,6 +109,26 @@ impl Forest {
 
     /// The probabilities of all states, from the log likelihoods of each node in each state: nodes x states.
     pub fn beliefs(&self, atlas: &Atlas, log_likelihood: &[f64]) -> Beliefs {
+        self.pass(atlas, log_likelihood).run()
+    }
+
+    /// The logarithm of the probability of everything, as the messages have it, less the same with no node in some states: minus the logarithm
+    /// of the probability that none is, for each list of states.
+    pub fn evidence(&self, atlas: &Atlas, log_likelihood: &[f64], lists: &[&Range<usize>]) -> Vec<f64> {
+        let mut pass = self.pass(atlas, log_likelihood);
+        let log = pass.upward().log;
+        let own = pass.own.clone();
+        let without = lists.iter().map(|states| {
+            pass.own.copy_from_slice(&own);
+            for row in pass.own.chunks_mut(STATES) {
+                row[(*states).clone()].fill(0.0);
+            }
+            log - pass.upward().log
+        });
+        without.collect()
+    }
+
+    fn pass<'a>(&'a self, atlas: &'a Atlas, log_likelihood: &[f64]) -> Pass<'a> {
         let prior: Vec<f64> = atlas.prior.iter().map(|p| p.ln()).collect();
         let mut own = log_likelihood.to_vec();
         for row in own.chunks_mut(STATES) {
@@ -116,8 +138,18 @@ impl Forest {
                 *e = (*e - most).exp() + LEAST;
             }
         }
-        Pass { forest: self, atlas, own, instructions: InstructionSet::detect() }.run()
+        Pass { forest: self, atlas, own, instructions: InstructionSet::detect() }
     }
+}
+
+/// What comes up the forest.
+struct Upward {
+    /// Per node the weights of its states by itself and what lies below it: nodes x states.
+    below: Vec<f64>,
+    /// Per node the message to its parent.
+    up: Vec<Option<Vec<f64>>>,
+    /// The sum of the logarithms of all that was divided by.
+    log: f64,
 }
 
 /// One pass up and down the forest.
@@ -134,11 +166,10 @@ impl Pass<'_> {
         &self.own[node * STATES..(node + 1) * STATES]
     }
 
-    fn run(self) -> Beliefs {
-        let Forest { order, parent, children, is_bifurcation, bridges } = self.forest;
-        let n = order.len();
-        let mut below = self.own.clone();
-        let mut up: Vec<Option<Vec<f64>>> = vec![None; n];
+    fn upward(&self) -> Upward {
+        let Forest { order, parent, children, is_bifurcation, .. } = self.forest;
+        let (mut below, mut log) = (self.own.clone(), 0.0);
+        let mut up: Vec<Option<Vec<f64>>> = vec![None; order.len()];
         for node in order.iter().rev() {
             let message = if is_bifurcation[*node] {
                 parent[*node].map(|_| {
@@ -147,14 +178,20 @@ impl Pass<'_> {
                     self.out_of_bifurcation(*node, &messages, 2)
                 })
             } else {
-                normalise(row_mut(&mut below, *node));
-                parent[*node].filter(|arm| !is_bifurcation[arm.0]).map(|(_, link)| self.over(link, row(&below, *node)))
+                log += normalise(row_mut(&mut below, *node)).ln();
+                parent[*node].filter(|arm| !is_bifurcation[arm.0]).map(|(_, link)| self.message(link, row(&below, *node)))
             };
-            if let (Some(message), Some((above, _))) = (&message, parent[*node]) {
-                multiply(row_mut(&mut below, above), message);
+            if let (Some((message, scale)), Some((above, _))) = (&message, parent[*node]) {
+                log += scale + multiply(row_mut(&mut below, above), message).ln();
             }
-            up[*node] = message;
+            up[*node] = message.map(|(message, _)| message);
         }
+        Upward { below, up, log }
+    }
+
+    fn run(self) -> Beliefs {
+        let Forest { order, parent, children, is_bifurcation, bridges } = self.forest;
+        let Upward { below, up, .. } = self.upward();
         let mut all = below.clone();
         let mut bridge_ratio = vec![None; *bridges];
         for node in order {
@@ -167,7 +204,7 @@ impl Pass<'_> {
                     .map(|arm| {
                         let mut others = messages.clone();
                         others[arm] = None;
-                        self.out_of_bifurcation(*node, &others, arm)
+                        self.out_of_bifurcation(*node, &others, arm).0
                     })
                     .collect();
                 row_mut(&mut all, *node).copy_from_slice(&posterior);
@@ -200,10 +237,17 @@ impl Pass<'_> {
 
     /// A message over a link.
     fn over(&self, link: Link, from: &[f64]) -> Vec<f64> {
+        self.message(link, from).0
+    }
+
+    /// A message over a link, and the logarithm of what it was divided by.
+    fn message(&self, link: Link, from: &[f64]) -> (Vec<f64>, f64) {
+        let mut log = 0.0;
         let mut out = match link {
             Link::Vessel(kind) => self.product(&self.atlas.pairs[kind], from),
             Link::Gap { length, probability, .. } => {
                 let sum: f64 = from.iter().sum();
+                log += sum.ln();
                 let mut out = self.product(&self.atlas.gaps[length], from);
                 for m in &mut out {
                     *m = probability * *m / sum + (1.0 - probability);
@@ -211,8 +255,8 @@ impl Pass<'_> {
                 out
             }
         };
-        normalise(&mut out);
-        out
+        log += normalise(&mut out).ln();
+        (out, log)
     }
 
     /// The arms of a node, the parent last.
@@ -293,8 +337,8 @@ impl Pass<'_> {
         posterior
     }
 
-    /// The message of a bifurcation to one of its arms.
-    fn out_of_bifurcation(&self, node: usize, messages: &[Option<&[f64]>], target: usize) -> Vec<f64> {
+    /// The message of a bifurcation to one of its arms, and the logarithm of what it was divided by.
+    fn out_of_bifurcation(&self, node: usize, messages: &[Option<&[f64]>], target: usize) -> (Vec<f64>, f64) {
         let arms = self.arms(node);
         let weights = self.arm_weights(&arms, messages);
         let others: Vec<usize> = (0..3).filter(|arm| *arm != target).collect();
@@ -326,8 +370,9 @@ impl Pass<'_> {
         let sum: f64 = here.iter().sum();
         let onward = self.over(arms[target].1, &here);
         out.iter_mut().zip(&onward).for_each(|(o, m)| *o += (1.0 - joined) * m * sum * STATES as f64);
-        normalise(&mut out);
-        out
+        let of_arms: f64 = messages.iter().flatten().map(|message| message.iter().sum::<f64>().ln()).sum();
+        let log = total.ln() + of_arms + normalise(&mut out).ln();
+        (out, log)
     }
 }
 
@@ -346,20 +391,23 @@ fn row_mut(all: &mut [f64], node: usize) -> &mut [f64] {
     &mut all[node * STATES..(node + 1) * STATES]
 }
 
-fn normalise(row: &mut [f64]) {
+/// Divides by the sum, and returns it.
+fn normalise(row: &mut [f64]) -> f64 {
     let sum: f64 = row.iter().sum();
     for p in row.iter_mut() {
         *p /= sum;
     }
+    sum
 }
 
-/// Multiplies and divides by the largest, so that nothing becomes too small.
-fn multiply(row: &mut [f64], by: &[f64]) {
+/// Multiplies and divides by the largest, so that nothing becomes too small; returns that.
+fn multiply(row: &mut [f64], by: &[f64]) -> f64 {
     row.iter_mut().zip(by).for_each(|(r, b)| *r *= b);
     let most = row.iter().fold(0.0_f64, |a, b| a.max(*b));
     for r in row.iter_mut() {
         *r /= most;
     }
+    most
 }
 
 /// What a node knows without what came up from one child.
@@ -414,5 +462,49 @@ mod tests {
             }
         }
         assert!(found.bridge_ratio[0].is_some_and(|ratio| ratio > 0.0));
+
+        // No node in some states: the sum over all assignments without them, in which the far side is what it says by itself.
+        let total = |allowed: &dyn Fn(usize) -> bool| -> f64 {
+            let states = || (0..STATES).filter(|state| allowed(*state));
+            let far: f64 = states().map(|c| own(2, c)).sum();
+            let mut sum = 0.0;
+            for a in states() {
+                for b in states() {
+                    let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
+                    let joined: f64 = states().map(|c| own(2, c) * atlas.gaps[1][b * STATES + c]).sum();
+                    sum += pair * (0.7 * joined + 0.3 * far);
+                }
+            }
+            sum
+        };
+        let lists = [0..12, 50..55, 112..113];
+        let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &lists.iter().collect::<Vec<_>>());
+        for (states, found) in lists.iter().zip(evidence) {
+            let expected = (total(&|_| true) / total(&|state| !states.contains(&state))).ln();
+            assert!((found - expected).abs() < 1e-9 && expected > 0.0, "{states:?}: {found}, not {expected}");
+        }
+    }
+
+    /// Three arms of a junction: a name that only one node may have is missing where that node has another.
+    #[test]
+    fn evidence_at_a_bifurcation_agrees_with_beliefs() {
+        let atlas = super::super::NamingModels::shipped().expect("reads").first().atlas.clone();
+        let nodes = Nodes {
+            at: vec![[0.0; 3], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]],
+            links: vec![[0, 1], [0, 2], [0, 3], [3, 4]],
+            neighbours: vec![vec![1, 2, 3], vec![0], vec![0], vec![0, 4], vec![3]],
+            ..Nodes::default()
+        };
+        let own = 0..12;
+        for only in 0..5 {
+            let mut log_likelihood: Vec<f64> = (0..5 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
+            for node in (0..5).filter(|node| *node != only) {
+                log_likelihood[node * STATES..][own.clone()].fill(-200.0);
+            }
+            let forest = Forest::of(&nodes, &[]);
+            let belief: f64 = row(&forest.beliefs(&atlas, &log_likelihood).states, only)[own.clone()].iter().sum();
+            let evidence = forest.evidence(&atlas, &log_likelihood, &[&own])[0];
+            assert!((evidence + (1.0 - belief).ln()).abs() < 1e-9, "node {only}: {evidence}, not {}", -(1.0 - belief).ln());
+        }
     }
 }

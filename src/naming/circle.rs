@@ -2,17 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::atlas::Atlas;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{BA, LABELS, Label, OTHER, Sided};
+use super::states::{BA, LABELS, Label, OTHER, Sided, bins_of, first_state};
 use super::{Names, landmarks::NamedPlace};
-use crate::circle_of_willis::{Artery, Circle, Posterior, RING, SegmentState, Side, VariantFrequencies, identify_landmarks};
+use crate::circle_of_willis::{
+    Artery, Circle, LabelScheme, Posterior, RING, SegmentState, Side, VariantFrequencies, artery_of_label, identify_landmarks,
+};
 use crate::decision::{KnownEnds, Topologies};
 use crate::error::{Fault, Place};
 use crate::io::{ListedLandmark, SURE};
 use crate::network::units::metres;
 use crate::network::{Frame, Network};
 use crate::sampling::SamplingOptions;
+use crate::support::geometry::Point;
 use crate::support::statistics::sigmoid;
 
 /// Less than this much (mm) of an artery is none of it.
@@ -37,8 +41,9 @@ pub struct NamedCircle {
     pub share: [f64; 7],
     /// Whether enough is seen around each segment to say whether it is there.
     pub is_decidable: [bool; 7],
-    /// Whether anything is seen of each segment or of what lies at either end.
-    pub has_surroundings: [bool; 7],
+    /// Whether anything is seen of each segment or of what lies at either end, or of what surrounds the place where it would be.
+    #[serde(alias = "has_surroundings")]
+    pub is_in_view: [bool; 7],
     /// Whether each segment, if it is there, is thin.
     pub is_hypoplastic: [bool; 7],
     /// Candidates and contacts with the factor that names give to their odds.
@@ -74,7 +79,7 @@ impl NamedCircle {
 
     /// The probability of each segment, given the share of plausible topologies that have it, if a segment that is there is out of sight at
     /// the rate `unseen`: with π the usual share and Λ the ratio of the likelihoods of what is seen, its odds are π/(1 - π) (h + (1 - h) Λ).
-    /// Of a segment of which nothing is seen, nor of what lies at either end, it is that of the frequencies, given the others.
+    /// Of a segment out of view it is that of the frequencies, given the others.
     pub fn presence(&self, topologies: &[f64; 7], prior: &Prior) -> [f64; 7] {
         let usual = if prior.is_own { prior.frequencies.marginals() } else { self.share };
         let odds = |p: f64| p / (1.0 - p);
@@ -84,7 +89,7 @@ impl NamedCircle {
             let odds = odds(usual[s].clamp(1e-3, 1.0 - 1e-3)) * (prior.unseen + (1.0 - prior.unseen) * ratio);
             odds / (1.0 + odds)
         });
-        prior.frequencies.given(&seen, &self.has_surroundings)
+        prior.frequencies.given(&seen, &self.is_in_view)
     }
 
     /// What is known of each segment beside its probability.
@@ -131,7 +136,7 @@ impl Names {
             topology_weight: std::array::from_fn(|s| weights(s)[TOPOLOGY_FEATURE]),
             share: std::array::from_fn(|s| model.share[kind_of(s)]),
             is_decidable: std::array::from_fn(|s| self.is_decidable(s)),
-            has_surroundings: std::array::from_fn(|s| self.has_surroundings(s)),
+            is_in_view: std::array::from_fn(|s| self.has_surroundings(s) || self.encloses(s, &model.atlas)),
             is_hypoplastic: self.hypoplasia(),
             factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
         }
@@ -164,6 +169,17 @@ impl Names {
                 Artery::P1(side) => any(&[BA, on(Sided::P2, side), on(Sided::P1, side.other())]),
                 _ => Side::BOTH.iter().any(|side| any(&[on(Sided::A1, *side), on(Sided::A2, *side)])),
             }
+    }
+
+    /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
+    fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
+        let label = super::presence::label_of_segment(segment);
+        let states = first_state(label)..first_state(label) + bins_of(label);
+        let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
+        (0..3).all(|k| {
+            let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
+            at.iter().any(|p| p[k] <= middle) && at.iter().any(|p| p[k] >= middle)
+        })
     }
 
     /// Which segments are thin: below a diameter, or below a share of the opposite one's.
@@ -215,7 +231,14 @@ impl Names {
         }
         let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let listed = self.landmarks(model);
-        let sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
+        let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
+        // Blood comes in somewhere: where no place is sure, at the likeliest.
+        let is_inlet = |place: &&NamedPlace| artery_of_label(&place.label, LabelScheme::Names).is_some_and(Artery::brings_blood);
+        let likeliest = super::landmarks::likeliest_inlet(&self.nodes, &self.labels);
+        if !sure.iter().any(is_inlet) {
+            let listed = listed.iter().filter(is_inlet).max_by(|a, b| a.probability.total_cmp(&b.probability));
+            sure.extend(listed.or(likeliest.as_ref()));
+        }
         // Where the ends of all arteries at a bifurcation are seen, these say more than a bifurcation that may lie in a gap.
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {

@@ -2,7 +2,7 @@
 
 use super::atlas::Atlas;
 use super::belief::{Beliefs, ratio};
-use super::nodes::Nodes;
+use super::nodes::{Bridge, Nodes};
 use super::states::STATES;
 
 /// No factor is larger, nor smaller than one over it: names are only one witness.
@@ -20,4 +20,9 @@ pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[
         (is_true * ratio + 1.0 - is_true).clamp(1.0 / MOST, MOST)
     });
     each.collect()
+}
+
+/// The odds of a bridge with the factor that names give them.
+pub fn odds_with(bridge: &Bridge, factor: f64) -> f64 {
+    bridge.probability / (1.0 - bridge.probability).max(1e-12) * factor
 }

@@ -146,6 +146,15 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
     places
 }
 
+/// The free end that is likeliest of an artery by which blood enters; `None` without a free end.
+pub fn likeliest_inlet(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Option<NamedPlace> {
+    let enters = [Sided::Ica.on(Side::Left), Sided::Ica.on(Side::Right), BA];
+    let ends = (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1);
+    let each = ends
+        .flat_map(|n| enters.map(|label| NamedPlace { label: name_of(label), at: nodes.at[n], probability: labels[n][label] }));
+    each.max_by(|a, b| a.probability.total_cmp(&b.probability))
+}
+
 /// Ends of the basilar artery further apart than this (mm) from left to right are those of the vertebral arteries, which the states of the
 /// basilar artery hold.
 const VERTEBRAL: f64 = 15.0;

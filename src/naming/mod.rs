@@ -22,6 +22,7 @@ pub(crate) mod pose;
 pub(crate) mod presence;
 mod single;
 pub(crate) mod states;
+mod ways;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
 pub(crate) use circle::log_odds;
@@ -49,6 +50,8 @@ use states::STATES;
 pub(crate) const TEMPER: f64 = 0.3;
 /// Rounds in which pieces of arteries that are taken twice settle.
 const ROUNDS: usize = 3;
+/// A name that fewer nodes than this are expected to have has no evidence.
+const LEAST_EVIDENCE: f64 = 1e-3;
 /// A case has at least so much (mm) of pieces that are not false.
 const LEAST_TRUE: f64 = 20.0;
 
@@ -88,6 +91,8 @@ pub struct Names {
 /// What one pass finds.
 struct Pass {
     beliefs: Beliefs,
+    /// The log likelihoods that they are of: nodes x states.
+    log_likelihood: Vec<f64>,
     features: Vec<[f64; pieces::PIECE_FEATURES]>,
 }
 
@@ -190,10 +195,11 @@ fn names_at(
         second.features.iter().zip(&doubt).map(|(x, before)| is_false(x, Some((before + 1e-3).ln()))).collect();
 
     let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
-    let seen = Seen::of(&nodes, &labels);
+    let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
+    let evidence = evidence(&Forest::of(&nodes, &used), atlas, &second);
+    let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     let presence =
         std::array::from_fn(|segment| logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment)));
-    let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
     Some(Names {
         is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
         states: second.beliefs.states,
@@ -247,9 +253,26 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
             Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
         });
     }
-    let beliefs = forest.beliefs(atlas, &with(&penalty));
+    let log_likelihood = with(&penalty);
+    let beliefs = forest.beliefs(atlas, &log_likelihood);
     let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
-    Pass { beliefs, features }
+    Pass { beliefs, log_likelihood, features }
+}
+
+/// For each segment of the ring minus the logarithm of the probability that no node has its name.
+fn evidence(forest: &Forest, atlas: &atlas::Atlas, pass: &Pass) -> [f64; 7] {
+    let states: [_; 7] = std::array::from_fn(|segment| {
+        let label = presence::label_of_segment(segment);
+        let first = states::first_state(label);
+        first..first + states::bins_of(label)
+    });
+    // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
+    let expected =
+        |own: &std::ops::Range<usize>| pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum::<f64>();
+    let asked: Vec<_> = states.iter().filter(|own| expected(own) >= LEAST_EVIDENCE).collect();
+    let found = forest.evidence(atlas, &pass.log_likelihood, &asked);
+    let mut found = found.into_iter();
+    states.each_ref().map(|own| if expected(own) >= LEAST_EVIDENCE { found.next().unwrap_or(0.0) } else { 0.0 })
 }
 
 impl Names {

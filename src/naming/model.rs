@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atlas::{Atlas, AtlasData, Counts, Piece};
 use super::pieces::PIECE_FEATURES;
-use super::presence::{KINDS, PRESENCE_FEATURES};
+use super::presence::{FIRST_PRESENCE_FEATURES, KINDS, PRESENCE_FEATURES};
 use super::states::{LABELS, NOWHERE, STATES, State, StateTables, bins_of, first_state, label_of, name_of, side_of};
 use crate::circle_of_willis::Side;
 use crate::error::{Fault, Result};
@@ -101,7 +101,9 @@ impl StateRow {
     }
 }
 
-const FORMAT: &str = "willis artery names 1";
+const FORMAT: &str = "willis artery names 2";
+/// The format before: fewer features of segments, the first ones.
+const FORMAT_1: &str = "willis artery names 1";
 const ACCEPTED: &str = "expected a model as `willis train --model labels` writes it";
 
 impl NamingModel {
@@ -123,7 +125,8 @@ impl NamingModel {
             Fault::line(line, e.message().to_owned(), ACCEPTED)
         })?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
-        if file.format != FORMAT {
+        let is_first = file.format == FORMAT_1;
+        if file.format != FORMAT && !is_first {
             return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
         }
         let lengths = |what: &str, rows: &[Vec<f64>], expected: &dyn Fn(usize) -> usize| {
@@ -131,8 +134,16 @@ impl NamingModel {
             bad.map_or(Ok(()), |(k, _)| Err(wrong(format!("{what} {k}"), &format!("expected {} numbers", expected(k)))))
         };
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
-        lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
-        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
+        let features = if is_first { FIRST_PRESENCE_FEATURES } else { PRESENCE_FEATURES };
+        lengths("presence", &file.presence, &|_| 1 + features)?;
+        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + features)?;
+        // Features that a model of format 1 does not know weigh nothing.
+        let padded = |mut weights: Vec<f64>| {
+            let tail = weights.split_off(1 + features);
+            weights.resize(1 + PRESENCE_FEATURES, 0.0);
+            weights.extend(tail);
+            weights
+        };
         let tables = StateTables::new();
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
@@ -208,8 +219,8 @@ impl NamingModel {
             provenance,
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
-            presence: file.presence,
-            presence_with_topology: file.presence_with_topology,
+            presence: file.presence.map(padded),
+            presence_with_topology: file.presence_with_topology.map(padded),
             share: file.share,
         })
     }

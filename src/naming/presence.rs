@@ -1,11 +1,15 @@
 //! How likely each segment of the ring is there, read off the names: what is seen of it, and what lies before, behind and beside it.
 
+use super::joins::odds_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, Sided};
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
+use super::ways::{Way, ways};
 use crate::circle_of_willis::{Artery, RING, Side};
 
 /// How many features a segment has.
-pub const PRESENCE_FEATURES: usize = 8;
+pub const PRESENCE_FEATURES: usize = 20;
+/// How many of them, the first, a model of format 1 has.
+pub const FIRST_PRESENCE_FEATURES: usize = 8;
 /// How many kinds of segments there are: A1, AComm, PComm, P1.
 pub const KINDS: usize = 4;
 /// Their usual lengths, mm.
@@ -40,11 +44,47 @@ pub struct Seen {
     pub length: [f64; LABELS],
     /// Per label the probability of the node that is most likely of it.
     pub best: [f64; LABELS],
+    /// Per segment of [`RING`] minus the logarithm of the probability that no node has its name.
+    pub evidence: [f64; 7],
+    /// Per segment the cheapest way between its ends.
+    pub ways: [Way; 7],
+    /// How broken the case is.
+    pub damage: Damage,
+}
+
+/// How broken a case is: what a gap or a piece of some size means depends on how many there are.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Damage {
+    /// The expected number of pieces that are arteries of the circle, and of those that are not.
+    pub pieces: [f64; 2],
+    /// The root mean square of the gaps that candidates cross (mm), each as often as it is probable.
+    pub gap: f64,
+    /// The expected number of free ends of arteries of the circle.
+    pub ends: f64,
+}
+
+impl Damage {
+    fn of(nodes: &Nodes, false_pieces: &[f64], bridge_factor: &[f64]) -> Self {
+        let (mut total, mut squares) = (0.0, 0.0);
+        for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
+            let odds = odds_with(bridge, *factor);
+            let p = odds / (1.0 + odds);
+            total += p;
+            squares += p * bridge.gap * bridge.gap;
+        }
+        let is_artery = |piece: usize| 1.0 - false_pieces[piece];
+        Self {
+            pieces: [(0..false_pieces.len()).map(is_artery).sum(), false_pieces.iter().sum()],
+            gap: if total > 0.0 { (squares / total).sqrt() } else { 0.0 },
+            ends: (0..nodes.len()).filter(|n| nodes.degree(*n) == 1).map(|n| is_artery(nodes.piece[n])).sum(),
+        }
+    }
 }
 
 impl Seen {
-    /// What is seen, from the probabilities of the labels: nodes x labels.
-    pub fn of(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Self {
+    /// What is seen, from the probabilities of the labels (nodes x labels), those of the pieces to be no artery of the circle, the factors
+    /// that names give to the odds of the bridges, and the evidence for each segment.
+    pub fn of(nodes: &Nodes, labels: &[[f64; LABELS]], false_pieces: &[f64], bridge_factor: &[f64], evidence: [f64; 7]) -> Self {
         let (mut length, mut best) = ([0.0; LABELS], [0.0_f64; LABELS]);
         for (p, w) in labels.iter().zip(&nodes.weight) {
             for label in 0..LABELS {
@@ -52,11 +92,12 @@ impl Seen {
                 best[label] = best[label].max(p[label]);
             }
         }
-        Self { length, best }
+        let ways = ways(nodes, labels, bridge_factor);
+        Self { length, best, evidence, ways, damage: Damage::of(nodes, false_pieces, bridge_factor) }
     }
 
-    /// The features of a segment of [`RING`]: its length over the usual one, the logarithm of that, its best node, and the lengths (cm) of
-    /// what lies around it.
+    /// The features of a segment of [`RING`]: its length over the usual one, the logarithm of that, its best node, the lengths (cm) of what
+    /// lies around it, the evidence for its name, the cheapest way between its ends, and how broken the case is.
     pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
         let (kind, label) = (kind_of(segment), label_of_segment(segment));
         let cm = |label: Label| (self.length[label] / 10.0).min(1.5);
@@ -82,7 +123,30 @@ impl Seen {
         };
         let x = (self.length[label] / USUAL[kind]).min(1.2);
         let [a, b, c, d, e] = around;
-        [x, (0.02 + x).ln(), self.best[label], a, b, c, d, e]
+        let (evidence, way, damage) = (self.evidence[segment].max(0.0), &self.ways[segment], &self.damage);
+        let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.length[label]).sum();
+        [
+            x,
+            (0.02 + x).ln(),
+            self.best[label],
+            a,
+            b,
+            c,
+            d,
+            e,
+            evidence.min(30.0) / 10.0,
+            evidence.ln_1p(),
+            way.observed.min(20.0) / 5.0,
+            way.cost.min(20.0) / 5.0,
+            way.gap.min(20.0) / 10.0,
+            way.diameters.min(8.0),
+            way.named.min(15.0) / 10.0,
+            damage.pieces[0].ln_1p(),
+            damage.pieces[1].ln_1p(),
+            damage.gap.min(15.0) / 5.0,
+            damage.ends.ln_1p(),
+            named / 400.0,
+        ]
     }
 
     /// Whether enough of a segment is seen.

@@ -22,6 +22,8 @@ const DEPENDENT: f64 = 8.0;
 /// Pseudo-counts of a variance, and that variance in mm².
 const PSEUDO: f64 = 3.0;
 const PSEUDO_VARIANCE: f64 = 9.0;
+/// A whole tracing counts for as many neighbours as the broken ones, of which there may be many, divided by this.
+const BROKEN: f64 = 3.0;
 /// A state of fewer nodes has no distribution of its own.
 const LEAST_NODES: usize = 6;
 /// The share of no direction at all.
@@ -177,18 +179,21 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
     let mut length = vec![0.0; STATES];
     let mut pairs: [BTreeMap<(State, State), f64>; 2] = [BTreeMap::new(), BTreeMap::new()];
     let mut bifurcations: BTreeMap<([State; 3], State), f64> = BTreeMap::new();
+    let whole = cases.iter().filter(|case| case.is_whole).count().max(1) as f64;
+    let of_whole = ((cases.len() as f64 - whole) / (BROKEN * whole)).round().max(1.0);
     for case in cases {
         let LabelledNodes { nodes, state, .. } = &case.truth;
+        let times = if case.is_whole { of_whole } else { 1.0 };
         for (n, s) in state.iter().enumerate() {
-            length[*s] += nodes.weight[n];
-            length[tables.mirrored[*s]] += nodes.weight[n];
+            length[*s] += times * nodes.weight[n];
+            length[tables.mirrored[*s]] += times * nodes.weight[n];
         }
         for [a, b] in &nodes.links {
             let kind = usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2);
             let (x, y) = (state[*a], state[*b]);
             let (mx, my) = (tables.mirrored[x], tables.mirrored[y]);
             for pair in [(x, y), (y, x), (mx, my), (my, mx)] {
-                *pairs[kind].entry(pair).or_insert(0.0) += 1.0;
+                *pairs[kind].entry(pair).or_insert(0.0) += times;
             }
         }
         for n in (0..nodes.len()).filter(|n| nodes.degree(*n) == 3) {
@@ -196,7 +201,7 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
                 let seen = |s: State| if flip { tables.mirrored[s] } else { s };
                 let mut arms = [0, 1, 2].map(|k| seen(state[nodes.neighbours[n][k]]));
                 arms.sort_unstable();
-                *bifurcations.entry((arms, seen(state[n]))).or_insert(0.0) += 1.0;
+                *bifurcations.entry((arms, seen(state[n]))).or_insert(0.0) += times;
             }
         }
     }

@@ -33,6 +33,8 @@ pub struct LabelledCase {
     pub level: String,
     /// Whether nothing was done: the atlas is fitted to such cases.
     pub is_whole: bool,
+    /// Its centerlines.
+    pub network: Network,
     /// The over-connected graph.
     pub graph: Network,
     /// Its nodes with their true labels.
@@ -132,6 +134,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,
+        network,
         graph,
         truth: truth_of_nodes,
         present,

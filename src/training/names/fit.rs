@@ -4,13 +4,15 @@ use std::collections::BTreeSet;
 
 use super::atlas::fit_atlas;
 use super::cases::LabelledCase;
+use crate::candidates::model::Weights;
+use crate::candidates::{CandidateOptions, build_with_evidence};
 use crate::error::{Error, Result};
 use crate::naming::atlas::Atlas;
 use crate::naming::model::{Logistic, NamingModel, logistic_probability};
 use crate::naming::pieces::PIECE_FEATURES;
 use crate::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
 use crate::naming::states::{BA, LABELS, Label, OTHER, Sided};
-use crate::naming::{Names, NamingScores, labels_of, log_odds, name_with, topologies_say};
+use crate::naming::{Names, NamingScores, labels_of, log_odds, name_again, name_with, topologies_say};
 use crate::sampling::SamplingOptions;
 use crate::support::in_order;
 use crate::support::tree_provenance::TreeProvenance;
@@ -18,6 +20,8 @@ use crate::training::logistic::{Row, logistic};
 
 /// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
 const L2: f64 = 0.5;
+/// The same for the presence of segments.
+const PRESENCE_L2: f64 = 1.5;
 
 /// A model of all subjects, and one without each fold's subjects.
 #[derive(Debug)]
@@ -87,11 +91,12 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         let firsts: Vec<Logistic> = models.iter().map(|m| m.false_pieces[0].clone()).collect();
         let rows = |fold: Option<usize>| piece_rows(&named, fold, pass, &first, &firsts);
         for (fold, of) in models.iter_mut().enumerate() {
-            of.false_pieces[pass] = fit(&rows(Some(fold)));
+            of.false_pieces[pass] = fit(&rows(Some(fold)), L2);
         }
-        model.false_pieces[pass] = fit(&rows(None));
+        model.false_pieces[pass] = fit(&rows(None), L2);
     }
-    let judged: Vec<Judged> = in_order(&named, |_, one| judge(one, &models[one.fold]));
+    let weights = Weights::shipped()?;
+    let judged: Vec<Judged> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
     let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<Row> {
         let mut rows = Vec::new();
         for one in judged.iter().filter(|one| Some(one.fold) != fold) {
@@ -107,12 +112,12 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     for kind in 0..KINDS {
         for (fold, of) in models.iter_mut().enumerate() {
             let rows = presence_rows(Some(fold), kind, false);
-            (of.presence[kind], of.share[kind]) = (fit(&rows), share(&rows));
-            of.presence_with_topology[kind] = fit(&presence_rows(Some(fold), kind, true));
+            (of.presence[kind], of.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
+            of.presence_with_topology[kind] = fit(&presence_rows(Some(fold), kind, true), PRESENCE_L2);
         }
         let rows = presence_rows(None, kind, false);
-        (model.presence[kind], model.share[kind]) = (fit(&rows), share(&rows));
-        model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true));
+        (model.presence[kind], model.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
+        model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true), PRESENCE_L2);
     }
     progress("presence");
     let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
@@ -145,7 +150,7 @@ fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
 }
 
 /// What a model without its subject says of a case.
-fn judge<'a>(one: &Named<'a>, of: &NamingModel) -> Judged<'a> {
+fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a> {
     let pieces: Vec<f64> = one.names.piece_features[1]
         .iter()
         .zip(&one.names.piece_features[0])
@@ -157,14 +162,20 @@ fn judge<'a>(one: &Named<'a>, of: &NamingModel) -> Judged<'a> {
     let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
     let mut names = one.names.clone();
     names.labels.clone_from(&labels);
-    names.seen = Seen::of(&names.nodes, &labels);
-    Judged {
-        case: one.case,
-        fold: one.fold,
-        right: length_right(one, &labels),
-        topologies: topologies(&names, one.case, of),
-        seen: names.seen,
-    }
+    names.seen = Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
+    let (seen, topologies) = seen_again(&names, one.case, of, weights).unwrap_or_else(|| (names.seen.clone(), [0.5; 7]));
+    Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
+}
+
+/// What is seen of a case, and the share of its plausible topologies with each segment, once candidates know where blood enters: as `infer`
+/// and `classify` see it. `None` where no circle was found.
+fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &Weights) -> Option<(Seen, [f64; 7])> {
+    let (circle, _) = name_again(&case.network, of, names)?.located(&case.network, of).ok()?;
+    let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?;
+    let names = name_again(&graph, of, names)?;
+    let (circle, _) = names.located(&graph, of).ok()?;
+    let topologies = topologies_say(&circle, &names.circle(of), &graph, &SamplingOptions::default());
+    Some((names.seen, topologies))
 }
 
 /// How the models of the folds did at a level of damage.
@@ -220,12 +231,6 @@ impl Judged<'_> {
     }
 }
 
-/// The share of the plausible topologies of a case with each segment; a half where no circle was found.
-fn topologies(names: &Names, case: &LabelledCase, model: &NamingModel) -> [f64; 7] {
-    let Ok((circle, _)) = names.located(&case.graph, model) else { return [0.5; 7] };
-    topologies_say(&circle, &names.circle(model), &case.graph, &SamplingOptions::default())
-}
-
 /// The features of pieces that an atlas without their subject found, with whether they are false.
 fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64], firsts: &[Logistic]) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -256,8 +261,8 @@ fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64
     rows
 }
 
-fn fit(rows: &[Row]) -> Logistic {
-    logistic(rows, L2 / rows.len().max(1) as f64)
+fn fit(rows: &[Row], l2: f64) -> Logistic {
+    logistic(rows, l2 / rows.len().max(1) as f64)
 }
 
 /// The shares of the true length that have the right name: all names, and M1 and M2 as one.
