@@ -76,7 +76,7 @@ impl Posterior {
     }
 
     /// As [`Posterior::of`], where more is known of the segments: the variants then have the probabilities that are nearest to those of the
-    /// topologies (half and half with independent segments, by iterative proportional fitting) and agree with what is known.
+    /// topologies (mixed with independent segments, by iterative proportional fitting) and agree with what is known.
     pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<&Informant>) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
         let each: Vec<Variant> = topologies

@@ -179,3 +179,48 @@ fn the_drawn_circle_is_named() {
     assert_eq!(segments, 28);
     assert!(right >= 26 && 10 * near >= 8 * ends, "{right} of 28 segments, {near} of {ends} ends");
 }
+
+/// A segment of which nothing is seen, nor of what lies at its ends, is out of view if it would lie outside all that is seen; else it is missing.
+#[test]
+fn a_segment_out_of_view_is_not_put_down_as_missing() {
+    let here = folder();
+    let output = command(here.path(), &["phantom", "cerebral", "-o", "whole.swc"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = fs::read_to_string(here.path().join("whole.swc")).expect("a phantom");
+    let name_of_kind: BTreeMap<&str, &str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("# label "))
+        .filter_map(|label| label.split_once(' '))
+        .collect();
+    let models = NamingModels::shipped().expect("models");
+    let presence = |lacks: &dyn Fn(&str) -> bool| {
+        // The points of the arteries that are left; a point whose parent is gone begins a piece.
+        let rows: Vec<Vec<&str>> =
+            text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split_whitespace().collect()).collect();
+        let kept: Vec<&Vec<&str>> = rows.iter().filter(|row| !lacks(name_of_kind.get(row[1]).copied().unwrap_or(""))).collect();
+        let ids: Vec<&str> = kept.iter().map(|row| row[0]).collect();
+        let lines: Vec<String> = kept
+            .iter()
+            .map(|row| {
+                let parent = if ids.contains(&row[6]) { row[6] } else { "-1" };
+                format!("{} 0 {} {} {} {} {parent}", row[0], row[2], row[3], row[4], row[5])
+            })
+            .collect();
+        let path = here.path().join("part.swc");
+        fs::write(&path, lines.join("\n")).expect("written");
+        let mut network = read(&path, &ReadOptions::default()).expect("a network").network;
+        network.frame = Frame::Ras;
+        let names = models.name(&network).expect("names");
+        let circle = names.circle(models.of(&names));
+        let table = willis::internals::circle_of_willis::VariantFrequencies::published().expect("a table");
+        let prior = willis::internals::naming::Prior { frequencies: table, is_own: false, unseen: 0.0 };
+        (circle.is_in_view, circle.presence(&[0.5; 7], &prior))
+    };
+    // The carotid of the left side and all that hangs on it: L-A1, the first segment, would lie between vessels that are seen.
+    let anterior = |name: &str| ["L-ICA", "L-M1", "L-A1", "L-A2", "L-PComm"].iter().any(|artery| name.starts_with(artery));
+    let (in_view, p) = presence(&anterior);
+    assert!(in_view[0] && p[0] < 0.5, "{in_view:?} {p:?}");
+    // All of the left side: nothing shows that the image reached there.
+    let (in_view, p) = presence(&|name| name.starts_with("L-"));
+    assert!(!in_view[0] && p[0] > 0.5, "{in_view:?} {p:?}");
+}
