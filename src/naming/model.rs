@@ -137,13 +137,6 @@ impl NamingModel {
         let features = if is_first { FIRST_PRESENCE_FEATURES } else { PRESENCE_FEATURES };
         lengths("presence", &file.presence, &|_| 1 + features)?;
         lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + features)?;
-        // Features that a model of format 1 does not know weigh nothing.
-        let padded = |mut weights: Vec<f64>| {
-            let tail = weights.split_off(1 + features);
-            weights.resize(1 + PRESENCE_FEATURES, 0.0);
-            weights.extend(tail);
-            weights
-        };
         let tables = StateTables::new();
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
@@ -219,8 +212,8 @@ impl NamingModel {
             provenance,
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
-            presence: file.presence.map(padded),
-            presence_with_topology: file.presence_with_topology.map(padded),
+            presence: file.presence.map(|weights| padded(weights, features)),
+            presence_with_topology: file.presence_with_topology.map(|weights| padded(weights, features)),
             share: file.share,
         })
     }
@@ -292,6 +285,14 @@ impl NamingModel {
         }
         Ok(())
     }
+}
+
+/// The weights of a constant, of so many features and what follows them, with zeros for the features that a model of format 1 does not know.
+fn padded(mut weights: Vec<f64>, features: usize) -> Vec<f64> {
+    let tail = weights.split_off(1 + features);
+    weights.resize(1 + PRESENCE_FEATURES, 0.0);
+    weights.extend(tail);
+    weights
 }
 
 /// `L-ICA 0`.

@@ -187,11 +187,8 @@ fn a_segment_out_of_view_is_not_put_down_as_missing() {
     let output = command(here.path(), &["phantom", "cerebral", "-o", "whole.swc"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = fs::read_to_string(here.path().join("whole.swc")).expect("a phantom");
-    let name_of_kind: BTreeMap<&str, &str> = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("# label "))
-        .filter_map(|label| label.split_once(' '))
-        .collect();
+    let name_of_kind: BTreeMap<&str, &str> =
+        text.lines().filter_map(|line| line.strip_prefix("# label ")).filter_map(|label| label.split_once(' ')).collect();
     let models = NamingModels::shipped().expect("models");
     let presence = |lacks: &dyn Fn(&str) -> bool| {
         // The points of the arteries that are left; a point whose parent is gone begins a piece.
