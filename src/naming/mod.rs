@@ -267,12 +267,13 @@ fn evidence(forest: &Forest, atlas: &atlas::Atlas, pass: &Pass) -> [f64; 7] {
         first..first + states::bins_of(label)
     });
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
-    let expected =
-        |own: &std::ops::Range<usize>| pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum::<f64>();
-    let asked: Vec<_> = states.iter().filter(|own| expected(own) >= LEAST_EVIDENCE).collect();
-    let found = forest.evidence(atlas, &pass.log_likelihood, &asked);
-    let mut found = found.into_iter();
-    states.each_ref().map(|own| if expected(own) >= LEAST_EVIDENCE { found.next().unwrap_or(0.0) } else { 0.0 })
+    let is_asked = states.each_ref().map(|own| {
+        let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
+        expected >= LEAST_EVIDENCE
+    });
+    let asked: Vec<_> = states.iter().zip(is_asked).filter(|(_, is_asked)| *is_asked).map(|(own, _)| own).collect();
+    let mut found = forest.evidence(atlas, &pass.log_likelihood, &asked).into_iter();
+    is_asked.map(|is_asked| if is_asked { found.next().unwrap_or(0.0) } else { 0.0 })
 }
 
 impl Names {
