@@ -73,7 +73,7 @@ def classified(work, options, name, told, **draw):
             os.replace(out / "phenotype.json", kept)
             shutil.rmtree(out)
         said = json.loads(kept.read_text())["probabilities"]["segments"]
-        return {"subject": known["subject"], "segments": [(s["segment"], bool(s["present"]), said[s["segment"]]) for s in known["phenotype"]]}
+        return {"subject": known["subject"], "hidden": known["hidden"], "segments": [(s["segment"], bool(s["present"]), said[s["segment"]]) for s in known["phenotype"]]}
 
     return common.everywhere(one, sorted(case for case in folder.iterdir() if (case / "truth.json").exists()))
 
@@ -89,5 +89,10 @@ def unseen(work, options):
             brier = score.estimate(rows, lambda r: (sum((p - t) ** 2 for _, t, p in r["segments"]), len(r["segments"])), score.share)
             low = [(p, t) for p, t in pairs if p < 0.5]
             sure = sum(p > 0.999 and not t or p < 0.001 and t for p, t in pairs)
-            lines.append([f"{rate:.2f}", f"{told:.3g}", len(pairs), score.shown(error), score.shown(brier), f"{sum(t for _, t in low) / max(len(low), 1):.2f} of {len(low)}", f"{sum(p for p, _ in low) / max(len(low), 1):.2f}", sure])
-    return common.table(["deleted", "`--unseen`", "segments", "ECE", "Brier", "present of those called absent", "their mean probability", "wrong with P > .999 or < .001"], lines)
+            # One who sees every segment that is not hidden, and takes those that it does not see for present at the rate that it was told.
+            usual = sum(t for _, t in pairs) / len(pairs)
+            if_not_seen = usual * told / (usual * told + 1 - usual)
+            perfect = [(1.0 if t and s not in r["hidden"] else if_not_seen, t) for r in rows for s, t, _ in r["segments"]]
+            least = score.expected_error(score.bins([p for p, _ in perfect], [t for _, t in perfect], np.ones(len(perfect)), 10))
+            lines.append([f"{rate:.2f}", f"{told:.3g}", len(pairs), score.shown(error), f"{least:.3f}".lstrip("0"), score.shown(brier), f"{sum(t for _, t in low) / max(len(low), 1):.2f} of {len(low)}", f"{sum(p for p, _ in low) / max(len(low), 1):.2f}", sure])
+    return common.table(["deleted", "`--unseen`", "segments", "ECE", "ECE of a perfect eye", "Brier", "present of those called absent", "their mean probability", "wrong with P > .999 or < .001"], lines)
