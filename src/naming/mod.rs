@@ -52,6 +52,8 @@ pub(crate) const TEMPER: f64 = 0.3;
 const ROUNDS: usize = 3;
 /// A name that fewer nodes than this are expected to have has no evidence.
 const LEAST_EVIDENCE: f64 = 1e-3;
+/// Frames whose log ratios differ by less than this for each node are near to each other.
+const NEAR: f64 = 0.1;
 /// A case has at least so much (mm) of pieces that are not false.
 const LEAST_TRUE: f64 = 20.0;
 
@@ -118,18 +120,22 @@ pub(crate) fn name_with(
     }
     let atlas = &model.atlas;
     let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
-    let mut best: Option<(Frame, core::Core, Vec<Scored>)> = None;
+    let mut found: Vec<(Frame, core::Core, Vec<Scored>)> = Vec::new();
     for frame in frames {
         let seen = if network.frame.is_known() || *frame == Frame::Ras { all.clone() } else { all.turned_about_vertical() };
-        let Some((core, poses)) = core::find(seen, atlas) else { continue };
-        let score = |poses: &[Scored]| poses.first().map_or(f64::NEG_INFINITY, |p| p.score);
-        if best.as_ref().is_none_or(|(_, _, known)| score(&poses) > score(known)) {
-            best = Some((*frame, core, poses));
-        }
+        found.extend(core::find(seen, atlas).map(|(core, poses)| (*frame, core, poses)));
     }
-    let (frame, core, poses) = best?;
-    let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
-    names_at(network, model, frame, core, &Poses::Found(poses), is_false)
+    // Pieces that are false may outweigh the others while the pose is searched: where the frames are that near to each other, the one counts
+    // that fits better without such pieces.
+    let score = |(_, _, poses): &(Frame, core::Core, Vec<Scored>)| poses.first().map_or(f64::NEG_INFINITY, |pose| pose.score);
+    let best = found.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+    found.retain(|one| score(one) >= best - NEAR * one.1.nodes.len() as f64);
+    let named = found.into_iter().filter_map(|(frame, core, poses)| {
+        let poses = poses.iter().map(|scored| scored.pose).collect();
+        names_at(network, model, frame, core, &Poses::Found(poses), &is_false)
+    });
+    let fit = |names: &Names| if names.fit.is_nan() { f64::NEG_INFINITY } else { names.fit };
+    named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
 }
 
 /// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
