@@ -41,6 +41,8 @@ pub struct Beliefs {
     pub states: Vec<f64>,
     /// Per bridge of the nodes the ratio of the probability of the names with it to that without it; `None` where it was not in the forest.
     pub bridge_ratio: Vec<Option<f64>>,
+    /// The logarithm of the probability of everything, as the messages have it, up to what the log likelihoods of each node were divided by.
+    log: f64,
 }
 
 /// A neighbour in the forest.
@@ -113,17 +115,16 @@ impl Forest {
     }
 
     /// The logarithm of the probability of everything, as the messages have it, less the same with no node in some states: minus the logarithm
-    /// of the probability that none is, for each list of states.
-    pub fn evidence(&self, atlas: &Atlas, log_likelihood: &[f64], lists: &[&Range<usize>]) -> Vec<f64> {
+    /// of the probability that none is, for each list of states. `beliefs` are those of the same log likelihoods.
+    pub fn evidence(&self, atlas: &Atlas, log_likelihood: &[f64], beliefs: &Beliefs, lists: &[&Range<usize>]) -> Vec<f64> {
         let mut pass = self.pass(atlas, log_likelihood);
-        let log = pass.upward().log;
         let own = pass.own.clone();
         let without = lists.iter().map(|states| {
             pass.own.copy_from_slice(&own);
             for row in pass.own.chunks_mut(STATES) {
                 row[(*states).clone()].fill(0.0);
             }
-            log - pass.upward().log
+            beliefs.log - pass.upward().log
         });
         without.collect()
     }
@@ -191,7 +192,7 @@ impl Pass<'_> {
 
     fn run(self) -> Beliefs {
         let Forest { order, parent, children, is_bifurcation, bridges } = self.forest;
-        let Upward { below, up, .. } = self.upward();
+        let Upward { below, up, log } = self.upward();
         let mut all = below.clone();
         let mut bridge_ratio = vec![None; *bridges];
         for node in order {
@@ -226,7 +227,7 @@ impl Pass<'_> {
             let node = row_mut(&mut all, *node);
             normalise(node);
         }
-        Beliefs { states: all, bridge_ratio }
+        Beliefs { states: all, bridge_ratio, log }
     }
 
     fn product(&self, table: &[f64], by: &[f64]) -> Vec<f64> {
@@ -478,7 +479,8 @@ mod tests {
             sum
         };
         let lists = [0..12, 50..55, 112..113];
-        let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &lists.iter().collect::<Vec<_>>());
+        let lists_of = lists.iter().collect::<Vec<_>>();
+        let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &found, &lists_of);
         for (states, found) in lists.iter().zip(evidence) {
             let expected = (total(&|_| true) / total(&|state| !states.contains(&state))).ln();
             assert!((found - expected).abs() < 1e-9 && expected > 0.0, "{states:?}: {found}, not {expected}");
@@ -503,8 +505,9 @@ mod tests {
             for node in 0..5 {
                 log_likelihood[node * STATES..][own.clone()].fill(if node == root { at_root } else { -200.0 });
             }
-            let belief: f64 = row(&forest.beliefs(&atlas, &log_likelihood).states, root)[own.clone()].iter().sum();
-            let (found, expected) = (forest.evidence(&atlas, &log_likelihood, &[&own])[0], -(1.0 - belief).ln());
+            let beliefs = forest.beliefs(&atlas, &log_likelihood);
+            let belief: f64 = row(&beliefs.states, root)[own.clone()].iter().sum();
+            let (found, expected) = (forest.evidence(&atlas, &log_likelihood, &beliefs, &[&own])[0], -(1.0 - belief).ln());
             assert!((found - expected).abs() < 1e-9 && expected > 1e-6, "{at_root}: {found}, not {expected}");
         }
     }

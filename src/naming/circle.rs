@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::atlas::Atlas;
+use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{BA, LABELS, Label, OTHER, Sided, bins_of, first_state};
+use super::states::{BA, LABELS, Label, OTHER, Sided, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, Circle, LabelScheme, Posterior, RING, SegmentState, Side, VariantFrequencies, artery_of_label, identify_landmarks,
@@ -70,8 +71,7 @@ impl NamedCircle {
                 (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut)
             {
                 evidence.continuation_odds = evidence.continuation_odds.map(|odds| odds * factor);
-                let odds = evidence.probability / (1.0 - evidence.probability).max(1e-12) * factor;
-                evidence.probability = odds / (1.0 + odds);
+                evidence.probability = probability_with(evidence.probability, *factor);
             }
         }
         network
@@ -173,8 +173,7 @@ impl Names {
 
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
     fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
-        let label = super::presence::label_of_segment(segment);
-        let states = first_state(label)..first_state(label) + bins_of(label);
+        let states = states_of(super::presence::label_of_segment(segment));
         let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
         (0..3).all(|k| {
             let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
@@ -234,11 +233,13 @@ impl Names {
         let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
         // Blood comes in somewhere: where no place is sure, at the likeliest.
         let is_inlet = |place: &&NamedPlace| artery_of_label(&place.label, LabelScheme::Names).is_some_and(Artery::brings_blood);
-        let likeliest = super::landmarks::likeliest_inlet(&self.nodes, &self.labels);
-        if !sure.iter().any(is_inlet) {
+        let likeliest = if sure.iter().any(is_inlet) {
+            None
+        } else {
             let listed = listed.iter().filter(is_inlet).max_by(|a, b| a.probability.total_cmp(&b.probability));
-            sure.extend(listed.or(likeliest.as_ref()));
-        }
+            listed.cloned().or_else(|| super::landmarks::likeliest_inlet(&self.nodes, &self.labels))
+        };
+        sure.extend(&likeliest);
         // Where the ends of all arteries at a bifurcation are seen, these say more than a bifurcation that may lie in a gap.
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {

@@ -9,7 +9,7 @@ use super::pose::{Pulls, Scored, Search};
 use crate::support::geometry::{distance, dot, sub};
 
 /// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
-pub const WHOLE_BRAIN: f64 = 1500.0;
+const WHOLE_BRAIN: f64 = 1500.0;
 /// Vessels in this share of the length are thick.
 const THICK: f64 = 0.90;
 /// The circle lies within this distance (mm) of the middle of the thick vessels.

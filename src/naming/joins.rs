@@ -2,7 +2,7 @@
 
 use super::atlas::Atlas;
 use super::belief::{Beliefs, ratio};
-use super::nodes::{Bridge, Nodes};
+use super::nodes::Nodes;
 use super::states::STATES;
 
 /// No factor is larger, nor smaller than one over it: names are only one witness.
@@ -22,7 +22,8 @@ pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[
     each.collect()
 }
 
-/// The odds of a bridge with the factor that names give them.
-pub fn odds_with(bridge: &Bridge, factor: f64) -> f64 {
-    bridge.probability / (1.0 - bridge.probability).max(1e-12) * factor
+/// A probability whose odds are multiplied by the factor that names give them.
+pub fn probability_with(probability: f64, factor: f64) -> f64 {
+    let odds = probability / (1.0 - probability).max(1e-12) * factor;
+    odds / (1.0 + odds)
 }

@@ -82,6 +82,8 @@ pub struct Names {
     pub presence: [f64; 7],
     /// Whether enough of each segment is seen to name it.
     pub is_seen: [bool; 7],
+    /// Whether they are of a part of the network: the circle of a whole brain.
+    pub(crate) is_part: bool,
     /// What is seen of each label.
     pub(crate) seen: Seen,
     /// Per bridge of the nodes, by how much the names multiply its odds.
@@ -92,6 +94,7 @@ pub struct Names {
 
 /// What one pass finds.
 struct Pass {
+    forest: Forest,
     beliefs: Beliefs,
     /// The log likelihoods that they are of: nodes x states.
     log_likelihood: Vec<f64>,
@@ -202,11 +205,12 @@ fn names_at(
 
     let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
     let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
-    let evidence = evidence(&Forest::of(&nodes, &used), atlas, &second);
+    let evidence = evidence(&second, atlas);
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     let presence =
         std::array::from_fn(|segment| logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment)));
     Some(Names {
+        is_part: core.median_log_radius.is_some(),
         is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
         states: second.beliefs.states,
         frame_was_found: !network.frame.is_known(),
@@ -262,23 +266,19 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
     let log_likelihood = with(&penalty);
     let beliefs = forest.beliefs(atlas, &log_likelihood);
     let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
-    Pass { beliefs, log_likelihood, features }
+    Pass { forest, beliefs, log_likelihood, features }
 }
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
-fn evidence(forest: &Forest, atlas: &atlas::Atlas, pass: &Pass) -> [f64; 7] {
-    let states: [_; 7] = std::array::from_fn(|segment| {
-        let label = presence::label_of_segment(segment);
-        let first = states::first_state(label);
-        first..first + states::bins_of(label)
-    });
+fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
+    let states: [_; 7] = std::array::from_fn(|segment| states::states_of(presence::label_of_segment(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
         let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
         expected >= LEAST_EVIDENCE
     });
     let asked: Vec<_> = states.iter().zip(is_asked).filter(|(_, is_asked)| *is_asked).map(|(own, _)| own).collect();
-    let mut found = forest.evidence(atlas, &pass.log_likelihood, &asked).into_iter();
+    let mut found = pass.forest.evidence(atlas, &pass.log_likelihood, &pass.beliefs, &asked).into_iter();
     is_asked.map(|is_asked| if is_asked { found.next().unwrap_or(0.0) } else { 0.0 })
 }
 

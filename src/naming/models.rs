@@ -3,8 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use super::core::WHOLE_BRAIN;
-use super::{Names, NamingModel, Nodes, name_again, name_arteries};
+use super::{Names, NamingModel, name_again, name_arteries};
 use crate::error::Result;
 use crate::network::Network;
 
@@ -47,7 +46,7 @@ impl NamingModels {
         for (by, model) in self.0.iter().enumerate() {
             let Some(names) = name_arteries(network, model) else { continue };
             // Of a whole brain each atlas names another part, so that their fits do not compare; and drawn circles are no brains.
-            if by == 0 && (names.share_named() >= ENOUGH || Nodes::of(network).length() > WHOLE_BRAIN) {
+            if by == 0 && (names.share_named() >= ENOUGH || names.is_part) {
                 return Some(names);
             }
             // A case of which a model knows next to nothing has no fit.

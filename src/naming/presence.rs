@@ -1,6 +1,6 @@
 //! How likely each segment of the ring is there, read off the names: what is seen of it, and what lies before, behind and beside it.
 
-use super::joins::odds_with;
+use super::joins::probability_with;
 use super::nodes::Nodes;
 use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
 use super::ways::{Way, ways};
@@ -67,8 +67,7 @@ impl Damage {
     fn of(nodes: &Nodes, false_pieces: &[f64], bridge_factor: &[f64]) -> Self {
         let (mut total, mut squares) = (0.0, 0.0);
         for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
-            let odds = odds_with(bridge, *factor);
-            let p = odds / (1.0 + odds);
+            let p = probability_with(bridge.probability, *factor);
             total += p;
             squares += p * bridge.gap * bridge.gap;
         }

@@ -136,6 +136,11 @@ pub fn bins_of(label: Label) -> usize {
     if label == OTHER { 1 } else { family_of(label).bins }
 }
 
+/// The states of a label.
+pub fn states_of(label: Label) -> std::ops::Range<State> {
+    first_state(label)..first_state(label) + bins_of(label)
+}
+
 /// The state at a distance (mm) along an artery from its reference end.
 pub fn state_at(label: Label, along: f64) -> State {
     first_state(label) + ((along / BIN) as usize).min(bins_of(label) - 1)

@@ -1,9 +1,9 @@
 //! The ways between what lies at the two ends of a segment: along centerlines, and over the gaps that candidates cross.
 
-use super::joins::odds_with;
+use super::joins::probability_with;
 use super::nodes::Nodes;
 use super::states::{ACOMM, BA, LABELS, Label, Sided};
-use crate::circle_of_willis::{Artery, RING};
+use crate::circle_of_willis::{Artery, RING, Side};
 use crate::network::paths::ShortestPaths;
 use crate::support::geometry::distance;
 
@@ -37,20 +37,19 @@ pub fn ways(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64]) -> [
 }
 
 /// The labels at either end of a segment.
-fn ends(segment: usize) -> [[Label; 2]; 2] {
+fn ends(segment: usize) -> [Vec<Label>; 2] {
     match RING[segment] {
-        Artery::A1(side) => [[Sided::Ica.on(side), Sided::M1.on(side)], [Sided::A2.on(side), ACOMM]],
-        Artery::PComm(side) => [[Sided::Ica.on(side); 2], [Sided::P2.on(side), Sided::P1.on(side)]],
-        Artery::P1(side) => [[BA, Sided::P1.on(side.other())], [Sided::P2.on(side), Sided::PComm.on(side)]],
-        _ => crate::circle_of_willis::Side::BOTH.map(|side| [Sided::A1.on(side), Sided::A2.on(side)]),
+        Artery::A1(side) => [vec![Sided::Ica.on(side), Sided::M1.on(side)], vec![Sided::A2.on(side), ACOMM]],
+        Artery::PComm(side) => [vec![Sided::Ica.on(side)], vec![Sided::P2.on(side), Sided::P1.on(side)]],
+        Artery::P1(side) => [vec![BA, Sided::P1.on(side.other())], vec![Sided::P2.on(side), Sided::PComm.on(side)]],
+        _ => Side::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
     }
 }
 
 fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: usize, paths: &mut ShortestPaths) -> Way {
     let own = super::presence::label_of_segment(segment);
-    let of = |pair: [Label; 2]| -> Vec<f64> {
-        labels.iter().map(|p| if pair[0] == pair[1] { p[pair[0]] } else { p[pair[0]] + p[pair[1]] }).collect()
-    };
+    let of =
+        |arteries: Vec<Label>| -> Vec<f64> { labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect() };
     let [from, to] = ends(segment).map(of);
     let belongs: Vec<f64> = (0..nodes.len()).map(|n| (from[n] + to[n] + labels[n][own]).min(1.0)).collect();
     let elsewhere = |[a, b]: [usize; 2], length: f64| ELSEWHERE * length * (1.0 - 0.5 * (belongs[a] + belongs[b]));
@@ -70,8 +69,8 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
     let arrival: Vec<f64> = to.iter().map(|p| improbable(p.min(1.0), LEAST_NAME)).collect();
     let (observed, _) = cheapest(paths, start, &edges, &arrival);
     for (number, (bridge, factor)) in nodes.bridges.iter().zip(bridge_factor).enumerate() {
-        let odds = odds_with(bridge, *factor);
-        let cost = improbable(odds / (1.0 + odds), LEAST_CANDIDATE) + elsewhere(bridge.nodes, bridge.gap);
+        let probability = probability_with(bridge.probability, *factor);
+        let cost = improbable(probability, LEAST_CANDIDATE) + elsewhere(bridge.nodes, bridge.gap);
         join(&mut edges, nodes.links.len() + number, bridge.nodes, cost);
     }
     let (cost, end) = cheapest(paths, start, &edges, &arrival);
@@ -113,7 +112,6 @@ mod tests {
     use super::super::nodes::Bridge;
     use super::super::states::OTHER;
     use super::*;
-    use crate::circle_of_willis::Side;
 
     /// A carotid, a gap of 4 mm and an A2, in a row: the way over the gap, and none without it.
     #[test]

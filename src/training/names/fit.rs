@@ -160,10 +160,9 @@ fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a>
         })
         .collect();
     let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
-    let mut names = one.names.clone();
-    names.labels.clone_from(&labels);
-    names.seen = Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
-    let (seen, topologies) = seen_again(&names, one.case, of, weights).unwrap_or_else(|| (names.seen.clone(), [0.5; 7]));
+    let names = &one.names;
+    let at_first = || Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
+    let (seen, topologies) = seen_again(names, one.case, of, weights).unwrap_or_else(|| (at_first(), [0.5; 7]));
     Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
 }
 
