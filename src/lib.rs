@@ -89,6 +89,6 @@ pub use pipeline::{
     SaveOptions, Shard, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge,
     modulate, modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
-pub use sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight};
+pub use sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;
 pub use simulation::pulse::Friction;

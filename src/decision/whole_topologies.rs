@@ -111,9 +111,10 @@ fn let_samples_vote(
     count: &mut Count,
 ) -> Result<()> {
     let uncertain = params.uncertain.vessels(network);
-    let patterns = Patterns::new(params.keep_probabilities(network), params)?;
+    let provisional = params.provisional(network, boundary);
+    let patterns = Patterns::new(network, &provisional, params)?;
     let at_rest = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::sampled(network, boundary, params.viscosity)?;
+    let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
     let solver = PressureSolver::new(&circuit)?;
     let mut forest = Forest::default();
     let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64| -> Result<()> {

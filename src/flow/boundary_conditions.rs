@@ -44,8 +44,8 @@ pub enum Total {
     Resistance(f64),
 }
 
-/// The boundary conditions of a network. One that was found belongs to a free end: it holds only while no candidate or contact is open
-/// there ([`Boundary::provisional`]), because the end of a gap neither feeds nor drains the vessel that it was joined to.
+/// The boundary conditions of a network. One that was found belongs to a free end: it does not hold where a candidate or contact joins that
+/// end ([`Boundary::provisional`]), because the end of a gap neither feeds nor drains the vessel that it was joined to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Boundary {
     /// Node and condition, each node at most once, in node order.
@@ -58,20 +58,13 @@ pub struct Boundary {
     pub found_outlets: Vec<usize>,
 }
 
-/// A found condition that holds only in samples in which all of some vessels are closed.
+/// A found condition that holds only where none of some connections is there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Provisional {
     /// The free end.
     pub node: usize,
     /// The rows of the candidates and contacts there.
     pub others: Vec<usize>,
-}
-
-impl Provisional {
-    /// The samples of a block in which it holds; bit i of `masks[e]` says whether vessel e is open in sample i.
-    pub fn holds(&self, masks: &[u64]) -> u64 {
-        !self.others.iter().fold(0, |open, row| open | masks[*row])
-    }
 }
 
 impl Boundary {
@@ -169,7 +162,7 @@ impl Boundary {
         nodes
     }
 
-    /// The found conditions that do not hold in every sample, in node order: those at ends that a candidate or a contact leaves.
+    /// The found conditions at ends that a candidate or a contact leaves, in node order.
     pub fn provisional(&self, network: &Network) -> Vec<Provisional> {
         let mut at: std::collections::BTreeMap<usize, (bool, Vec<usize>)> =
             self.found_inlets.iter().chain(&self.found_outlets).map(|node| (*node, (false, Vec::new()))).collect();

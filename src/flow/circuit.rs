@@ -14,13 +14,11 @@ pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
 }
 
 /// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or a
-/// mark that the node has the pressure outside. The link is open in the samples in which all of some vessels are closed.
-#[derive(Debug, Clone, PartialEq)]
+/// mark that the node has the pressure outside. The link is open in the samples in which the condition holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terminal {
     /// The node.
     pub node: usize,
-    /// The vessels that close it, as rows of the network.
-    pub others: Vec<usize>,
     /// Whether it fixes the pressure of the node: its conductance then is 1, and counts for nothing.
     pub fixes: bool,
 }
@@ -66,13 +64,13 @@ impl Circuit {
         Self::with(network, boundary, &[], tubes)
     }
 
-    /// The circuit of an over-connected graph for its samples, in which found conditions come and go ([`Boundary::provisional`]).
+    /// The circuit of an over-connected graph for its samples, in which the `provisional` conditions come and go.
     ///
     /// # Errors
     ///
     /// As [`Circuit::new`].
-    pub fn sampled(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
-        Self::with(network, boundary, &boundary.provisional(network), &Tube::at_rest(network, viscosity))
+    pub fn sampled(network: &Network, boundary: &Boundary, provisional: &[Provisional], viscosity: f64) -> Result<Self> {
+        Self::with(network, boundary, provisional, &Tube::at_rest(network, viscosity))
     }
 
     fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
@@ -101,10 +99,10 @@ impl Circuit {
                     circuit.source[*node] = (venous - level) / resistance;
                 }
                 (Condition::Pressure(p), Some(provisional)) => {
-                    circuit.link(provisional, true, 1.0, p - level, &mut outside);
+                    circuit.link(provisional.node, true, 1.0, p - level, &mut outside);
                 }
                 (Condition::Resistance { resistance, venous }, Some(provisional)) => {
-                    circuit.link(provisional, false, 1.0 / resistance, venous - level, &mut outside);
+                    circuit.link(provisional.node, false, 1.0 / resistance, venous - level, &mut outside);
                 }
                 (Condition::Flow(q), _) => {
                     circuit.source[*node] = *q;
@@ -116,7 +114,7 @@ impl Circuit {
     }
 
     /// Adds a terminal to a node outside at a pressure, of which there is one for each; those there are already are `outside`.
-    fn link(&mut self, provisional: &Provisional, fixes: bool, conductance: f64, pressure: f64, outside: &mut Vec<usize>) {
+    fn link(&mut self, node: usize, fixes: bool, conductance: f64, pressure: f64, outside: &mut Vec<usize>) {
         let there = outside.iter().copied().find(|node| self.fixed[*node] == Some(pressure));
         let there = there.unwrap_or_else(|| {
             self.fixed.push(Some(pressure));
@@ -125,19 +123,19 @@ impl Circuit {
             outside.push(self.fixed.len() - 1);
             self.fixed.len() - 1
         });
-        self.ends.push([provisional.node, there]);
+        self.ends.push([node, there]);
         self.conductance.push(conductance);
-        self.terminals.push(Terminal { node: provisional.node, others: provisional.others.clone(), fixes });
+        self.terminals.push(Terminal { node, fixes });
     }
 
-    /// The circuit of one sample, whose terminals that hold are conditions of their nodes; the others are gone. `open` says which vessels are.
+    /// The circuit of one sample, whose terminals that hold are conditions of their nodes; the others are gone. `open` says it of every row.
     #[must_use]
     pub fn in_sample(&self, open: impl Fn(usize) -> bool) -> Self {
         let vessels = self.vessel_count();
         let mut circuit = self.clone();
         for (at, terminal) in circuit.terminals.drain(..).enumerate() {
             let row = vessels + at;
-            if terminal.others.iter().any(|other| open(*other)) {
+            if !open(row) {
                 continue;
             }
             let outside = self.fixed[self.ends[row][1]];

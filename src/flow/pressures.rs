@@ -27,7 +27,7 @@ impl<'a> PressureSolver<'a> {
         Ok(Self { circuit, solver: BatchSolver::for_few(circuit)? })
     }
 
-    /// The pressure of every node with the vessels `open`, Pa above the circuit's level, so that drops keep all of their digits;
+    /// The pressure of every node with the rows `open`, vessels and terminals that hold, Pa above the circuit's level, so that drops keep all of their digits;
     /// `None` in floating components, where it is undefined.
     ///
     /// # Errors
@@ -35,9 +35,7 @@ impl<'a> PressureSolver<'a> {
     /// Conjugate gradients that do not converge on a large circuit.
     pub fn above_level(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
         let Self { circuit, solver } = self;
-        let mut masks: Vec<u64> = (0..circuit.vessel_count()).map(|v| u64::from(open(v))).collect();
-        let holds = |others: &[usize]| u64::from(!others.iter().any(|row| open(*row)));
-        masks.extend(circuit.terminals.iter().map(|terminal| holds(&terminal.others)));
+        let masks: Vec<u64> = (0..circuit.row_count()).map(|row| u64::from(open(row))).collect();
         let stranded = stranded(circuit, &masks, 1);
         let mut work = solver.workspace::<1>(0);
         solver.solve(Scalar::new(), &masks, 0, &stranded, &mut work);

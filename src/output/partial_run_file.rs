@@ -12,6 +12,9 @@ const WRITTEN_BY: &str = "expected the file as willis wrote it";
 /// No run has more samples.
 const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
 
+/// Arrays of the first parts, which did not say in how many samples blood flows.
+const FIRST_ARRAYS: usize = 10;
+
 fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
     match name {
         "likelihood" => &sums.likelihood,
@@ -23,8 +26,8 @@ fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
 /// Writes a part of a run, all float64, with m nodes of the dyadic tree of blocks, V vessels, T of them uncertain:
 ///
 /// - `run` (2): samples of the whole run, blocks between two points of the convergence record
-/// - `blocks` (m, 2): first block and number of blocks of each node; `samples` (m), `rho_G` (m): Σ ρ_G in it, W/m³; `residual`
-///   (m)
+/// - `blocks` (m, 2): first block and number of blocks of each node; `samples` (m), `rho_G` (m): Σ ρ_G in it, W/m³; `perfused` (m): how many of its
+///   samples blood flows in; `residual` (m)
 /// - `likelihood`, `square`, `count` (m, V): Σ of each vessel's contributions, of their squares, of its times in the forest
 /// - `step` (k), `trace` (k, T): which points of the convergence record are finished, and L over the blocks of each
 ///
@@ -42,6 +45,7 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
         array("blocks", &[m, 2], part.nodes().flat_map(|(first, blocks, _)| [first as f64, blocks as f64]).collect()),
         array("samples", &[m], part.nodes().map(|(_, _, sums)| sums.samples as f64).collect()),
         array("rho_G", &[m], part.nodes().map(|(_, _, sums)| sums.network_resilience).collect()),
+        array("perfused", &[m], part.nodes().map(|(_, _, sums)| sums.perfused).collect()),
         array("residual", &[m], part.nodes().map(|(_, _, sums)| sums.residual).collect()),
     ];
     let large = VECTORS.iter().map(|name| {
@@ -61,6 +65,7 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
 /// A file that is cut or damaged, or is of another network.
 pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault> {
     let mut arrays = read_arrays(bytes)?;
+    let counts_perfused = arrays.len() > FIRST_ARRAYS;
     let mut take = |name: &str, columns: usize| -> Result<Vec<f64>, Fault> {
         let item = || format!("array {name}");
         let at = arrays.iter().position(|array| array.name == name);
@@ -81,10 +86,16 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
     if whole(step) != Some(part.step()) {
         return Err(wrong("run"));
     }
-    let (blocks, samples, rho, residual) = (take("blocks", 2)?, take("samples", 1)?, take("rho_G", 1)?, take("residual", 1)?);
+    let (blocks, samples, residual) = (take("blocks", 2)?, take("samples", 1)?, take("residual", 1)?);
+    let (rho, perfused) = (take("rho_G", 1)?, counts_perfused.then(|| take("perfused", 1)).transpose()?);
     let vectors = [take(VECTORS[0], vessels)?, take(VECTORS[1], vessels)?, take(VECTORS[2], vessels)?];
     let m = samples.len();
-    if blocks.len() != 2 * m || rho.len() != m || residual.len() != m || vectors.iter().any(|v| v.len() != m * vessels) {
+    if blocks.len() != 2 * m
+        || rho.len() != m
+        || perfused.as_ref().is_some_and(|of| of.len() != m)
+        || residual.len() != m
+        || vectors.iter().any(|v| v.len() != m * vessels)
+    {
         return Err(wrong("blocks"));
     }
     for at in 0..m {
@@ -93,7 +104,10 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let samples = whole(samples[at]).filter(|n| *n == part.samples_in(&(first..first + blocks)));
         let [likelihood, square, count] = vectors.each_ref().map(|v| v[at * vessels..(at + 1) * vessels].to_vec());
         let samples = samples.ok_or_else(|| wrong("samples"))?;
-        let sums = Sums { likelihood, square, count, network_resilience: rho[at], residual: residual[at], samples };
+        // The first parts had no such array: blood flows at least where it flows in the busiest vessel.
+        let perfused = perfused.as_ref().map_or_else(|| count.iter().copied().fold(0.0, f64::max), |of| of[at]);
+        let (network_resilience, residual) = (rho[at], residual[at]);
+        let sums = Sums { likelihood, square, count, network_resilience, perfused, residual, samples };
         if !sums.are_possible() {
             return Err(Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY));
         }

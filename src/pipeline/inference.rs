@@ -139,14 +139,8 @@ impl Inference {
             kept: topology(&self.decision.kept),
             above_median: topology(&self.decision.above_median),
             expected: expected_errors(graph, &self.decision.kept),
-            uniform_prior: self.sampling.uniform_prior,
+            sampling: &self.sampling,
             method: self.method,
-            epsilon: self.sampling.epsilon,
-            seed: self.sampling.seed,
-            uncertain: self.sampling.uncertain,
-            weight: self.sampling.weight,
-            exact: self.sampling.exact,
-            viscosity: self.sampling.viscosity,
         }
     }
 

@@ -52,7 +52,7 @@ use crate::masks::Scene;
 use crate::naming::{Names, NamingModels};
 use crate::network::{Network, Origin};
 use crate::report::{ImageCut, Provenance, Segmentation};
-use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
+use crate::sampling::{FIRST_STABLE, FoundConditions, PartialRun, Sampling, SamplingOptions, Solver};
 use arteries::FoundArteries;
 use cuts::{Contacts, Cuts};
 
@@ -374,9 +374,12 @@ impl Prepared {
         &self.prior
     }
 
-    /// The options with the prior of this input.
+    /// The options with the prior of this input. The paper fixes where blood enters and leaves, so its preset and its loop do too.
     fn sampled_with(&self, options: &SamplingOptions) -> SamplingOptions {
-        SamplingOptions { uniform_prior: self.uniform_prior, ..options.clone() }
+        let by_the_paper =
+            self.options.infer.preset == Preset::Paper || options.solver == Solver::Reference || self.uniform_prior;
+        let found_conditions = if by_the_paper { FoundConditions::Fixed } else { options.found_conditions };
+        SamplingOptions { uniform_prior: self.uniform_prior, found_conditions, ..options.clone() }
     }
 
     /// All that the samples depend on, as SHA-256: what is kept of a run, or of a `range` of its samples, is resumed under it.

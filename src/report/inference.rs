@@ -25,7 +25,7 @@ use crate::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
 };
 use crate::output::write_record;
-use crate::sampling::{Likelihood, Method, Uncertain, Weight};
+use crate::sampling::{Likelihood, Method, SamplingOptions};
 use crate::support::geometry::Point;
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
@@ -94,9 +94,8 @@ impl Segmentation {
     }
 }
 
-/// What samples say in which everything was occluded.
-pub const NOTHING_FLOWED: &str =
-    "Blood flowed in none of the samples, so they tell nothing of L. Take more, or a smaller --epsilon.";
+/// The share of the samples in which blood flows below which a run is warned of.
+const FEW_PERFUSED: f64 = 0.5;
 
 /// An inference and everything its files are made of.
 #[derive(Debug)]
@@ -127,25 +126,38 @@ pub struct Outcome<'a> {
     pub above_median: Topology,
     /// The errors that the evidence expects of the kept graph, where there is evidence.
     pub expected: Option<ExpectedErrors>,
-    /// Whether A = 1 was used instead of the vessels' own priors.
-    pub uniform_prior: bool,
-    /// The options of sampling.
-    pub epsilon: f64,
-    /// The seed.
-    pub seed: u64,
-    /// Which vessels were uncertain.
-    pub uncertain: Uncertain,
-    /// What a vessel of the forest contributed.
-    pub weight: Weight,
-    /// Whether every pattern was enumerated.
-    pub exact: bool,
+    /// How it was sampled.
+    pub sampling: &'a SamplingOptions,
     /// How the samples were computed.
     pub method: Method,
-    /// Blood viscosity, Pa s.
-    pub viscosity: f64,
+}
+
+/// That blood flows in this share of the samples, and what raises it, where it is below one half.
+pub fn few_perfused(network: &Network, boundary: &Boundary, sampling: &SamplingOptions, share: f64) -> Option<String> {
+    if network.vessel_count() == 0 || share >= FEW_PERFUSED {
+        return None;
+    }
+    let (what, so) = if share == 0.0 {
+        ("in none of the samples".to_owned(), "they tell nothing of L")
+    } else {
+        (format!("in {:.1} % of the samples", 100.0 * share), "L rests on few")
+    };
+    let advice = if sampling.chance_of_an_inlet(network, boundary) < FEW_PERFUSED {
+        "The inlets found lie at ends that other vessels probably join: state where blood enters, with --inlet."
+    } else if sampling.epsilon > 0.0 {
+        "A smaller --epsilon leaves more ways from inlets to outlets open."
+    } else {
+        "State where blood leaves, with --outlet."
+    };
+    Some(format!("Blood flows {what}, so {so}. {advice}"))
 }
 
 impl Outcome<'_> {
+    /// As [`few_perfused`].
+    pub fn few_perfused(&self) -> Option<String> {
+        few_perfused(self.network, self.boundary, self.sampling, self.result.perfused)
+    }
+
     /// How many contacts there are: places where observed vessels may only touch.
     pub fn contacts(&self) -> usize {
         self.network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).count()
@@ -222,7 +234,7 @@ fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
 /// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
 fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     let mut graph = outcome.boundary.stated_in(outcome.network.clone());
-    if outcome.uniform_prior {
+    if outcome.sampling.uniform_prior {
         (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
     }
     let (nodes, vessels) = graph_columns(&graph);
@@ -262,7 +274,7 @@ fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Res
 /// Pressures that cannot be solved for.
 pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
     let (graph, _, boundary) = kept_graph(outcome, kept);
-    columns_of_nodes(&graph, &boundary, outcome.viscosity)
+    columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)
 }
 
 /// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
@@ -275,7 +287,7 @@ fn topology(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
     let (graph, rows, boundary) = kept_graph(outcome, kept);
-    let nodes = columns_of_nodes(&graph, &boundary, outcome.viscosity)?;
+    let nodes = columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)?;
     let mut vessels = select(vessels, &rows);
     for column in vessels.iter_mut().filter(|column| column.name == "kept") {
         *column = Column::whole("kept", rows.iter().map(|_| 1));
@@ -317,7 +329,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
     let flag = |name, flags: &[bool]| Column::whole(name, flags.iter().map(|f| usize::from(*f)));
     let mut columns = crate::io::vessel_columns(network);
     columns.extend([
-        Column::real("prior", network.vessels().map(|(_, v)| if outcome.uniform_prior { 1.0 } else { v.prior })),
+        Column::real("prior", network.vessels().map(|(_, v)| if outcome.sampling.uniform_prior { 1.0 } else { v.prior })),
         Column::real("likelihood", result.likelihood.iter().copied()),
         Column::real("std_error", result.std_error.iter().copied()),
         Column::real("frequency", result.frequency.iter().copied()),

@@ -15,9 +15,7 @@ mod simulation;
 mod supply;
 mod transport;
 
-pub use inference::{
-    ImageCut, NOTHING_FLOWED, Outcome, Segmentation, agreement, topology_columns, vessel_columns, write_outcome,
-};
+pub use inference::{ImageCut, Outcome, Segmentation, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,

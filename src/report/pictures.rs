@@ -66,7 +66,7 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
         open.map(|((([a, b], _), likelihood), uncertain)| ((a as u32, b as u32, *likelihood), *uncertain)).unzip();
     let blocks = node_blocks(network, outcome.boundary);
     let matrix = Matrix { nodes: network.node_count(), entries: &entries, uncertain: &uncertain, blocks: &blocks };
-    let matrix = heat_map(&matrix, outcome.weight)?;
+    let matrix = heat_map(&matrix, outcome.sampling.weight)?;
     matrix.write(folder, dpi)?;
     let says = "The likelihood over all pairs of nodes on a logarithmic scale of colour; light grey is zero. The nodes are in order of the \
                 inlet that feeds them along observed vessels, or of their fragment. A second matrix has the uncertain vessels alone.";
@@ -84,7 +84,7 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
     };
     let cuts: Vec<f64> = result.trace.iter().map(|s| running_threshold(rule, result.samples, &uncertain, s)).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.weight)?;
+    let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.sampling.weight)?;
     traces.write(folder, dpi)?;
     let says = match cut {
         _ if cuts.iter().all(|cut| cut.is_nan()) => {
@@ -114,6 +114,7 @@ fn running_threshold(rule: Keep, samples: u64, uncertain: &[usize], snapshot: &S
         frequency: vec![0.0; uncertain.len()],
         uncertain: vec![true; uncertain.len()],
         network_resilience: 0.0,
+        perfused: 1.0,
         residual: 0.0,
         samples: 1,
         trace: Vec::new(),

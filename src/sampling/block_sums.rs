@@ -90,6 +90,15 @@ pub fn expectation(values: &PerSample, probability: Option<&[f64; BLOCK as usize
     pairwise(&lanes)
 }
 
+/// One of each sample with a `global` resilience above zero: blood flows in it.
+pub fn perfused(global: &PerSample) -> PerSample {
+    let mut flows = PerSample::ZERO;
+    for (flows, global) in flows.iter_mut().zip(global.iter()) {
+        *flows = if *global > 0.0 { 1.0 } else { 0.0 };
+    }
+    flows
+}
+
 /// The next figures of a group or block.
 #[inline(always)]
 pub fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {

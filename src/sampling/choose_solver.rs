@@ -7,7 +7,7 @@ use super::reduced_graph::ReducedGraph;
 use super::reference::Reference;
 use crate::error::{Error, Result};
 use crate::flow::batch::conjugate_gradients::ConjugateGradients;
-use crate::flow::{BatchSolver, Boundary, Circuit, StarMesh};
+use crate::flow::{BatchSolver, Circuit, StarMesh};
 use crate::network::Network;
 
 /// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
@@ -68,13 +68,13 @@ pub enum Plan {
 }
 
 impl Plan {
-    /// The plan for a network whose `certain` vessels are open in every sample: what is asked for, or what is predicted to be the fastest.
+    /// The plan for a network with the circuit of its samples, whose `certain` vessels are open in all of them: what is asked for, or what is
+    /// predicted to be the fastest.
     ///
     /// # Errors
     ///
     /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
-    pub fn choose(network: &Network, boundary: &Boundary, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
-        let circuit = Circuit::sampled(network, boundary, options.viscosity)?;
+    pub fn choose(network: &Network, circuit: Circuit, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
         let most_joins = match options.solver {
             Solver::Reference => return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight)))),
             _ if network.vessel_count() > MOST_VESSELS_IN_FULL => None,

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest, KeySlot};
-use super::block_sums::{Forests, PerSample, expectation, open_vessels, part};
+use super::block_sums::{Forests, PerSample, expectation, open_vessels, part, perfused};
 use super::choose_solver;
 use super::choose_solver::{FULL_GRAPH_LANES as B, Method};
 use super::forest::{Forest, keys_or_zero};
@@ -219,6 +219,7 @@ impl Kernel for BlockKernel<'_> {
         let global = zip(simd, &global, &present, |sum, n| simd.div_f64s(sum, simd.max_f64s(n, simd.splat_f64s(1.0))));
         sums.samples = *samples as u64;
         sums.network_resilience = expectation(&global, *probability);
+        sums.perfused = expectation(&perfused(&global), *probability);
         let forests = Forests { in_forest: &memory.in_forest, vessels };
         let resilience = |vessel: usize, first: usize| part(&*memory.resilience[first / B * vessels + vessel], first % B);
         let one = |_, _| splat(simd, 1.0);

@@ -21,6 +21,8 @@ pub struct Sums {
     pub count: Vec<f64>,
     /// Σ ρ_G of the samples, W/m³.
     pub network_resilience: f64,
+    /// Samples in which blood flows; their probability in an enumeration.
+    pub perfused: f64,
     /// The largest relative residual ‖b - A P‖/‖b‖ of the samples that were checked, one of a block.
     pub residual: f64,
     /// How many samples.
@@ -39,6 +41,7 @@ impl Sums {
         self.square.fill(0.0);
         self.count.fill(0.0);
         self.network_resilience = 0.0;
+        self.perfused = 0.0;
         self.residual = 0.0;
         self.samples = 0;
     }
@@ -57,6 +60,8 @@ impl Sums {
             counted && is_sum(*sum) && *square >= 0.0 && if nothing { *sum == 0.0 && *square == 0.0 } else { bounded }
         };
         is_sum(self.network_resilience)
+            && self.perfused.fract() == 0.0
+            && (0.0..=self.samples as f64).contains(&self.perfused)
             && is_sum(self.residual)
             && self.likelihood.iter().zip(&self.square).zip(&self.count).all(is_vessel)
     }
@@ -95,6 +100,7 @@ impl Summed for Sums {
         add(&mut self.square, &right.square);
         add(&mut self.count, &right.count);
         self.network_resilience += right.network_resilience;
+        self.perfused += right.perfused;
         self.residual = self.residual.max(right.residual);
         self.samples += right.samples;
         self
@@ -127,6 +133,8 @@ pub struct Likelihood {
     pub uncertain: Vec<bool>,
     /// Mean of ρ_G over the samples, W/m³.
     pub network_resilience: f64,
+    /// Share of the samples in which blood flows.
+    pub perfused: f64,
     /// The largest relative residual of the samples that were checked.
     pub residual: f64,
     /// How many samples there were.
@@ -156,11 +164,6 @@ impl Likelihood {
         all == [vessels; 4] && self.trace.iter().all(|snapshot| snapshot.likelihood.len() == uncertain)
     }
 
-    /// Whether blood flowed in none of several samples, so that they tell nothing of L.
-    pub fn is_unknown(&self) -> bool {
-        self.samples > 1 && !self.std_error.is_empty() && self.std_error.iter().all(|error| error.is_nan())
-    }
-
     /// From the sums over all samples.
     pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
         let n = sums.samples.max(1) as f64;
@@ -170,6 +173,7 @@ impl Likelihood {
             std_error: if varies { sums.standard_errors() } else { vec![0.0; uncertain.len()] },
             frequency: sums.count.iter().map(|c| c / n).collect(),
             network_resilience: sums.network_resilience / n,
+            perfused: sums.perfused / n,
             residual: sums.residual,
             samples: sums.samples,
             likelihood: sums.likelihood,
@@ -186,6 +190,7 @@ impl Likelihood {
             likelihood: sums.likelihood.iter().map(|e| n * e).collect(),
             frequency: sums.count,
             network_resilience: sums.network_resilience,
+            perfused: sums.perfused,
             residual: sums.residual,
             samples,
             uncertain,

@@ -22,7 +22,7 @@ pub use choose_solver::Method;
 pub use dyadic_sums::{DyadicSums, Summed};
 pub use forest::{Forest, key};
 pub use likelihood::{Likelihood, Snapshot, Sums};
-pub use options::{SamplingOptions, Solver, Uncertain, Weight};
+pub use options::{FoundConditions, SamplingOptions, Solver, Uncertain, Weight};
 pub use partial_run::PartialRun;
 pub use run::{FIRST_STABLE, Progress, Sampling, infer};
 pub use sampler::Sampler;

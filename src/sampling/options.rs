@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::flow::Boundary;
+use crate::flow::boundary_conditions::Provisional;
 use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
-use crate::network::{Network, Origin, Vessel};
+use crate::network::{Network, Origin, Role, Vessel};
 
 /// Which vessels are uncertain: occluded at random, and to be decided on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -71,6 +73,18 @@ impl Weight {
     }
 }
 
+/// When a boundary condition that was found, and not stated, holds in a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FoundConditions {
+    /// Where none of the candidates and contacts at its end is a true connection. Each is one with the probability A, occluded or not, so ε has
+    /// no say. What has A = 1 and is not certain has no evidence, and counts for nothing.
+    #[default]
+    Evidence,
+    /// In every sample, as what is stated and as the source and the ground of the paper.
+    Fixed,
+}
+
 /// The solver of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -102,6 +116,8 @@ pub struct SamplingOptions {
     pub weight: Weight,
     /// Whether A = 1 everywhere instead of the prior of each vessel.
     pub uniform_prior: bool,
+    /// When a boundary condition that was found holds.
+    pub found_conditions: FoundConditions,
     /// Blood viscosity µ, Pa s, positive.
     #[serde(rename = "viscosity_Pa_s")]
     pub viscosity: f64,
@@ -121,6 +137,7 @@ impl Default for SamplingOptions {
             uncertain: Uncertain::default(),
             weight: Weight::default(),
             uniform_prior: false,
+            found_conditions: FoundConditions::default(),
             viscosity: BLOOD_VISCOSITY,
             solver: Solver::default(),
             exact: false,
@@ -134,6 +151,45 @@ impl SamplingOptions {
         let prior = |v: &Vessel| if self.uniform_prior { 1.0 } else { v.prior };
         let keep = |v: &Vessel, uncertain: bool| if uncertain { (1.0 - self.epsilon) * prior(v) } else { 1.0 };
         network.vessels().zip(self.uncertain.vessels(network)).map(|((_, v), uncertain)| keep(v, uncertain)).collect()
+    }
+
+    /// The conditions found that do not hold in every sample, each with the rows of the candidates and contacts that speak against it.
+    pub fn provisional(&self, network: &Network, boundary: &Boundary) -> Vec<Provisional> {
+        if self.uniform_prior || self.found_conditions == FoundConditions::Fixed {
+            return Vec::new();
+        }
+        let speaks = |row: &usize| {
+            let vessel = network.vessel(*row);
+            vessel.certain || vessel.prior > 0.0 && vessel.prior < 1.0
+        };
+        let some = boundary.provisional(network).into_iter().map(|mut at| {
+            at.others.retain(speaks);
+            at
+        });
+        some.filter(|at| !at.others.is_empty()).collect()
+    }
+
+    /// The probability that a connection is true, whatever is occluded.
+    fn truth(vessel: &Vessel) -> f64 {
+        if vessel.certain { 1.0 } else { vessel.prior }
+    }
+
+    /// The chance that a vessel which a sample closed is a true connection all the same, only occluded: εA/(1 - λA); zero of one that is never
+    /// occluded.
+    pub fn occluded_though_true(&self, network: &Network, row: usize) -> f64 {
+        let vessel = network.vessel(row);
+        if vessel.certain { 0.0 } else { self.epsilon * vessel.prior / (1.0 - (1.0 - self.epsilon) * vessel.prior) }
+    }
+
+    /// The probability that some inlet holds in a sample.
+    pub fn chance_of_an_inlet(&self, network: &Network, boundary: &Boundary) -> f64 {
+        let provisional = self.provisional(network, boundary);
+        let holds = |node: usize| match provisional.binary_search_by_key(&node, |at| at.node) {
+            Err(_) => 1.0,
+            Ok(at) => provisional[at].others.iter().map(|row| 1.0 - Self::truth(network.vessel(*row))).product::<f64>(),
+        };
+        let inlets = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet);
+        1.0 - inlets.map(|node| 1.0 - holds(node)).product::<f64>()
     }
 
     /// Checks every field.

@@ -1,17 +1,36 @@
-//! Which vessels are open in each sample: drawn patterns, or every possible pattern.
+//! Which vessels are open in each sample, and which of the conditions found hold: drawn patterns, or every possible pattern.
+
+use std::collections::BTreeMap;
 
 use super::options::SamplingOptions;
 use crate::error::{Error, Result};
+use crate::flow::boundary_conditions::Provisional;
+use crate::network::Network;
 use crate::perturbation::enumeration::MOST_UNCERTAIN;
 use crate::perturbation::{Enumeration, Occlusion};
 use crate::support::random::BLOCK;
 
+/// The patterns of a run.
+///
+/// A condition found holds in a sample where none of the candidates and contacts at its end is a true connection ([`SamplingOptions::provisional`]).
+/// One is true with the probability A; it is open where it is true and not occluded. So of those that are closed one is true with the probability
+/// εA/(1 - λA), and this is drawn too, after the vessels.
+#[derive(Debug)]
+pub struct Patterns {
+    source: Source,
+    vessels: usize,
+    /// Per condition that does not always hold the rows that speak against it: vessels, and after them what is drawn of closed ones.
+    against: Vec<Vec<usize>>,
+    /// Rows that the source fills in.
+    rows: usize,
+}
+
 /// Where the patterns come from.
 #[derive(Debug)]
-pub enum Patterns {
+enum Source {
     /// Drawn at random from the streams of a seed.
     Drawn {
-        /// The chances of the vessels.
+        /// The chances of the rows.
         occlusion: Occlusion,
         /// The seed.
         seed: u64,
@@ -21,42 +40,72 @@ pub enum Patterns {
 }
 
 impl Patterns {
-    /// From the keep probability of each vessel.
+    /// Of a network, some of whose conditions are `provisional` ([`SamplingOptions::provisional`]).
     ///
     /// # Errors
     ///
     /// Too many uncertain vessels to enumerate.
-    pub fn new(keep: Vec<f64>, params: &SamplingOptions) -> Result<Self> {
-        if !params.exact {
-            return Ok(Self::Drawn { occlusion: Occlusion::new(keep), seed: params.seed });
+    pub fn new(network: &Network, provisional: &[Provisional], params: &SamplingOptions) -> Result<Self> {
+        let (mut keep, vessels) = (params.keep_probabilities(network), network.vessel_count());
+        let mut against: Vec<Vec<usize>> = provisional.iter().map(|at| at.others.clone()).collect();
+        let mut drawn = BTreeMap::new();
+        for rows in &mut against {
+            for at in 0..rows.len() {
+                let chance = params.occluded_though_true(network, rows[at]);
+                if chance > 0.0 {
+                    rows.push(*drawn.entry(rows[at]).or_insert_with(|| {
+                        keep.push(chance);
+                        keep.len() - 1
+                    }));
+                }
+            }
         }
+        let rows = keep.len();
+        if !params.exact {
+            return Ok(Self {
+                source: Source::Drawn { occlusion: Occlusion::new(keep), seed: params.seed },
+                vessels,
+                against,
+                rows,
+            });
+        }
+        let twice = rows - vessels;
         let refused = |uncertain| {
+            let ends = format!(", of which {twice} count twice, for they leave ends whose condition was found");
+            let ends = if twice == 0 { "" } else { &ends };
             let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without `exact`");
-            Error::parameter("exact", format!("with {uncertain} uncertain vessels"), accepted)
+            Error::parameter("exact", format!("with {uncertain} uncertain vessels{ends}"), accepted)
         };
-        Enumeration::new(&keep).map(Self::Enumerated).map_err(refused)
+        let source = Source::Enumerated(Enumeration::new(&keep).map_err(refused)?);
+        Ok(Self { source, vessels, against, rows })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
     pub fn samples(&self, asked: u64) -> u64 {
-        match self {
-            Self::Drawn { .. } => asked,
-            Self::Enumerated(patterns) => patterns.patterns(),
+        match &self.source {
+            Source::Drawn { .. } => asked,
+            Source::Enumerated(patterns) => patterns.patterns(),
         }
     }
 
-    /// Fills in block `block`: bit i of word e says whether vessel e is open in sample i. In an enumeration it fills in the `probability` of
-    /// each sample too, and returns true.
+    /// Fills in block `block`: bit i of word e says whether vessel e is open in sample i, and after the vessels whether a provisional condition
+    /// holds. In an enumeration it fills in the `probability` of each sample too, and returns true.
     pub fn fill(&self, block: u64, masks: &mut Vec<u64>, probability: &mut [f64; BLOCK as usize]) -> bool {
-        match self {
-            Self::Drawn { occlusion, seed } => {
+        let is_enumerated = match &self.source {
+            Source::Drawn { occlusion, seed } => {
                 occlusion.draw(*seed, block, masks);
                 false
             }
-            Self::Enumerated(patterns) => {
+            Source::Enumerated(patterns) => {
                 patterns.fill(block, masks, probability);
                 true
             }
+        };
+        for rows in &self.against {
+            let joined = rows.iter().fold(0, |joined, row| joined | masks[*row]);
+            masks.push(!joined);
         }
+        masks.drain(self.vessels..self.rows);
+        is_enumerated
     }
 }

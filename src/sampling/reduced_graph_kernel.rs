@@ -3,7 +3,7 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest};
-use super::block_sums::{PerSample, expectation, pairwise};
+use super::block_sums::{PerSample, expectation, pairwise, perfused};
 use super::choose_solver::REDUCED_GRAPH_LANES as B;
 use super::forest::{Forest, key, keys_or_zero};
 use super::likelihood::Sums;
@@ -111,6 +111,7 @@ impl Kernel for BlockKernel<'_> {
         }
         sums.samples = samples as u64;
         sums.network_resilience = expectation(&global, probability);
+        sums.perfused = expectation(&perfused(&global), probability);
         residual
     }
 }

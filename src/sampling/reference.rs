@@ -3,7 +3,7 @@
 //! Moriconi et al. 2019, one sample after another:
 //!
 //! 1. Mask: Ẽ = 𝓔 ∘ (E ∘ A). Vessel e is open with probability λA_e.
-//! 2. Boundary: a condition that was found holds where no candidate is open at its free end.
+//! 2. Boundary: a condition that was found holds where no candidate at its free end is a true connection.
 //! 3. Flow, algorithm 1: Σ_e C_e (P_j - P_i) = s_j at every free node j, with C = 1/R of the open vessels.
 //! 4. Resilience: ρ = ΔP·Q / (π r² l) of every vessel that blood flows through.
 //! 5. Forest: the minimum spanning forest of 1/ρ.
@@ -77,15 +77,15 @@ impl Reference {
         sums.clear();
         sums.samples = block.samples as u64;
         for sample in 0..block.samples {
-            let open: Vec<bool> = block.masks[..self.volume.len()].iter().map(|mask| mask >> sample & 1 == 1).collect();
-            let circuit = self.circuit.in_sample(|vessel| open[vessel]);
-            let pressure = pressures(&circuit, |vessel| open[vessel])?;
             let is_open = |row: usize| block.masks[row] >> sample & 1 == 1;
+            let circuit = self.circuit.in_sample(is_open);
+            let pressure = pressures(&circuit, is_open)?;
             let resilience = self.resiliences(is_open, &pressure);
-            let present = open.iter().filter(|open| **open).count().max(1);
+            let present = (0..self.volume.len()).filter(|row| is_open(*row)).count().max(1);
             let global = resilience.iter().sum::<f64>() / present as f64;
             let probability = block.probability.map_or(1.0, |p| p[sample]);
             sums.network_resilience += probability * global;
+            sums.perfused += if global > 0.0 { probability } else { 0.0 };
             for vessel in spanning_forest(&circuit.ends, &resilience) {
                 let value = self.weight.of(resilience[vessel], global);
                 sums.likelihood[vessel] += probability * value;

@@ -6,8 +6,7 @@ use super::options::SamplingOptions;
 use super::patterns::Patterns;
 use super::{full_graph, reduced_graph};
 use crate::error::Result;
-use crate::flow::Boundary;
-use crate::flow::boundary_conditions::Provisional;
+use crate::flow::{Boundary, Circuit};
 use crate::network::Network;
 use crate::support::random::BLOCK;
 
@@ -15,8 +14,6 @@ use crate::support::random::BLOCK;
 #[derive(Debug)]
 pub struct Sampler {
     patterns: Patterns,
-    /// The conditions that hold in some samples only.
-    provisional: Vec<Provisional>,
     plan: Plan,
 }
 
@@ -54,8 +51,10 @@ impl Sampler {
     pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
-        let plan = Plan::choose(network, boundary, &certain, params)?;
-        Ok(Self { patterns: Patterns::new(keep, params)?, provisional: boundary.provisional(network), plan })
+        let provisional = params.provisional(network, boundary);
+        let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
+        let plan = Plan::choose(network, circuit, &certain, params)?;
+        Ok(Self { patterns: Patterns::new(network, &provisional, params)?, plan })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -90,10 +89,6 @@ impl Sampler {
     pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
         let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
-        for provisional in &self.provisional {
-            let holds = provisional.holds(&work.masks);
-            work.masks.push(holds);
-        }
         let valid = u64::MAX >> (BLOCK - samples);
         for mask in &mut work.masks {
             *mask &= valid;

@@ -17,6 +17,7 @@ fn likelihood(figures: &[(f64, f64)]) -> Likelihood {
         frequency: figures.iter().map(|(l, _)| l / 10.0).collect(),
         uncertain: vec![true; figures.len()],
         network_resilience: 0.0,
+        perfused: 1.0,
         residual: 0.0,
         samples: 100,
         trace: Vec::new(),

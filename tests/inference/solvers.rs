@@ -14,7 +14,7 @@ use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain
 /// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so. What a factorisation keeps of a drop that
 /// is itself 1e-8 of the pressure is less: 1e-15 of the largest L, for ρ is a drop squared.
 pub fn agree(name: &str, a: &Likelihood, b: &Likelihood) {
-    assert_eq!(a.frequency, b.frequency, "{name}");
+    assert_eq!((&a.frequency, a.perfused), (&b.frequency, b.perfused), "{name}");
     let largest = a.likelihood.iter().copied().fold(0.0, f64::max);
     for (row, (x, y)) in a.likelihood.iter().zip(&b.likelihood).enumerate() {
         assert!((x - y).abs() <= 1e-9 * x.max(*y) + 1e-15 * largest, "{name}, vessel {row}: {x} and {y}");

@@ -1,6 +1,6 @@
 //! Prints what came out of `willis infer`.
 
-use crate::internals::report::{NOTHING_FLOWED, Outcome};
+use crate::internals::report::Outcome;
 use crate::{Keep, Weight};
 
 use super::{Terminal, brief, count, plural};
@@ -18,14 +18,14 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     let mut say = |heading, fact| lines.push((heading, fact));
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
-    let took = if outcome.exact {
+    let took = if outcome.sampling.exact {
         format!("every pattern in {seconds:.2} s")
     } else {
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
     say("sampled", format!("{took}, {} solver", outcome.method.solver));
-    if outcome.result.is_unknown() {
-        say("warning", NOTHING_FLOWED.to_owned());
+    if let Some(warning) = outcome.few_perfused() {
+        say("warning", warning);
     }
     if let Some(stable) = outcome.stable {
         let about = if outcome.rule.asks_evidence() { "about the median of L" } else { "of the rule" };
@@ -39,7 +39,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
         (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
         (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
         (Keep::Probable(odds), _) => format!("the most probable forest, odds from {odds} on"),
-        (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.weight == Weight::Count { "" } else { " W/m³" }),
+        (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.sampling.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no uncertain vessel has L > 0".into(),
     };
     say(

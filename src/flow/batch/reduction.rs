@@ -151,7 +151,7 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> 
         tree.node = row_of[tree.node];
     }
     let terminals = rows.iter().filter_map(|row| circuit.terminals.get(row.checked_sub(circuit.vessel_count())?));
-    let terminals = terminals.map(|terminal| Terminal { node: row_of[terminal.node], ..terminal.clone() }).collect();
+    let terminals = terminals.map(|terminal| Terminal { node: row_of[terminal.node], ..*terminal }).collect();
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),

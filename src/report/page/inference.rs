@@ -8,7 +8,7 @@ use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
 use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
-use crate::report::inference::{NOTHING_FLOWED, Outcome, pairing_columns, suggested_cut_columns};
+use crate::report::inference::{Outcome, pairing_columns, suggested_cut_columns};
 use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
@@ -20,8 +20,8 @@ const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"]
 pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
     let mut record = record(summary);
     let mut warnings = super::warnings(&record);
-    if outcome.result.is_unknown() {
-        warnings.insert(0, NOTHING_FLOWED.to_owned());
+    if let Some(warning) = outcome.few_perfused() {
+        warnings.insert(0, warning);
     }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
@@ -41,7 +41,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         columns.extend(["attached_a", "attached_b"].into_iter().zip([0, 1]).map(|(name, end)| Column::real(name, attached(end))));
     }
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let unit = unit_of(outcome.weight);
+    let unit = unit_of(outcome.sampling.weight);
     let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
     let evidence = has_evidence(outcome.network);
     let mut names = vec![
