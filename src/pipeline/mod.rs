@@ -50,7 +50,7 @@ use crate::flow::{Boundary, FoundOutlets};
 use crate::io::{Format, checksum, checksum_of};
 use crate::masks::Scene;
 use crate::naming::{Names, NamingModels};
-use crate::network::{Network, Origin};
+use crate::network::{Condition, Network, Origin};
 use crate::report::{ImageCut, Provenance, Segmentation};
 use crate::sampling::{FIRST_STABLE, PartialRun, Sampling, SamplingOptions};
 use arteries::FoundArteries;
@@ -217,7 +217,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let said = arteries.iter().flat_map(|found| found.notes.clone());
-    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())) {
+    let resistances = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
+    let not_ground = (options.preset == Preset::Paper && resistances > 0).then(|| stated_resistances(resistances));
+    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(not_ground) {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
@@ -291,6 +293,16 @@ fn named(
         }
         Err(why) => Err(why),
     }
+}
+
+/// What a run with the choices of the paper says of outlets that are not at ground.
+fn stated_resistances(outlets: usize) -> String {
+    let these = if outlets == 1 {
+        "1 outlet keeps its resistance".to_owned()
+    } else {
+        format!("{outlets} outlets keep their resistances")
+    };
+    format!("{these}, as stated; the paper has outlets at ground only")
 }
 
 /// Applies the decisions of a file to a graph: whether A = 1 still stands for the priors of all vessels, and the record of the decisions.

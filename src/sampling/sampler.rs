@@ -1,6 +1,9 @@
-//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
+//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block, but for
+//! an enumeration of equal vessels.
 
+use super::block_sums::PerSample;
 use super::choose_solver::{Method, Plan};
+use super::forest::Coins;
 use super::likelihood::Sums;
 use super::options::SamplingOptions;
 use super::patterns::Patterns;
@@ -17,6 +20,7 @@ pub struct Sampler {
     patterns: Patterns,
     /// The conditions that hold in some samples only.
     provisional: Vec<Provisional>,
+    coins: Coins,
     plan: Plan,
 }
 
@@ -41,6 +45,10 @@ pub struct Block<'a> {
     pub masks: &'a mut [u64],
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// What decides between vessels of equal resilience in a sample that is drawn.
+    pub coins: &'a Coins,
+    /// The figures of the samples for that.
+    pub coin: &'a PerSample,
     /// How many samples, at most 64.
     pub samples: usize,
 }
@@ -55,7 +63,8 @@ impl Sampler {
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let plan = Plan::choose(network, boundary, &certain, params)?;
-        Ok(Self { patterns: Patterns::new(keep, params)?, provisional: boundary.provisional(network), plan })
+        let (patterns, provisional) = (Patterns::new(keep, params)?, boundary.provisional(network));
+        Ok(Self { patterns, provisional, coins: Coins::new(network.vessel_count(), params.seed), plan })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -98,7 +107,8 @@ impl Sampler {
         for mask in &mut work.masks {
             *mask &= valid;
         }
-        let block = Block { masks: &mut work.masks, probability, samples: samples as usize };
+        let coin = &self.coins.of_block(block);
+        let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
         match (&self.plan, &mut work.memory) {
             (Plan::Full(graph), Memory::Full(memory)) => graph.block(&block, memory, sums),
             (Plan::Reduced(graph), Memory::Reduced(memory)) => graph.block(block, memory, sums)?,
