@@ -46,7 +46,7 @@ use crate::candidates::CandidateOptions;
 use crate::candidates::kind::Kind;
 use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Fault, Result};
-use crate::flow::{Boundary, FoundOutlets};
+use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::{Format, checksum, checksum_of};
 use crate::masks::Scene;
 use crate::naming::{Names, NamingModels};
@@ -217,9 +217,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let said = arteries.iter().flat_map(|found| found.notes.clone());
-    let resistances = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
-    let not_ground = (options.preset == Preset::Paper && resistances > 0).then(|| stated_resistances(resistances));
-    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(not_ground) {
+    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &given)) {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
@@ -296,13 +294,15 @@ fn named(
 }
 
 /// What a run with the choices of the paper says of outlets that are not at ground.
-fn stated_resistances(outlets: usize) -> String {
+fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
+    let outlets = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
     let these = if outlets == 1 {
         "1 outlet keeps its resistance".to_owned()
     } else {
         format!("{outlets} outlets keep their resistances")
     };
-    format!("{these}, as stated; the paper has outlets at ground only")
+    let said = format!("{these}, as stated; the paper has outlets at ground only");
+    (preset == Preset::Paper && outlets > 0).then_some(said)
 }
 
 /// Applies the decisions of a file to a graph: whether A = 1 still stands for the priors of all vessels, and the record of the decisions.

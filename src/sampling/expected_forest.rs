@@ -161,7 +161,9 @@ fn draw(vessels: &[(usize, [usize; 2])], nodes: usize, inside: &mut [f64]) {
     let mut rng = stream(0, random::VESSELS_THAT_TIE);
     let mut order: Vec<(u64, usize)> = (0..vessels.len()).map(|at| (0, at)).collect();
     for _ in 0..DRAWN {
-        order.iter_mut().for_each(|(key, _)| *key = rng.next_u64());
+        for (key, _) in &mut order {
+            *key = rng.next_u64();
+        }
         order.sort_unstable();
         let mut parent: Vec<u32> = (0..nodes as u32).collect();
         for (_, at) in &order {

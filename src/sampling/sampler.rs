@@ -1,5 +1,5 @@
-//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block, but for
-//! an enumeration of equal vessels.
+//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
+//! Only an enumeration of equal vessels does.
 
 use super::block_sums::PerSample;
 use super::choose_solver::{Method, Plan};
