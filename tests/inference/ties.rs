@@ -103,8 +103,7 @@ fn an_enumeration_expects_every_order_of_equals_alike() {
         let [likelihood, frequency] = brute_force(&network);
         for solver in SOLVERS {
             let exact = run(&network, &conditions(), &SamplingOptions { exact: true, samples: 1, ..options(solver) });
-            for row in 0..network.vessel_count() {
-                let (got, expected) = (exact.likelihood[row], likelihood[row]);
+            for (row, (got, expected)) in exact.likelihood.iter().zip(&likelihood).enumerate() {
                 assert!((got - expected).abs() <= 1e-9 * expected, "{name}, {solver:?}, {row}: {got} for {expected}");
                 assert!((exact.frequency[row] - frequency[row]).abs() <= 1e-9, "{name}, {solver:?}, {row}");
             }
@@ -130,13 +129,9 @@ fn what_is_symmetric_has_a_symmetric_likelihood() {
                 let apart = (result.likelihood[*a] - result.likelihood[*b]).abs();
                 assert!(apart <= 4.0 * (error(*a) + error(*b)), "{name}, {solver:?}: {a} and {b} are {apart} apart");
             }
-            for row in 0..network.vessel_count() {
-                let off = (result.likelihood[row] - SAMPLES as f64 * likelihood[row]).abs();
-                assert!(
-                    off <= 5.0 * error(row) + 1e-9 * result.likelihood[row],
-                    "{name}, {solver:?}, {row}: {off}, {}",
-                    error(row)
-                );
+            for (row, (got, expected)) in result.likelihood.iter().zip(&likelihood).enumerate() {
+                let (off, error) = ((got - SAMPLES as f64 * expected).abs(), error(row));
+                assert!(off <= 5.0 * error + 1e-9 * got, "{name}, {solver:?}, {row}: {off} for an error of {error}");
             }
         }
     }
