@@ -60,7 +60,7 @@ pub struct ModulateArgs {
     /// Blood viscosity
     #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", help_heading = "Modulation")]
     viscosity: String,
-    /// Hypertension above this is a risk, mmHg/mm2 [default: the 95th percentile over the unperturbed vessels]
+    /// Hypertension above this is a risk, mmHg/mm2 [default: what the topmost twentieth of the unperturbed vessels exceed]
     #[arg(long, value_name = "X", help_heading = "Answer", allow_hyphen_values = true)]
     threshold: Option<f64>,
     /// Write every instance into samples.npz too

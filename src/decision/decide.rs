@@ -8,6 +8,7 @@ use crate::flow::Boundary;
 use crate::flow::floating_components::parts_that_carry;
 use crate::network::{Network, Origin, Vessel, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
+use crate::support::ties::exceeds;
 
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
@@ -59,7 +60,8 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     let cut = threshold(rule, result);
     let median = threshold(Keep::Median, result);
     let rows = 0..result.likelihood.len();
-    let above_median = rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| result.likelihood[row] > m)).collect();
+    let above_median =
+        rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m))).collect();
     let mut left_open = Vec::new();
     let (mut kept, close) = match rule {
         Keep::Probability(least) => {
@@ -129,8 +131,8 @@ fn near(probability: &[Option<f64>], rule: Keep) -> Vec<bool> {
 fn by_samples(rule: Keep, cut: Option<f64>, result: &Likelihood) -> (Vec<bool>, Vec<bool>) {
     let figure = if matches!(rule, Keep::Frequency(_)) { &result.frequency } else { &result.likelihood };
     let passes = |row: usize| match (rule, cut) {
-        (Keep::Frequency(_), Some(cut)) => figure[row] >= cut,
-        (_, Some(cut)) => figure[row] > cut,
+        (Keep::Frequency(_), Some(cut)) => !exceeds(cut, figure[row]),
+        (_, Some(cut)) => exceeds(figure[row], cut),
         (_, None) => false,
     };
     let flip = cut.and_then(|cut| flipping_point(rule, cut, result));
@@ -156,8 +158,8 @@ fn flipping_point(rule: Keep, cut: f64, result: &Likelihood) -> Option<f64> {
         return Some(cut);
     }
     let positive = || result.likelihood.iter().zip(&result.uncertain).filter(|(l, u)| **u && **l > 0.0).map(|(l, _)| *l);
-    let below = positive().filter(|l| *l <= cut).reduce(f64::max)?;
-    let above = positive().filter(|l| *l > cut).reduce(f64::min)?;
+    let below = positive().filter(|l| !exceeds(*l, cut)).reduce(f64::max)?;
+    let above = positive().filter(|l| exceeds(*l, cut)).reduce(f64::min)?;
     Some(0.5 * (below + above))
 }
 

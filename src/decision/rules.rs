@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::sampling::likelihood::Likelihood;
 use crate::support::statistics::{median, otsu, quantile};
 use crate::support::suggestions::did_you_mean;
+use crate::support::ties::TIE;
 
 /// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
 /// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`,
@@ -16,7 +17,8 @@ use crate::support::suggestions::did_you_mean;
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Keep {
-    /// L above the median of the uncertain vessels with L > 0 (the paper).
+    /// L above the median of the uncertain vessels with L > 0 (the paper). What equals a threshold on L but for [rounding](crate::support::ties::TIE)
+    /// is not above it, here and below.
     #[default]
     Median,
     /// L above this quantile of the same vessels, in [0, 1].
@@ -171,6 +173,6 @@ pub fn threshold(rule: Keep, result: &Likelihood) -> Option<f64> {
         Keep::Quantile(q) => quantile(&positive, q),
         Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) | Keep::BestFirst(x) | Keep::Reconnect(x) => Some(x),
         Keep::Probable(_) => None,
-        Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>()).map(f64::exp),
+        Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>(), TIE).map(f64::exp),
     }
 }

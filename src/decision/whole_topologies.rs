@@ -18,7 +18,7 @@ use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
 use crate::network::{END_ODDS, Network, Origin, fragments};
-use crate::sampling::forest::{Forest, key};
+use crate::sampling::forest::{Coins, Forest};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
 use crate::support::random;
@@ -116,8 +116,8 @@ fn let_samples_vote(
     let at_rest = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
     let solver = PressureSolver::new(&circuit)?;
-    let mut forest = Forest::default();
-    let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64| -> Result<()> {
+    let (mut forest, coins) = (Forest::default(), Coins::new(network.vessel_count(), params.seed));
+    let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
         let above_level = solver.above_level(open)?;
         let mut tubes = at_rest.clone();
         for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
@@ -128,9 +128,9 @@ fn let_samples_vote(
         let mut kept: Vec<bool> = (0..tubes.len()).map(|row| !uncertain[row] || (open(row) && above_median[row])).collect();
         forest.clear();
         for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
-            forest.add(key(vessel.resilience, row));
+            forest.add(coins.key(vessel.resilience, row, coin));
         }
-        forest.grow(state.pressure.len(), &circuit.ends, |row| kept[row] = true);
+        forest.grow(state.pressure.len(), &circuit.ends, |key| coins.vessel(key), |row| kept[row] = true);
         let weight = if params.weight == Weight::Count { 1.0 } else { state.network_resilience };
         count.add(&kept, weight * probability);
         Ok(())
@@ -139,8 +139,9 @@ fn let_samples_vote(
     let samples = patterns.samples(params.samples);
     for first in (0..samples).step_by(BLOCK as usize) {
         patterns.fill(first / BLOCK, &mut masks, &mut probability);
+        let coin = coins.of_block(first / BLOCK);
         for (sample, probability) in probability.iter().enumerate().take((samples - first).min(BLOCK) as usize) {
-            vote(&|row| masks[row] >> sample & 1 == 1, *probability)?;
+            vote(&|row| masks[row] >> sample & 1 == 1, *probability, coin[sample])?;
         }
     }
     Ok(())

@@ -6,13 +6,14 @@ use std::f64::consts::PI;
 use super::run::Modulation;
 use crate::support::gamma::{Gamma, GammaFit};
 use crate::support::statistics::quantile;
+use crate::support::ties::exceeds;
 
 /// The bins of equal width in a histogram.
 pub const BINS: usize = 50;
 /// The bins end at this quantile; one more bin holds the rest.
 const COVERED: f64 = 0.99;
-/// The threshold of risk is this quantile of the unperturbed vessels.
-const RISK_QUANTILE: f64 = 0.95;
+/// The share of the unperturbed vessels that lie above the threshold of risk.
+const AT_RISK: f64 = 0.05;
 
 /// The hypertension force of a vessel, Pa/m²: the mean of the pressures (Pa) at its two ends divided by its cross-section π r², with
 /// the radius r (m) where it is narrowest. The paper calls it a force; it is large in a thin vessel. NaN without pressures.
@@ -23,10 +24,15 @@ pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
     }
 }
 
-/// The default threshold of risk: the 95th percentile of the forces of the unperturbed vessels, Pa/m²; NaN without any force.
+/// The default threshold of risk, Pa/m²: above it is a twentieth of the unperturbed vessels, or a little more, those of the largest forces. It lies
+/// halfway from the least force above it to the next smaller one, so that it never is the force of a vessel, as the 95th percentile is where the
+/// widest forces are those of mirror vessels. Without a smaller one it is the force itself; NaN without any.
 fn risk_threshold(unperturbed: &[f64]) -> f64 {
-    let defined: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
-    quantile(&defined, RISK_QUANTILE).unwrap_or(f64::NAN)
+    let mut falling: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
+    falling.sort_unstable_by(|a, b| b.total_cmp(a));
+    let at_risk = (AT_RISK * falling.len() as f64).ceil() as usize;
+    let Some(above) = at_risk.checked_sub(1).map(|last| falling[last]) else { return f64::NAN };
+    falling.iter().find(|force| exceeds(above, **force)).map_or(above, |below| f64::midpoint(above, *below))
 }
 
 /// The edges of the bins that all `classes` of forces share, rising from 0: 50 bins of equal width end at the largest 99th
@@ -111,8 +117,8 @@ pub struct HypertensionByClass {
 }
 
 impl HypertensionByClass {
-    /// The hypertension of all vessels and instances. The default `threshold` (Pa/m²) is the 95th percentile of the unperturbed
-    /// vessels.
+    /// The hypertension of all vessels and instances. The default `threshold` (Pa/m²) has a twentieth of the unperturbed
+    /// vessels above it.
     pub fn of(modulation: &Modulation, threshold: Option<f64>) -> Self {
         let at_rest = &modulation.unperturbed.force;
         let forces = || modulation.classes.iter().map(|(_, instances)| &instances.force[..]);
@@ -142,5 +148,18 @@ mod tests {
         assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
         assert!((force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
         assert!(force([None, Some(1.0)], 0.5).is_nan());
+    }
+
+    /// By hand: of 20 vessels one is a twentieth; two mirror vessels at the top are both above, whatever their last bits.
+    #[test]
+    fn the_threshold_lies_below_a_twentieth_of_the_vessels() {
+        let rising: Vec<f64> = (1..=20).map(f64::from).collect();
+        assert!((risk_threshold(&rising) - 19.5).abs() < 1e-12);
+        let twice = [&rising[..], &rising[..], &[f64::NAN]].concat();
+        assert!((risk_threshold(&twice) - 19.5).abs() < 1e-12);
+        let mirror = [&rising[..19], &[19.0 * (1.0 + 1e-15)]].concat();
+        assert!((risk_threshold(&mirror) - 18.5).abs() < 1e-12);
+        assert!((risk_threshold(&[3.0, 3.0]) - 3.0).abs() < 1e-12);
+        assert!(risk_threshold(&[f64::NAN]).is_nan() && risk_threshold(&[]).is_nan());
     }
 }

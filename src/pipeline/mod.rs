@@ -46,11 +46,11 @@ use crate::candidates::CandidateOptions;
 use crate::candidates::kind::Kind;
 use crate::decision::{Keep, all_decided};
 use crate::error::{Error, Fault, Result};
-use crate::flow::{Boundary, FoundOutlets};
+use crate::flow::{Boundary, FoundOutlets, Given};
 use crate::io::{Format, checksum, checksum_of};
 use crate::masks::Scene;
 use crate::naming::{Names, NamingModels};
-use crate::network::{Network, Origin};
+use crate::network::{Condition, Network, Origin};
 use crate::report::{ImageCut, Provenance, Segmentation};
 use crate::sampling::{FIRST_STABLE, FoundConditions, PartialRun, Sampling, SamplingOptions, Solver};
 use arteries::FoundArteries;
@@ -217,7 +217,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let said = arteries.iter().flat_map(|found| found.notes.clone());
-    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())) {
+    for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &given)) {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
@@ -291,6 +291,18 @@ fn named(
         }
         Err(why) => Err(why),
     }
+}
+
+/// What a run with the choices of the paper says of outlets that are not at ground.
+fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
+    let outlets = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
+    let these = if outlets == 1 {
+        "1 outlet keeps its resistance".to_owned()
+    } else {
+        format!("{outlets} outlets keep their resistances")
+    };
+    let said = format!("{these}, as stated; the paper has outlets at ground only");
+    (preset == Preset::Paper && outlets > 0).then_some(said)
 }
 
 /// Applies the decisions of a file to a graph: whether A = 1 still stands for the priors of all vessels, and the record of the decisions.

@@ -70,7 +70,8 @@ pub enum Preset {
 }
 
 impl InferOptions {
-    /// Every choice as in Moriconi et al. 2019; where the paper is silent, as [`Default`].
+    /// Every choice as in Moriconi et al. 2019; where the paper is silent, as [`Default`]. Resistances that are stated at outlets stay, though the paper
+    /// has ground only: a note says so.
     pub fn paper() -> Self {
         Self {
             preset: Preset::Paper,

@@ -152,8 +152,8 @@ pub struct ModulationRun<'a> {
     seconds: f64,
 }
 
-/// Modulates the resistances of an input's vessels at random. `threshold` (Pa/m²) is where hypertension becomes a risk; by default the
-/// 95th percentile over the unperturbed vessels.
+/// Modulates the resistances of an input's vessels at random. `threshold` (Pa/m²) is where hypertension becomes a risk; by default a
+/// twentieth of the unperturbed vessels lies above it.
 ///
 /// # Errors
 ///

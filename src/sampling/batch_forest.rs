@@ -2,12 +2,12 @@
 //!
 //! Eliminating node k joins its neighbours i and j by the path through k, whose narrowest vessel is min(m_ki, m_kj). The widest vessel at k
 //! belongs to the forest (Borůvka). All paths from k to its other neighbours lead through that vessel, so the remaining vessels of the forest
-//! are the forest of the remaining graph. The low bits of a key name its vessel, so one pass through the order finds the whole forest.
+//! are the forest of the remaining graph. The low bits of a key ([`Coins`]) name its vessel, so one pass through the order finds the whole forest.
 //! Maxima and minima only select: the answer is exact, and there is no sort and no branch.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::forest::rows;
+use super::forest::Coins;
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, zip};
 
@@ -93,20 +93,20 @@ impl ForestProgram {
 
     /// Grows the forests of the keys that were put in and marks their vessels.
     #[inline(always)]
-    pub fn grow<S: Simd, const B: usize>(&self, simd: S, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
+    pub fn grow<S: Simd, const B: usize>(&self, simd: S, coins: &Coins, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
         for step in &self.steps {
             let k = step.k as usize;
             if step.twin {
-                self.two(simd, k, widest, taken);
+                self.two(simd, k, widest, coins, taken);
             } else {
-                self.one(simd, k, widest, taken);
+                self.one(simd, k, widest, coins, taken);
             }
         }
     }
 
     /// Eliminates the k-th node.
     #[inline(always)]
-    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
+    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], coins: &Coins, taken: &mut [InForest<B>]) {
         let star = self.program.star(k);
         let (done, later) = widest.split_at_mut(star.end);
         let mut mesh = self.program.mesh(k).iter();
@@ -119,12 +119,12 @@ impl ForestProgram {
                 *m = wider(simd, m, &narrower(simd, a, b));
             }
         }
-        take(simd, &best, taken);
+        take(simd, coins, &best, taken);
     }
 
     /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
     #[inline(always)]
-    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
+    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], coins: &Coins, taken: &mut [InForest<B>]) {
         let (near, far) = (self.program.star(k), self.program.star(k + 1));
         let (done, later) = widest.split_at_mut(far.end);
         let (near, second) = done[near.start..].split_at_mut(near.len());
@@ -136,8 +136,8 @@ impl ForestProgram {
             next = wider(simd, &next, &c);
             *b = c;
         }
-        take(simd, &best, taken);
-        take(simd, &next, taken);
+        take(simd, coins, &best, taken);
+        take(simd, coins, &next, taken);
         let mut mesh = self.program.mesh(k + 1).iter();
         for i in 0..second.len() {
             let (a, c) = (first[i], second[i]);
@@ -172,12 +172,11 @@ fn steps(program: &Elimination) -> Vec<Step> {
 
 /// Marks the vessels of the keys, one a lane.
 #[inline(always)]
-fn take<S: Simd, const B: usize>(simd: S, keys: &Lanes<B>, taken: &mut [InForest<B>]) {
-    let vessels = taken.len() - 1;
+fn take<S: Simd, const B: usize>(simd: S, coins: &Coins, keys: &Lanes<B>, taken: &mut [InForest<B>]) {
     let taken = taken.as_flattened_mut();
     let mut at = [0; B];
     for (i, (at, keys)) in S::as_mut_simd_u64s(&mut at).0.iter_mut().zip(keys.vectors::<S>()).enumerate() {
-        let mut row = rows(simd, *keys, vessels);
+        let mut row = coins.numbers(simd, *keys);
         for _ in 0..B.ilog2() {
             row = simd.add_u64s(row, row);
         }

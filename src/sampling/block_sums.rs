@@ -6,7 +6,7 @@ use super::batch_forest::InForest;
 use super::choose_solver::FULL_GRAPH_LANES as B;
 use super::likelihood::Sums;
 use crate::support::random::BLOCK;
-use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat, zip};
+use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat};
 
 /// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
 const SUM_LANES: usize = 8;
@@ -37,32 +37,6 @@ impl Forests<'_> {
             sums.likelihood[vessel] = pairwise(&likelihood);
             sums.square[vessel] = pairwise(&square);
             sums.count[vessel] = f64::from(word.count_ones());
-        }
-    }
-
-    /// The same for samples that count with their probability.
-    #[inline(always)]
-    pub fn add_up_weighted<S: Simd>(
-        &self,
-        simd: S,
-        value: impl Fn(usize, usize) -> Lanes<SUM_LANES>,
-        probability: &[f64; BLOCK as usize],
-        sums: &mut Sums,
-    ) {
-        for vessel in 0..self.vessels {
-            let word = self.word(vessel);
-            let (mut likelihood, mut square, mut counted) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
-                let value = value(vessel, first);
-                let count = masked_by(simd, &part(probability, first), &ACROSS, word, first);
-                let weighted = zip(simd, &value, &count, |a, b| simd.mul_f64s(a, b));
-                likelihood = plus(simd, &likelihood, &weighted);
-                square = plus_product(simd, &square, &weighted, &value);
-                counted = plus(simd, &counted, &count);
-            }
-            sums.likelihood[vessel] = pairwise(&likelihood);
-            sums.square[vessel] = pairwise(&square);
-            sums.count[vessel] = pairwise(&counted);
         }
     }
 
@@ -101,9 +75,9 @@ pub fn perfused(global: &PerSample) -> PerSample {
 
 /// The next figures of a group or block.
 #[inline(always)]
-pub fn part(values: &[f64], first: usize) -> Lanes<SUM_LANES> {
+pub fn part<const N: usize>(values: &[f64], first: usize) -> Lanes<N> {
     let mut out = Lanes::ZERO;
-    out.copy_from_slice(&values[first..first + SUM_LANES]);
+    out.copy_from_slice(&values[first..first + N]);
     out
 }
 

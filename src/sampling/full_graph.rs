@@ -9,7 +9,8 @@ use super::batch_forest::{ForestProgram, IN_FOREST, InForest, KeySlot};
 use super::block_sums::{Forests, PerSample, expectation, open_vessels, part, perfused};
 use super::choose_solver;
 use super::choose_solver::{FULL_GRAPH_LANES as B, Method};
-use super::forest::{Forest, keys_or_zero};
+use super::expected_forest::{Candidate, ExpectedForest};
+use super::forest::{Coins, Forest};
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
 use super::sampler::Block;
@@ -71,6 +72,8 @@ pub struct Memory {
     /// Every vessel's place in the forests, one group after another.
     in_forest: Vec<InForest<B>>,
     kruskal: Forest,
+    expected: ExpectedForest,
+    diffused: Vec<Candidate>,
     check: Check,
     drops: drops::Workspace,
 }
@@ -160,6 +163,8 @@ impl FullGraph {
             key: vec![Lanes::ZERO; self.forest.as_ref().map_or(vessels, ForestProgram::rays)],
             in_forest: vec![[0; B]; (vessels + 1) * groups],
             kruskal: Forest::default(),
+            expected: ExpectedForest::default(),
+            diffused: Vec::new(),
             check: Check::default(),
             drops: drops::Workspace::default(),
         }
@@ -187,7 +192,8 @@ impl Kernel for BlockKernel<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { graph, block: Block { masks, probability, samples }, stranded, memory, sums } = self;
+        let Self { graph, block, stranded, memory, sums } = self;
+        let Block { masks, probability, coins, coin, samples } = block;
         let FullGraph { circuit, solver, forest, .. } = graph;
         let vessels = graph.vessels.len();
         memory.in_forest.fill([0; B]);
@@ -202,17 +208,19 @@ impl Kernel for BlockKernel<'_> {
             if let Some(program) = forest {
                 program.clear(&mut memory.key);
             }
-            let mut total = graph.resiliences(simd, masks, group, memory);
+            let coin = Coin { coins, of_samples: &part(&***coin, first) };
+            let mut total = graph.resiliences(simd, masks, group, coin, memory);
             if let Some(drops) = &graph.drops
                 && graph.refine(drops, masks, first..(first + B).min(*samples), memory)
             {
-                total = graph.sum_and_keys(simd, group, memory);
+                total = graph.sum_and_keys(simd, group, coin, memory);
             }
             global[first..first + B].copy_from_slice(&*total);
             let in_forest = &mut memory.in_forest[group * (vessels + 1)..][..=vessels];
             match forest {
-                Some(program) => program.grow(simd, &mut memory.key, in_forest),
-                None => graph.kruskal(&mut memory.kruskal, &memory.key, in_forest),
+                _ if probability.is_some() => {}
+                Some(program) => program.grow(simd, coins, &mut memory.key, in_forest),
+                None => graph.kruskal(coins, &mut memory.kruskal, &memory.key, in_forest),
             }
         }
         // Nothing flows where no vessel is open.
@@ -220,25 +228,31 @@ impl Kernel for BlockKernel<'_> {
         sums.samples = *samples as u64;
         sums.network_resilience = expectation(&global, *probability);
         sums.perfused = expectation(&perfused(&global), *probability);
+        if let Some(probability) = probability {
+            graph.expect(probability, *samples, &global, memory, sums);
+            return;
+        }
         let forests = Forests { in_forest: &memory.in_forest, vessels };
         let resilience = |vessel: usize, first: usize| part(&*memory.resilience[first / B * vessels + vessel], first % B);
-        let one = |_, _| splat(simd, 1.0);
-        let global = |_, first| part(&*global, first);
-        match (graph.weight, *probability) {
-            (Weight::Resilience, None) => forests.add_up(simd, resilience, sums),
-            (Weight::Resilience, Some(p)) => forests.add_up_weighted(simd, resilience, p, sums),
-            (Weight::Count, None) => forests.add_up(simd, one, sums),
-            (Weight::Count, Some(p)) => forests.add_up_weighted(simd, one, p, sums),
-            (Weight::Global, None) => forests.add_up(simd, global, sums),
-            (Weight::Global, Some(p)) => forests.add_up_weighted(simd, global, p, sums),
+        match graph.weight {
+            Weight::Resilience => forests.add_up(simd, resilience, sums),
+            Weight::Count => forests.add_up(simd, |_, _| splat(simd, 1.0), sums),
+            Weight::Global => forests.add_up(simd, |_, first| part(&*global, first), sums),
         }
     }
+}
+
+/// What decides between equals in a group of samples.
+#[derive(Clone, Copy)]
+struct Coin<'a> {
+    coins: &'a Coins,
+    of_samples: &'a Lanes<B>,
 }
 
 impl FullGraph {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
-    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, memory: &mut Memory) -> Lanes<B> {
+    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, coin: Coin<'_>, memory: &mut Memory) -> Lanes<B> {
         for (node, pressure) in memory.nodes.iter_mut().zip(&memory.flow.pressure) {
             node.pressure = *pressure;
             node.rounding = rounding_drops(simd, pressure, self.circuit.level);
@@ -254,7 +268,7 @@ impl FullGraph {
             let rho = masked(simd, &rho, *mask, group * B);
             sum = plus(simd, &sum, &rho);
             *resilience = rho;
-            key_slot.put(simd, &keys_or_zero(simd, &rho, row), key);
+            key_slot.put(simd, &coin.coins.keys_or_zero(simd, &rho, row, coin.of_samples), key);
         }
         sum
     }
@@ -294,25 +308,52 @@ impl FullGraph {
 
     /// Puts the forest key of every vessel in a group anew; returns Σ ρ of each sample.
     #[inline(always)]
-    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, memory: &mut Memory) -> Lanes<B> {
+    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, memory: &mut Memory) -> Lanes<B> {
         let resilience = &memory.resilience[group * self.vessels.len()..][..self.vessels.len()];
         let mut sum = Lanes::ZERO;
         for (row, (rho, key_slot)) in resilience.iter().zip(&self.key_slots).enumerate() {
             sum = plus(simd, &sum, rho);
-            key_slot.put(simd, &keys_or_zero(simd, rho, row), &mut memory.key);
+            key_slot.put(simd, &coin.coins.keys_or_zero(simd, rho, row, coin.of_samples), &mut memory.key);
         }
         sum
     }
 
     /// The forests of a group, one sample after another.
-    fn kruskal(&self, forest: &mut Forest, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+    fn kruskal(&self, coins: &Coins, forest: &mut Forest, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+        let vessels = self.vessels.len();
         for lane in 0..B {
             forest.clear();
             for keys in keys.iter().map(|k| k[lane]).filter(|k| *k > 0.0) {
                 forest.add(keys.to_bits());
             }
-            let vessels = self.vessels.len();
-            forest.grow(self.circuit.node_count(), &self.ends, |vessel| in_forest[vessels - vessel][lane] = IN_FOREST);
+            let take = |vessel: usize| in_forest[vessels - vessel][lane] = IN_FOREST;
+            forest.grow(self.circuit.node_count(), &self.ends, |key| coins.vessel(key), take);
+        }
+    }
+
+    /// Adds up the expected forests of the patterns of an enumeration.
+    fn expect(
+        &self,
+        probability: &[f64; BLOCK as usize],
+        samples: usize,
+        global: &PerSample,
+        memory: &mut Memory,
+        sums: &mut Sums,
+    ) {
+        let Memory { resilience, expected, diffused, .. } = memory;
+        let vessels = self.vessels.len();
+        sums.likelihood.fill(0.0);
+        sums.square.fill(0.0);
+        sums.count.fill(0.0);
+        for sample in 0..samples {
+            let resilience = &resilience[sample / B * vessels..][..vessels];
+            let rho = |row: usize| resilience[row][sample % B];
+            let flows = (0..vessels).filter(|row| rho(*row) > 0.0);
+            diffused.clear();
+            diffused.extend(flows.map(|row| Candidate { resilience: rho(row), row, ends: self.ends[row], weakest: 1 }));
+            expected.grow(self.circuit.node_count(), diffused, |row, share| {
+                sums.add(row, self.weight.of(rho(row), global[sample]), probability[sample] * share);
+            });
         }
     }
 }

@@ -35,6 +35,13 @@ impl Sums {
         Self { likelihood: vec![0.0; vessels], square: vec![0.0; vessels], count: vec![0.0; vessels], ..Self::default() }
     }
 
+    /// Adds what a vessel contributes to a sample that counts with a probability.
+    pub fn add(&mut self, vessel: usize, value: f64, probability: f64) {
+        self.likelihood[vessel] += probability * value;
+        self.square[vessel] += probability * value * value;
+        self.count[vessel] += probability;
+    }
+
     /// Sets all sums to zero.
     pub fn clear(&mut self) {
         self.likelihood.fill(0.0);
@@ -167,10 +174,12 @@ impl Likelihood {
     /// From the sums over all samples.
     pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
         let n = sums.samples.max(1) as f64;
-        // Samples that cannot differ are exact, one or many.
+        // Where nothing is uncertain samples differ only in what decides between equals: those that the forest always or never has are exact.
         let varies = uncertain.contains(&true);
+        let errors = sums.standard_errors().into_iter().zip(&sums.count);
+        let std_error = errors.map(|(error, count)| if varies || (*count > 0.0 && *count < n) { error } else { 0.0 }).collect();
         Self {
-            std_error: if varies { sums.standard_errors() } else { vec![0.0; uncertain.len()] },
+            std_error,
             frequency: sums.count.iter().map(|c| c / n).collect(),
             network_resilience: sums.network_resilience / n,
             perfused: sums.perfused / n,

@@ -4,6 +4,8 @@
 //! are kept once, for one vessel that stands for all of them, and each other vessel has a fixed share of them. A forest can leave out only
 //! the vessel of least ρ of a chain.
 
+use std::ops::Range;
+
 use super::batch_forest::ForestProgram;
 use super::block_sums::open_vessels;
 use super::choose_solver;
@@ -13,7 +15,7 @@ use super::options::{SamplingOptions, Weight};
 use super::reduced_graph_kernel::BlockKernel;
 pub use super::reduced_graph_kernel::Memory;
 use super::sampler::Block;
-use super::ties::Ties;
+use super::ties::{Ties, same};
 use crate::error::{Error, Result};
 use crate::flow::batch::reduction::Reduction;
 use crate::flow::circuit::beyond_doubles;
@@ -30,6 +32,8 @@ pub struct ReducedGraph {
     /// What is left of the graph; its rows are the chains.
     pub core: Circuit,
     pub chains: Vec<ChainFlow>,
+    /// The rows of vessels that tie for the weakest of their chain, chain by chain.
+    pub equals: Vec<u32>,
     pub trees: Vec<TreeFlow>,
     pub solver: BatchSolver,
     /// The forest program; Kruskal's algorithm without one.
@@ -56,8 +60,10 @@ pub struct ChainFlow {
     pub total_share: f64,
     /// Where the pressures at its ends stand.
     pub slots: [u32; 2],
-    /// The row of its weakest vessel.
+    /// The row of its weakest vessel, the last of several.
     pub row: u32,
+    /// Where the rows of its weakest vessels are among `equals`, if there are several: a coin decides which is left out of a forest.
+    pub equals: [u32; 2],
     /// The row that stands for its other vessels, which are in every forest as long as there is flow, and its ρ over that of the weakest.
     pub others: Option<(u32, f64)>,
     /// Whether samples may close it.
@@ -77,6 +83,13 @@ pub struct TreeFlow {
     pub slot: u32,
     /// The row of the vessel of the largest ρ.
     pub row: u32,
+}
+
+impl ChainFlow {
+    /// Where its weakest vessels are among [`ReducedGraph::equals`]: nowhere for a single one.
+    pub fn equals(&self) -> Range<usize> {
+        self.equals[0] as usize..self.equals[1] as usize
+    }
 }
 
 impl ReducedGraph {
@@ -99,11 +112,12 @@ impl ReducedGraph {
         };
         let factors: Vec<Vec<f64>> =
             chains.iter().map(|chain| chain.iter().map(|row| of_square_flow(*row)).collect()).collect::<Result<_>>()?;
-        // Of equals the last is the weakest: the forest prefers the first.
-        let weakest =
-            |chain: usize| (0..chains[chain].len()).rev().min_by(|a, b| factors[chain][*a].total_cmp(&factors[chain][*b]));
+        let weakest = |chain: usize| {
+            let least = factors[chain].iter().copied().fold(f64::INFINITY, f64::min);
+            factors[chain].iter().rposition(|factor| same(*factor, least))
+        };
         let weakest: Vec<usize> = (0..chains.len()).map(|chain| weakest(chain).unwrap_or_default()).collect();
-        // Links in the order of their weakest vessels, so that theirs is the order among equals.
+        // Chains in the order of their weakest vessels, so that theirs is the order among those that even a coin leaves equal.
         let mut order: Vec<usize> = (0..chains.len()).collect();
         order.sort_unstable_by_key(|chain| chains[*chain][weakest[*chain]]);
         let core = Circuit {
@@ -112,12 +126,18 @@ impl ReducedGraph {
             ..core
         };
 
-        let mut shares = Vec::new();
+        let (mut shares, mut equals) = (Vec::new(), Vec::new());
         let mut flows = Vec::with_capacity(chains.len());
         for (at, chain) in order.iter().enumerate() {
             let (rows, factors, weakest) = (&chains[*chain], &factors[*chain], weakest[*chain]);
             let least = factors[weakest];
-            let mut others = (0..rows.len()).filter(|member| *member != weakest);
+            let is_weakest = |member: usize| same(factors[member], least);
+            let first_equal = equals.len();
+            equals.extend((0..rows.len()).filter(|member| is_weakest(*member)).map(|member| rows[member] as u32));
+            if equals.len() == first_equal + 1 {
+                equals.pop();
+            }
+            let mut others = (0..rows.len()).filter(|member| !is_weakest(*member));
             let first = others.next();
             for other in others {
                 shares.extend(first.map(|first| (rows[other] as u32, rows[first] as u32, factors[other] / factors[first])));
@@ -128,6 +148,7 @@ impl ReducedGraph {
                 factor: least,
                 total_share: factors.iter().map(|factor| factor / least).sum(),
                 row: rows[weakest] as u32,
+                equals: [first_equal as u32, equals.len() as u32],
                 others: first.map(|first| (rows[first] as u32, factors[first] / least)),
                 may_close: !certain[rows[0]],
             });
@@ -163,6 +184,7 @@ impl ReducedGraph {
             ties: Ties::new(&core, &flows.iter().map(|flow| flow.factor).collect::<Vec<_>>()),
             core,
             chains: flows,
+            equals,
             trees: hanging,
             solver,
             forest,
@@ -196,7 +218,7 @@ impl ReducedGraph {
     ///
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block(&self, block: Block<'_>, memory: &mut Memory, sums: &mut Sums) -> Result<()> {
-        let Block { masks, probability, samples } = block;
+        let Block { masks, probability, coins, coin, samples } = block;
         let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
         // Chains are in the order of their rows, so that none is overwritten before it is read.
         for (at, chain) in self.chains.iter().enumerate() {
@@ -208,7 +230,8 @@ impl ReducedGraph {
         let masks = &masks[..self.core.row_count()];
         let stranded = &stranded(&self.core, masks, samples);
         sums.clear();
-        let kernel = BlockKernel { graph: self, samples, probability, present, masks, stranded, memory, sums: &mut *sums };
+        let kernel =
+            BlockKernel { graph: self, samples, probability, coins, coin, present, masks, stranded, memory, sums: &mut *sums };
         let residual = self.instructions.run(kernel);
         sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {

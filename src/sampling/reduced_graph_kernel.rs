@@ -3,9 +3,10 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest};
-use super::block_sums::{PerSample, expectation, pairwise, perfused};
+use super::block_sums::{PerSample, expectation, pairwise, part, perfused};
 use super::choose_solver::REDUCED_GRAPH_LANES as B;
-use super::forest::{Forest, key, keys_or_zero};
+use super::expected_forest::{Candidate, ExpectedForest};
+use super::forest::{Coins, Forest};
 use super::likelihood::Sums;
 use super::options::Weight;
 use super::reduced_graph::{ChainFlow, ReducedGraph};
@@ -21,8 +22,16 @@ pub struct Memory {
     flow: Workspace<B>,
     /// ρ of the weakest vessel of every chain.
     resilience: Vec<Lanes<B>>,
+    /// The keys of every chain, for Kruskal's algorithm.
+    key: Vec<Lanes<B>>,
     in_forest: Vec<InForest<B>>,
+    /// Of several vessels that tie for the weakest of a chain, the one that a coin puts last.
+    is_last: Vec<InForest<B>>,
+    /// The probability of every chain to be in the forest whole, in an enumeration.
+    share: Vec<Lanes<B>>,
     kruskal: Forest,
+    expected: ExpectedForest,
+    diffused: Vec<Candidate>,
     ties: ties::Workspace,
     check: Check,
 }
@@ -35,8 +44,13 @@ impl Memory {
             // The keys of the forest program come to lie where the conductances were.
             flow: graph.solver.workspace(graph.forest.as_ref().map_or(0, ForestProgram::rays)),
             resilience: vec![Lanes::ZERO; chains],
+            key: vec![Lanes::ZERO; if graph.forest.is_some() { 0 } else { chains }],
             in_forest: vec![[0; B]; chains + 1],
+            is_last: vec![[0; B]; graph.equals.len()],
+            share: Vec::new(),
             kruskal: Forest::default(),
+            expected: ExpectedForest::default(),
+            diffused: Vec::new(),
             ties: ties::Workspace::default(),
             check: Check::default(),
         }
@@ -49,6 +63,9 @@ pub struct BlockKernel<'a> {
     pub samples: usize,
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// What decides between equals, and the figure of each sample for that.
+    pub coins: &'a Coins,
+    pub coin: &'a PerSample,
     /// |Ẽ| of each.
     pub present: &'a PerSample,
     /// Per row of the core the samples in which it is open.
@@ -65,8 +82,8 @@ impl Kernel for BlockKernel<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Residual {
-        let Self { graph, samples, probability, present, masks, stranded, memory, sums } = self;
-        let Memory { flow, resilience, in_forest, kruskal, ties, check } = memory;
+        let Self { graph, samples, probability, coins, coin, present, masks, stranded, memory, sums } = self;
+        let Memory { flow, resilience, key: keys, in_forest, is_last, share, kruskal, expected, diffused, ties, check } = memory;
         let (mut global, mut residual) = (PerSample::ZERO, Residual::default());
         for first in (0..samples).step_by(B) {
             graph.solver.solve(simd, masks, first, stranded, flow);
@@ -89,16 +106,23 @@ impl Kernel for BlockKernel<'_> {
             });
             total = plus(simd, &of_chains, &total);
             let here = (samples - first).min(B);
+            let coin = part(&**coin, first);
             in_forest.fill([0; B]);
             match &graph.forest {
+                _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
                 Some(program) => {
                     program.clear(key);
-                    for (row, (key_slot, rho)) in program.key_slots().iter().zip(&*resilience).enumerate() {
-                        key_slot.put(simd, &keys_or_zero(simd, rho, row), key);
+                    for (at, key_slot) in program.key_slots().iter().enumerate() {
+                        key_slot.put(simd, &group.keys(simd, coins, &coin, at, resilience, is_last), key);
                     }
-                    program.grow(simd, key, in_forest);
+                    program.grow(simd, coins, key, in_forest);
                 }
-                None => group.kruskal(kruskal, here, resilience, in_forest),
+                None => {
+                    for (at, key) in keys.iter_mut().enumerate() {
+                        *key = group.keys(simd, coins, &coin, at, resilience, is_last);
+                    }
+                    group.kruskal(coins, kruskal, here, keys, in_forest);
+                }
             }
             let mut counted = Lanes::ZERO;
             for lane in 0..here {
@@ -107,12 +131,50 @@ impl Kernel for BlockKernel<'_> {
                 global[first + lane] = total[lane];
                 counted[lane] = probability.map_or(1.0, |p| p[first + lane]);
             }
-            group.add_up(simd, &total, &counted, resilience, in_forest, sums);
+            let chosen = Chosen { in_forest, is_last, share: probability.map(|_| &**share) };
+            group.add_up(simd, &total, &counted, resilience, chosen, sums);
         }
         sums.samples = samples as u64;
         sums.network_resilience = expectation(&global, probability);
         sums.perfused = expectation(&perfused(&global), probability);
         residual
+    }
+}
+
+/// What the forests of a group have.
+#[derive(Clone, Copy)]
+struct Chosen<'a> {
+    /// As a forest program has it: the last chain comes first.
+    in_forest: &'a [InForest<B>],
+    is_last: &'a [InForest<B>],
+    share: Option<&'a [Lanes<B>]>,
+}
+
+impl Chosen<'_> {
+    /// The probability of a chain to be in the forest whole: one or zero in a sample.
+    #[inline(always)]
+    fn whole(&self, number: usize, chain: usize) -> Lanes<B> {
+        if let Some(share) = self.share {
+            return share[chain];
+        }
+        let mut out = Lanes::ZERO;
+        for (out, in_forest) in out.iter_mut().zip(&self.in_forest[number]) {
+            *out = if *in_forest == IN_FOREST { 1.0 } else { 0.0 };
+        }
+        out
+    }
+
+    /// The probability of one of several that tie for the weakest of such a chain, where blood flows: the forest leaves out one of them at most.
+    fn share_of(&self, whole: &Lanes<B>, equal: usize, equals: usize) -> Lanes<B> {
+        let mut out = *whole;
+        for (out, is_last) in out.iter_mut().zip(&self.is_last[equal]) {
+            *out = match self.share {
+                Some(_) => 1.0 - (1.0 - *out) / equals as f64,
+                None if *is_last == IN_FOREST => *out,
+                None => 1.0,
+            };
+        }
+        out
     }
 }
 
@@ -154,16 +216,71 @@ impl Group<'_> {
         diffused_resilience(simd, [a, b], [&at_a, &at_b], Some(conductance), factor)
     }
 
+    /// The keys of a chain: those of its weakest vessel. Of several that tie, the one that the coin puts last is marked.
+    #[inline(always)]
+    fn keys<S: Simd>(
+        &self,
+        simd: S,
+        coins: &Coins,
+        coin: &Lanes<B>,
+        at: usize,
+        resilience: &[Lanes<B>],
+        is_last: &mut [InForest<B>],
+    ) -> Lanes<B> {
+        let chain = &self.graph.chains[at];
+        let mut figure = splat(simd, coins.of_vessel(chain.row as usize));
+        let equals = chain.equals();
+        let rows = &self.graph.equals[equals.clone()];
+        if !rows.is_empty() {
+            let is_last = &mut is_last[equals];
+            is_last.fill([0; B]);
+            for lane in 0..B {
+                let toss = |row: u32| coins.toss(coins.of_vessel(row as usize), coin[lane]);
+                // Where a coin leaves two equal the lower row comes first.
+                let last = (0..rows.len()).rev().min_by_key(|i| toss(rows[*i])).unwrap_or_default();
+                figure[lane] = coins.of_vessel(rows[last] as usize);
+                is_last[last][lane] = IN_FOREST;
+            }
+        }
+        coins.numbered_keys_or_zero(simd, &resilience[at], &figure, coin, (resilience.len() - at) as u64)
+    }
+
     /// The forests of the group's samples, one after another.
-    fn kruskal(&self, forest: &mut Forest, samples: usize, resilience: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
-        let chains = resilience.len();
+    fn kruskal(&self, coins: &Coins, forest: &mut Forest, samples: usize, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+        let chains = keys.len();
         for lane in 0..samples {
             forest.clear();
-            for (chain, rho) in resilience.iter().enumerate().filter(|(_, rho)| rho[lane] > 0.0) {
-                forest.add(key(rho[lane], chain));
+            for key in keys.iter().map(|keys| keys[lane]).filter(|key| *key > 0.0) {
+                forest.add(key.to_bits());
             }
-            let core = &self.graph.core;
-            forest.grow(core.node_count(), &core.ends, |chain| in_forest[chains - chain][lane] = IN_FOREST);
+            let (core, row) = (&self.graph.core, |key| chains - coins.number_of(key));
+            forest.grow(core.node_count(), &core.ends, row, |chain| in_forest[chains - chain][lane] = IN_FOREST);
+        }
+    }
+
+    /// The expected forests of the group's patterns.
+    fn expect(
+        &self,
+        expected: &mut ExpectedForest,
+        diffused: &mut Vec<Candidate>,
+        samples: usize,
+        resilience: &[Lanes<B>],
+        share: &mut Vec<Lanes<B>>,
+    ) {
+        let core = &self.graph.core;
+        share.clear();
+        share.resize(resilience.len(), Lanes::ZERO);
+        for lane in 0..samples {
+            let flows = (0..resilience.len()).filter(|row| resilience[*row][lane] > 0.0);
+            let candidate = |row: usize| Candidate {
+                resilience: resilience[row][lane],
+                row,
+                ends: core.ends[row],
+                weakest: self.graph.chains[row].equals().len().max(1),
+            };
+            diffused.clear();
+            diffused.extend(flows.map(candidate));
+            expected.grow(core.node_count(), diffused, |row, whole| share[row][lane] = whole);
         }
     }
 
@@ -175,10 +292,11 @@ impl Group<'_> {
         global: &Lanes<B>,
         counted: &Lanes<B>,
         resilience: &[Lanes<B>],
-        in_forest: &[InForest<B>],
+        chosen: Chosen<'_>,
         sums: &mut Sums,
     ) {
-        let ReducedGraph { chains, trees, forest, weight, .. } = self.graph;
+        let graph = self.graph;
+        let ReducedGraph { chains, trees, forest, weight, .. } = graph;
         // Pairwise with a forest program, sample after sample without one.
         let pairs = forest.is_some();
         let add = |sum: &mut f64, lanes: &Lanes<B>| {
@@ -199,15 +317,18 @@ impl Group<'_> {
         };
         let zero = simd.splat_f64s(0.0);
         for (at, (chain, rho)) in chains.iter().zip(resilience).enumerate() {
-            let mut one = *counted;
-            for (one, in_forest) in one.iter_mut().zip(&in_forest[chains.len() - at]) {
-                *one = if *in_forest == IN_FOREST { *one } else { 0.0 };
-            }
+            let whole = chosen.whole(chains.len() - at, at);
             let ChainFlow { row, others, .. } = chain;
-            add(*row, rho, &one);
+            let product = |a: &Lanes<B>, b: &Lanes<B>| zip(simd, a, b, |a, b| simd.mul_f64s(a, b));
+            let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
+            if chain.equals().is_empty() {
+                add(*row, rho, &product(&whole, counted));
+            }
+            for equal in chain.equals() {
+                add(graph.equals[equal], rho, &product(&chosen.share_of(&whole, equal, chain.equals().len()), &flows));
+            }
             if let Some((row, share)) = *others {
                 let share = simd.splat_f64s(share);
-                let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
                 add(row, &map(simd, rho, |rho| simd.mul_f64s(share, rho)), &flows);
             }
         }

@@ -6,7 +6,7 @@
 //! 2. Boundary: a condition that was found holds where no candidate at its free end is a true connection.
 //! 3. Flow, algorithm 1: Σ_e C_e (P_j - P_i) = s_j at every free node j, with C = 1/R of the open vessels.
 //! 4. Resilience: ρ = ΔP·Q / (π r² l) of every vessel that blood flows through.
-//! 5. Forest: the minimum spanning forest of 1/ρ.
+//! 5. Forest: the minimum spanning forest of 1/ρ; a coin decides between equals.
 //! 6. Sum: L_e += ρ_e for every vessel e of the forest.
 
 use std::cmp::Reverse;
@@ -19,7 +19,7 @@ use petgraph::data::Element;
 use petgraph::graph::UnGraph;
 
 use super::choose_solver::Method;
-use super::forest::{key, vessel};
+use super::expected_forest::{Candidate, ExpectedForest};
 use super::likelihood::Sums;
 use super::options::Weight;
 use super::sampler::Block;
@@ -86,11 +86,17 @@ impl Reference {
             let probability = block.probability.map_or(1.0, |p| p[sample]);
             sums.network_resilience += probability * global;
             sums.perfused += if global > 0.0 { probability } else { 0.0 };
-            for vessel in spanning_forest(&circuit.ends, &resilience) {
-                let value = self.weight.of(resilience[vessel], global);
-                sums.likelihood[vessel] += probability * value;
-                sums.square[vessel] += probability * value * value;
-                sums.count[vessel] += probability;
+            let mut add =
+                |vessel: usize, probability: f64| sums.add(vessel, self.weight.of(resilience[vessel], global), probability);
+            if block.probability.is_some() {
+                let mut diffused = diffused(&circuit.ends, &resilience);
+                let add = |vessel: usize, share: f64| add(vessel, probability * share);
+                ExpectedForest::default().grow(circuit.node_count(), &mut diffused, add);
+            } else {
+                let key = |vessel: usize| block.coins.key(resilience[vessel], vessel, block.coin[sample]);
+                for key in spanning_forest(&diffused(&circuit.ends, &resilience), key) {
+                    add(block.coins.vessel(key), 1.0);
+                }
             }
             if sample == 0 {
                 let stranded = stranded(&circuit, block.masks, 1);
@@ -173,11 +179,19 @@ pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<
     Ok(pressure)
 }
 
-/// The minimum spanning forest of 1/ρ over the vessels with ρ > 0: their [`key`]s are in the order of ρ.
-fn spanning_forest(ends: &[[usize; 2]], resilience: &[f64]) -> Vec<usize> {
-    let diffused = ends.iter().zip(resilience).enumerate().filter(|(_, (_, rho))| **rho > 0.0);
-    let edges = diffused.map(|(row, ([a, b], rho))| (*a as u32, *b as u32, Reverse(key(*rho, row))));
+/// The vessels with ρ > 0.
+fn diffused(ends: &[[usize; 2]], resilience: &[f64]) -> Vec<Candidate> {
+    let all = ends.iter().zip(resilience).enumerate().filter(|(_, (_, rho))| **rho > 0.0);
+    all.map(|(row, (ends, rho))| Candidate { resilience: *rho, row, ends: *ends, weakest: 1 }).collect()
+}
+
+/// The keys of the minimum spanning forest of 1/ρ: keys are in the order of ρ.
+fn spanning_forest(diffused: &[Candidate], key: impl Fn(usize) -> u64) -> Vec<u64> {
+    let edges = diffused.iter().map(|vessel| {
+        let [a, b] = vessel.ends.map(|node| node as u32);
+        (a, b, Reverse(key(vessel.row)))
+    });
     let graph = UnGraph::<(), Reverse<u64>>::from_edges(edges);
-    let row = |element| if let Element::Edge { weight: Reverse(key), .. } = element { Some(vessel(key)) } else { None };
-    min_spanning_tree(&graph).filter_map(row).collect()
+    let key = |element| if let Element::Edge { weight: Reverse(key), .. } = element { Some(key) } else { None };
+    min_spanning_tree(&graph).filter_map(key).collect()
 }

@@ -1,6 +1,9 @@
 //! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
+//! Only an enumeration of equal vessels does.
 
+use super::block_sums::PerSample;
 use super::choose_solver::{Method, Plan};
+use super::forest::Coins;
 use super::likelihood::Sums;
 use super::options::SamplingOptions;
 use super::patterns::Patterns;
@@ -14,6 +17,7 @@ use crate::support::random::BLOCK;
 #[derive(Debug)]
 pub struct Sampler {
     patterns: Patterns,
+    coins: Coins,
     plan: Plan,
 }
 
@@ -38,6 +42,10 @@ pub struct Block<'a> {
     pub masks: &'a mut [u64],
     /// What each sample counts, for an enumeration; one without.
     pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// What decides between vessels of equal resilience in a sample that is drawn.
+    pub coins: &'a Coins,
+    /// The figures of the samples for that.
+    pub coin: &'a PerSample,
     /// How many samples, at most 64.
     pub samples: usize,
 }
@@ -54,7 +62,8 @@ impl Sampler {
         let provisional = params.provisional(network, boundary);
         let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
         let plan = Plan::choose(network, circuit, &certain, params)?;
-        Ok(Self { patterns: Patterns::new(network, &provisional, params)?, plan })
+        let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
+        Ok(Self { patterns, coins, plan })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
@@ -93,7 +102,8 @@ impl Sampler {
         for mask in &mut work.masks {
             *mask &= valid;
         }
-        let block = Block { masks: &mut work.masks, probability, samples: samples as usize };
+        let coin = &self.coins.of_block(block);
+        let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
         match (&self.plan, &mut work.memory) {
             (Plan::Full(graph), Memory::Full(memory)) => graph.block(&block, memory, sums),
             (Plan::Reduced(graph), Memory::Reduced(memory)) => graph.block(block, memory, sums)?,

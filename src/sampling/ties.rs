@@ -101,6 +101,6 @@ impl Ties {
 }
 
 /// Whether two factors are equal up to the rounding of radii, such as that of the mean of two equal ones.
-fn same(a: f64, b: f64) -> bool {
+pub fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * a.max(b)
 }

@@ -131,6 +131,14 @@ pub fn ends(block: u64) -> u64 {
     1 << 63 | block
 }
 
+/// A block of samples: which of equal vessels come first.
+pub fn ties(block: u64) -> u64 {
+    3 << 62 | block
+}
+
+/// The vessels of a network, for the same.
+pub const VESSELS_THAT_TIE: u64 = u64::MAX;
+
 /// A block of instances of the class in a place among the classes.
 pub fn modulation(class: usize, block: u64) -> u64 {
     ((class as u64) << 48) + block

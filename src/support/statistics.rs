@@ -27,15 +27,16 @@ pub fn median(values: &[f64]) -> Option<f64> {
 }
 
 /// Otsu's threshold: the cut between two groups that makes the variance between them largest, midway between the
-/// groups' nearest values (Otsu 1979, doi:10.1109/TSMC.1979.4310076). `None` for fewer than two different values.
-pub fn otsu(values: &[f64]) -> Option<f64> {
+/// groups' nearest values (Otsu 1979, doi:10.1109/TSMC.1979.4310076). Values no further apart than `equal` are in one group. `None` for fewer
+/// than two different values.
+pub fn otsu(values: &[f64], equal: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let (n, total) = (sorted.len() as f64, sorted.iter().sum::<f64>());
     let (mut below, mut best) = (0.0, None);
     for cut in 1..sorted.len() {
         below += sorted[cut - 1];
-        if sorted[cut] > sorted[cut - 1] {
+        if sorted[cut] - sorted[cut - 1] > equal {
             let share = cut as f64 / n;
             let gap = below / cut as f64 - (total - below) / (n - cut as f64);
             let between = share * (1.0 - share) * gap * gap;
@@ -105,7 +106,8 @@ mod tests {
 
     #[test]
     fn otsu_cuts_between_two_clusters() {
-        assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0]), Some(6.0));
-        assert_eq!(otsu(&[2.0, 2.0]), None);
+        assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0], 0.0), Some(6.0));
+        assert_eq!(otsu(&[2.0, 2.0], 0.0), None);
+        assert_eq!(otsu(&[2.0, 2.0 + 1e-15, 2.0 - 1e-15], 1e-9), None);
     }
 }

@@ -44,6 +44,25 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// The circle that ships with the project is its own mirror image: two vessels have the largest force, and both are above the default threshold,
+/// a tenth of its 20 vessels. Narrower vessels have more: the share rises from class to class.
+#[test]
+fn the_default_threshold_of_hypertension_has_vessels_above_it() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis/complete.graphml");
+    for reading in ["increment", "geometry"] {
+        let output =
+            willis(here.path(), 1, &["modulate", circle, "-o", reading, "-n", "128", "--reading", reading, "--json", "-q"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let record: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let share = |of: &serde_json::Value| of["share_above_threshold"].as_f64().expect("a share");
+        assert!((share(&record["unperturbed"]) - 0.1).abs() < 1e-12, "{reading}: {}", record["unperturbed"]);
+        let classes: Vec<f64> = record["classes"].as_array().expect("classes").iter().map(share).collect();
+        assert!(classes.iter().all(|share| *share > 0.0 && *share < 1.0), "{reading}: {classes:?}");
+        assert!(reading == "increment" || classes.is_sorted_by(|a, b| a < b), "{classes:?}");
+    }
+}
+
 #[test]
 fn bad_arguments_are_refused_in_one_line_and_nothing_is_written() {
     let here = circle();

@@ -51,6 +51,48 @@ fn how_many_observed_vessels_go_is_said() {
     assert!(matches!(pruned("paper", &["--preset", "paper"]), (1.., 1.., true)));
 }
 
+/// Every field in which the choices of the paper differ from the default stands in the help with its value; where that says of an option that it
+/// keeps resistances, a run does, and says so.
+#[test]
+fn the_help_lists_every_effect_of_the_preset_of_the_paper() {
+    fn differing(paper: &Value, usual: &Value, all: &mut Vec<String>) {
+        for (name, value) in paper.as_object().expect("an object") {
+            match value {
+                Value::Object(_) if usual[name].is_object() => differing(value, &usual[name], all),
+                _ if *value == usual[name] || name == "preset" => {}
+                Value::String(value) => all.push(format!("--{} {value}", name.replace("found_", "").replace('_', "-"))),
+                _ => panic!("{name}: {value}"),
+            }
+        }
+    }
+    let at = folder();
+    let json = |options| serde_json::to_value(options).expect("JSON");
+    let mut all = Vec::new();
+    differing(&json(willis::InferOptions::paper()), &json(willis::InferOptions::default()), &mut all);
+    assert!(all.len() >= 7, "{all:?}");
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let help = words(&String::from_utf8(willis(at.path(), &["infer", "--help"]).stdout).expect("UTF-8"));
+    let page = words(&fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/src/infer.md")).expect("the page"));
+    for effect in &all {
+        assert!(help.contains(effect), "{effect}: {help}");
+        assert!(page.contains(&format!("`{effect}`")), "{effect}");
+    }
+    assert!(help.contains("Resistances that a file or an option states at outlets stay"), "{help}");
+    // Six outlets of the file state their resistance (data/circle-of-willis/complete.graphml).
+    let (circle, ground) = (data("circle-of-willis/complete.graphml"), data("outlets-at-ground.csv"));
+    let said = |name: &str, more: &[&str]| {
+        let ran = willis(at.path(), &[&["infer", &circle, "-o", name, "-n", "64", "--dpi", "36", "--json"], more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        let record: Value = serde_json::from_slice(&ran.stdout).expect("JSON");
+        let noted = record["notes"].to_string().contains("6 outlets keep their resistances");
+        assert_eq!(noted, stderr(&ran).contains("6 outlets keep their resistances"));
+        noted
+    };
+    assert!(said("paper", &["--preset", "paper"]));
+    assert!(!said("ground", &["--preset", "paper", "--bc", &ground]));
+    assert!(!said("usual", &["--uncertain", "all"]));
+}
+
 #[test]
 fn what_is_mistyped_is_answered_with_what_was_meant() {
     let cases: [(&[&str], &str); 17] = [

@@ -11,7 +11,7 @@ use willis::internals::flow::resilience::resilience;
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, Given};
 use willis::internals::network::{Condition, Network, Role, Vessel};
 use willis::internals::perturbation::Occlusion;
-use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, key};
+use willis::internals::sampling::{Coins, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 
 const SOLVERS: [Solver; 3] = [Solver::Lanes, Solver::Gradients, Solver::Reference];
 
@@ -153,8 +153,8 @@ fn relabelling_changes_nothing() {
     }
 }
 
-/// Four radii only, so that vessels in series tie exactly in nearly every sample: the tie goes to the lower row whatever the
-/// nodes are called.
+/// Four radii only, so that vessels in series tie exactly in nearly every sample: the coin of its row decides a tie, whatever
+/// the nodes are called.
 #[test]
 fn relabelling_changes_no_tie() {
     for seed in 0..40 {
@@ -193,18 +193,22 @@ fn the_forest_spans_the_diffused_vessels() {
     }
 }
 
-/// 24 significant bits, to the nearest: rounding on either side of a short figure ties and the lower row comes first;
-/// 2^-22 of it does not tie.
+/// 24 significant bits, to the nearest: rounding on either side of a short figure ties, so that the coin alone decides; 2^-22 of it does not tie.
 #[test]
 fn nearly_equal_resiliences_tie_and_larger_ones_come_first() {
-    let mut draw = Draw::new(2);
-    for _ in 0..1000 {
+    let (mut draw, coins, mut first) = (Draw::new(2), Coins::new(10, 0), 0);
+    for sample in 0..1000 {
+        let coin = coins.of_block(sample / 64)[sample as usize % 64];
+        let key = |rho: f64, vessel: usize| coins.key(rho, vessel, coin);
         let x = f64::from(draw.below(1 << 24) as u32 + 1) * 2_f64.powi(draw.below(80) as i32 - 40);
         let (below, above) = (x * (1.0 - 1e-12), x * (1.0 + 1e-12));
         assert_eq!(key(below, 7), key(above, 7));
-        assert!(key(below, 3) > key(above, 4));
+        assert_eq!(key(below, 3) > key(above, 4), key(above, 3) > key(below, 4));
+        first += usize::from(key(below, 3) > key(above, 4));
+        assert_eq!([3, 4].map(|vessel| coins.vessel(key(x, vessel))), [3, 4]);
         assert!(key(x * (1.0 + 2_f64.powi(-22)), 4) > key(x, 3));
     }
+    assert!((400..600).contains(&first), "{first} of 1000");
 }
 
 /// ρ = ΔP Q/(π r² l) = τ²/(2µ) with τ = ΔP r/(2 l), for Poiseuille's Q. 1e-14: a dozen roundings.

@@ -30,5 +30,6 @@ mod shards;
 mod solvers;
 mod statistics;
 mod textbook;
+mod ties;
 mod topologies;
 mod wide_vessels;

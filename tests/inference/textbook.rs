@@ -154,7 +154,8 @@ impl Sample<'_> {
     }
 }
 
-/// Kruskal's maximum spanning forest, components as labels. ρ is compared to nine digits, ties go to the lower row.
+/// Kruskal's maximum spanning forest, components as labels. ρ is compared to nine digits; ties, of which the networks that
+/// are compared by it have none, go to the lower row.
 pub fn kruskal(network: &Network, diffused: &[(usize, f64)]) -> Vec<usize> {
     let mut sorted: Vec<(f64, usize)> = diffused.iter().map(|(row, x)| (format!("{x:.8e}").parse().unwrap(), *row)).collect();
     sorted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -185,7 +186,7 @@ pub fn rank(network: &Network, rows: &[usize]) -> usize {
 }
 
 /// The maximum spanning forest by trying every subset of the vessels. Any rising function of ρ gives the same forest;
-/// the logarithm keeps small ρ visible, and 1e-9 of the row settles ties for the lower one.
+/// the logarithm keeps small ρ visible, and 1e-9 of the row settles ties for the lower one. Networks with ties are in `ties.rs`.
 pub fn best_of_all_forests(network: &Network, diffused: &[(usize, f64)]) -> Vec<usize> {
     let all: Vec<usize> = diffused.iter().map(|(row, _)| *row).collect();
     let size = rank(network, &all);

@@ -25,7 +25,8 @@ pub struct SamplingArgs {
     #[arg(long, conflicts_with = "until", hide_short_help = true)]
     pub exact: bool,
     /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
-    #[arg(long, value_parser = words::<Preset>(&[("paper", "--prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground")]))]
+    #[arg(long, value_parser = words::<Preset>(&[("paper", "--prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground --keep median --cut never. \
+        Resistances that a file or an option states at outlets stay, where the paper has ground only; a note says so")]))]
     pub preset: Option<Preset>,
     /// The seed; the same command with the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true)]
