@@ -219,6 +219,9 @@ impl Input {
 
     /// The nodes where blood comes in by the names of arteries on the vessels; none where labels are numbers, which may mean anything.
     pub(crate) fn inlets_by_labels(&self) -> Vec<usize> {
+        if self.network.vessels().all(|(_, vessel)| vessel.label.is_empty()) {
+            return Vec::new();
+        }
         let network = if self.is_fragments { &self.divided_by_labels() } else { &self.network };
         let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
         let named = LabelScheme::of(labels).ok().filter(|scheme| *scheme == LabelScheme::Names);

@@ -77,7 +77,7 @@ fn hypoplastic_segments_are_told_in_every_table() {
     let column: Vec<String> = rows.records().map(|row| row.expect("a row")[at].to_owned()).collect();
     assert_eq!(column, ["AComm L-PComm R-PComm", "L-PComm R-PComm"]);
     for wrong in ["0mm", "-1mm", "thin"] {
-        let output = willis(here.path(), &["classify", &inputs[0], "-o", "bad", "--hypoplastic", wrong]);
+        let output = willis(here.path(), &["classify", &inputs[0], "-o", "bad", &format!("--hypoplastic={wrong}")]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
         assert!(stderr(&output).contains("--hypoplastic"), "{}", stderr(&output));
     }

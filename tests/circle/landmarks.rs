@@ -447,7 +447,7 @@ fn landmarks_of_a_mirrored_file_say_which_side_is_which() {
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         stderr(&output)
     };
-    run(&["phantom", "cerebral", "--without", "L-P1", "--break", "--seed", "3", "-o", "as-it-is.swc", "-q"]);
+    run(&["phantom", "cerebral", "--without", "L-P1", "--break", "--seed", "3", "--spacing", "1mm", "-o", "as-it-is.swc", "-q"]);
     let mirrored = |text: &str, at: usize, separator: char| -> String {
         let of = |line: &str| {
             let mut fields: Vec<String> = line.split(separator).map(str::to_owned).collect();

@@ -178,8 +178,8 @@ fn centerlines_are_taken_without_candidates() {
     }
     let vessels = table(here.path(), "edges.csv").1("edge").len();
     assert!(vessels > 10);
-    fs::write(here.path().join("a.csv"), EDGES).expect("written");
-    inflow(&["simulate", "a.csv", "--inlet", "a"]);
+    fs::write(here.path().join("line.csv"), "node_a,node_b,length_mm,radius_mm\na,b,20,2\nb,c,20,1\n").expect("written");
+    inflow(&["simulate", "line.csv", "--inlet", "a"]);
     assert_eq!(record(here.path())["parameters"]["outlets_found"], "ground");
 }
 
