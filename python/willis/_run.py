@@ -271,6 +271,7 @@ def infer(
     variant_prior: PathLike | None = None,
     unseen: float | None = None,
     arteries: PathLike | None = None,
+    hypoplastic: str | float | None = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
     background: bool = False,

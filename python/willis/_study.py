@@ -45,9 +45,11 @@ def classify(
     variant_prior: PathLike | None = None,
     unseen: float | None = None,
     arteries: PathLike | None = None,
+    hypoplastic: str | float | None = None,
 ) -> Phenotype:
     """Classifies the Circle of Willis of vessels as they are, or of a run with probabilities: what ``willis classify`` does."""
     options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen, "arteries": arteries}
+    options["hypoplastic"] = hypoplastic
     made = words(options, {})
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, Run):

@@ -119,6 +119,13 @@ impl Artery {
         }
     }
 
+    /// The same artery of the other side; itself in the midline.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        let of = |side: Side| Self::PAIRED.into_iter().find(|artery| artery(side) == self).map(|artery| artery(side.other()));
+        Side::BOTH.into_iter().find_map(of).unwrap_or(self)
+    }
+
     /// Its bit in a set of arteries.
     pub(crate) fn bit(self) -> u32 {
         let (number, _, side) = self.parts();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::Artery;
+use super::arteries::{Artery, Side};
 use super::collaterals::ArteryVessels;
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
 use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
@@ -198,6 +198,14 @@ impl Circle {
         points.outlets.clone()
     }
 
+    /// The nodes of landmarks that lie on one side, with the side. Labels give none.
+    pub fn sided_nodes(&self) -> Vec<(Side, usize)> {
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
+        let pairs = [points.ica, points.m1, points.a2, points.p2, points.middle, points.posterior];
+        let of = |side: Side| pairs.into_iter().filter_map(move |pair| Some((side, pair[side.index()]?)));
+        Side::BOTH.into_iter().flat_map(of).collect()
+    }
+
     /// The nodes where blood enters by the labels of vessels: the outermost free end of each carotid and vertebral, and of the basilar artery
     /// where no vertebral is labelled. Landmarks give none.
     pub fn labelled_inlets(&self, network: &Network) -> Vec<usize> {
@@ -241,8 +249,7 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
             continue;
         }
         for node in network.ends(row).into_iter().filter(|node| degree[*node] == 1) {
-            let Some(position) = network.node(node).position else { continue };
-            let away = distance(position, centre);
+            let away = network.node(node).position.map_or(0.0, |position| distance(position, centre));
             let farthest = found.entry(*artery).or_insert((away, node));
             if away > farthest.0 {
                 *farthest = (away, node);

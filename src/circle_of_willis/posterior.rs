@@ -23,25 +23,17 @@ pub struct Posterior {
     pub topology: Vec<bool>,
     /// How many topologies were drawn.
     pub samples: u64,
-    /// What else is known of each segment.
-    pub states: [SegmentState; 7],
-}
-
-/// What is known of a segment beside its probability.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct SegmentState {
-    /// Too little is seen around it to say whether it is there: its probability is that of a table of frequencies, given the others.
-    pub not_seen: bool,
-    /// It is thin.
-    pub hypoplastic: bool,
+    /// Of which segments too little is seen to say whether they are there: their probability is that of a table of frequencies, given the
+    /// others.
+    pub not_seen: [bool; 7],
 }
 
 /// What is known of the segments beside the topologies.
 pub struct Informant<'a> {
     /// The probability of each segment, given the share of the topologies that have it.
     pub presence: &'a dyn Fn(&[f64; 7]) -> [f64; 7],
-    /// What else is known of each.
-    pub states: [SegmentState; 7],
+    /// Of which segments too little is seen to say whether they are there.
+    pub not_seen: [bool; 7],
 }
 
 /// A candidate on which the most probable variant depends.
@@ -95,10 +87,10 @@ impl Posterior {
         let all: f64 = topologies.weighted.iter().map(|(_, weight)| weight).sum();
         let mut variants: Vec<(Variant, f64)> = shares.into_iter().map(|(variant, sum)| (variant, share(sum, all))).collect();
         let (mut segments, mut fetal) = (segments.map(|sum| share(sum, all)), fetal.map(|sum| share(sum, all)));
-        let mut states = [SegmentState::default(); 7];
+        let mut not_seen = [false; 7];
         if let Some(informant) = informant {
             segments = (informant.presence)(&segments).map(|p| p.clamp(LEAST, 1.0 - LEAST));
-            states = informant.states;
+            not_seen = informant.not_seen;
             variants = fitted(&variants, &segments);
             fetal = [0, 1].map(|side| variants.iter().filter(|(v, _)| v.fetal[side]).map(|(_, p)| p).sum::<f64>().min(1.0));
         }
@@ -113,7 +105,7 @@ impl Posterior {
         };
         let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
-        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, states }
+        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, not_seen }
     }
 
     /// The most probable variant; [`Variant::default`], which has nothing, when nothing was drawn.

@@ -112,6 +112,8 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
         let is_open = |row: usize| {
             (self.kept)(row)
                 && match self.meanings[row] {
+                    // A third A2 interrupts AComm where it leaves it. Where it touches another artery it is no part of the way.
+                    LabelMeaning::Artery(Artery::ThirdA2) => own & Artery::ThirdA2.bit() != 0 && !self.touches(row, !own),
                     LabelMeaning::Artery(artery) => artery.bit() & own != 0,
                     LabelMeaning::Free => true,
                     LabelMeaning::Other => false,
@@ -119,6 +121,11 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
         };
         let avoid = self.nodes(|touch| touch & !own != 0);
         shortest(self.network, [&self.nodes(from), &self.nodes(to), &avoid], is_open, f64::INFINITY)
+    }
+
+    /// Whether a vessel meets some arteries.
+    fn touches(&self, row: usize, of: Set) -> bool {
+        self.network.ends(row).into_iter().any(|node| self.at_node[node] & of != 0)
     }
 
     /// Whether a segment joins `from` and `to`. An end does not matter if the network has no such artery at all.
@@ -170,13 +177,15 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
         self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some()
     }
 
-    /// AComm is a vessel between the two sides. Arteries that only touch have none.
+    /// AComm is a vessel between the two sides, or pieces of it on either side of a third A2. Arteries that only touch have none.
     fn acomm(&self) -> bool {
         let trunks = trunk(Side::Left) | trunk(Side::Right);
         let only = |own: Set, other: Set| move |t: Set| t & own != 0 && t & other == 0 && t & trunks == 0;
         let (left, right) = (anterior(Side::Left), anterior(Side::Right));
         match (self.known & left != 0, self.known & right != 0) {
-            (true, true) => self.path(Artery::AComm.bit(), only(left, right), only(right, left)).is_some(),
+            (true, true) => {
+                self.path(Artery::AComm.bit() | Artery::ThirdA2.bit(), only(left, right), only(right, left)).is_some()
+            }
             _ => self.has(Artery::AComm.bit()),
         }
     }

@@ -93,7 +93,7 @@ impl ClassifyArgs {
             terminal.say("note", note);
         }
         terminal.say("counted", format!("{}, arteries by {}", plural(phenotype.counted, "vessel"), phenotype.known_by));
-        say_variant(terminal, &phenotype.variant, phenotype.posterior.as_ref());
+        say_variant(terminal, &phenotype.variant, &phenotype.hypoplastic, phenotype.posterior.as_ref());
         say_collaterals(terminal, &phenotype.collaterals);
         Ok(phenotype)
     }

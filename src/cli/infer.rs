@@ -277,7 +277,7 @@ impl<'a> Inferences<'a> {
                 }
                 if let Some((posterior, how)) = inference.posterior() {
                     terminal.say("drawn", how);
-                    say_variant(terminal, &posterior.best(), Some(posterior));
+                    say_variant(terminal, &posterior.best(), inference.hypoplastic(), Some(posterior));
                 }
                 let (done, total) = follower.samples();
                 // Nothing is written after a stop.

@@ -68,7 +68,7 @@ impl MergeArgs {
         }
         if let Some((posterior, how)) = inference.posterior() {
             terminal.say("drawn", how);
-            say_variant(terminal, &posterior.best(), Some(posterior));
+            say_variant(terminal, &posterior.best(), inference.hypoplastic(), Some(posterior));
         }
         if terminal.is_stopped() {
             let samples = inference.likelihood().samples;

@@ -1,18 +1,22 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
 use super::boundary_conditions::Boundary;
-use crate::network::{Frame, Network, Origin, Role, Vessel, fragments};
-use crate::support::geometry::{Point, distance};
+use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments};
+use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use crate::support::ties::{compare, near_zero, steady};
 
-/// The most inlets that are found.
-const MOST_INLETS: usize = 3;
+/// How far out, as a share of the way from the middle of all ends to the two widest, the third and the fourth inlet lie at least. Blood
+/// comes in from one side: by two carotids, and by the basilar artery or two vertebral arteries, which begin as low as the carotids.
+const LEAST_OUT: [f64; 2] = [0.25, 0.9];
 /// An end that is probably joined to another vessel is the end of a gap, not of the tree.
 const PROBABLE: f64 = 0.5;
 /// An inlet is at least this share as wide as the widest: vertebral arteries have some 0.6 of the radius of a carotid.
 const LEAST_WIDTH: f64 = 0.5;
 /// Ends whose radii differ by less than this share are equally wide.
 const SAME_WIDTH: f64 = 0.05;
+/// No inlet lies in a part that nothing can join to the longest part and that has less than this share of its length: it may be a piece of a
+/// sinus. The parts of traced circles that hold a carotid or the basilar artery have at least 0.2.
+const LEAST_PART: f64 = 0.1;
 
 /// The free ends of the observed vessels (of all vessels where none is observed) that have no condition. A contact of observed vessels
 /// does not make one.
@@ -23,6 +27,8 @@ pub struct FreeEnds {
     radius: Vec<f64>,
     /// By node.
     part: Vec<usize>,
+    /// By node whether inlets are looked for there: not in a small part that nothing can join to the rest.
+    belongs: Vec<bool>,
     at_border: Vec<bool>,
     /// By node whether a landmark names it as an outlet: it is no inlet.
     named_outlet: Vec<bool>,
@@ -30,6 +36,7 @@ pub struct FreeEnds {
     joined: Vec<f64>,
     /// By node.
     position: Vec<Option<Point>>,
+    /// The mean position of the ends that belong, m.
     middle: Point,
     /// Whether the third axis points to the head. Blood then comes in from below.
     is_upright: bool,
@@ -55,11 +62,13 @@ impl FreeEnds {
         }
         let position: Vec<Option<Point>> = network.nodes().map(|node| node.position).collect();
         let nodes: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
-        let placed: Vec<Point> = nodes.iter().filter_map(|node| position[*node]).collect();
+        let belongs = in_long_parts(network);
+        let placed: Vec<Point> = nodes.iter().filter(|node| belongs[**node]).filter_map(|node| position[*node]).collect();
         let mean = |axis: usize| placed.iter().map(|p| p[axis]).sum::<f64>() / placed.len().max(1) as f64;
         Self {
             middle: [mean(0), mean(1), mean(2)],
             nodes,
+            belongs,
             radius,
             part: fragments(network, |_, v| counts(v)).of_node,
             at_border: network.nodes().map(|node| node.at_border).collect(),
@@ -81,11 +90,13 @@ impl FreeEnds {
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
-    /// where there is none, up to three of [`FreeEnds::ranked`]. With `spare` every part, and the whole, keeps an end that can be an outlet.
+    /// where there is none, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side ([`LEAST_OUT`]). With `spare`
+    /// every part, and the whole, keeps an end that can be an outlet.
     pub fn inlets(&self, known: &[usize], spare: bool) -> Vec<usize> {
         let known: Vec<usize> =
             self.nodes.iter().copied().filter(|node| known.contains(node) && self.joined[*node] < PROBABLE).collect();
-        let (ranked, most) = if known.is_empty() { (self.ranked(), MOST_INLETS) } else { (known, usize::MAX) };
+        let are_known = !known.is_empty();
+        let ranked = if are_known { known } else { self.ranked() };
         let mut free = std::collections::BTreeMap::new();
         for node in &self.nodes {
             *free.entry(self.part[*node]).or_insert(0_usize) += 1;
@@ -93,7 +104,7 @@ impl FreeEnds {
         let mut inlets = Vec::new();
         for node in &ranked {
             let left = free.entry(self.part[*node]).or_default();
-            if inlets.len() < most && (!spare || *left > 1) {
+            if (are_known || self.goes_with(*node, &inlets)) && (!spare || *left > 1) {
                 *left -= 1;
                 inlets.push(*node);
             }
@@ -105,8 +116,22 @@ impl FreeEnds {
         inlets
     }
 
-    /// The ends that may be inlets, the likeliest first. Of all ends those count that probably are no ends of gaps; of these the ones where
-    /// a vessel leaves the image; where up is known, the ones in the lower half; and of these the ones at least half as wide as the widest. A
+    /// Whether one more end is an inlet beside those found before it. Without positions three are.
+    fn goes_with(&self, node: usize, before: &[usize]) -> bool {
+        let [first, second, others @ ..] = before else { return true };
+        let Some(least) = LEAST_OUT.get(others.len()) else { return false };
+        let out = || {
+            let from_middle = |node: usize| Some(sub(self.position[node]?, self.middle));
+            let outward = lerp(from_middle(*first)?, from_middle(*second)?, 0.5);
+            let size = self.extent().1;
+            let far = norm_squared(outward) / (size * size);
+            (near_zero(far) > 0.0).then_some(near_zero(dot(from_middle(node)?, outward) / (size * size) / far))
+        };
+        out().map_or(others.is_empty(), |out| out >= *least)
+    }
+
+    /// The ends that may be inlets, the likeliest first. Of all ends those count that do not lie in a small part of their own ([`LEAST_PART`]);
+    /// of these the ones that probably are no ends of gaps; of these the ones where a vessel leaves the image; where up is known, the ones in the lower half; and of these the ones at least half as wide as the widest. A
     /// group without a member is passed over. Wide ends come before narrow ones; of equally wide ones the lower comes first, then the one
     /// farther from the middle of all, then by place along the axes; the number of a node decides only where two are at one place.
     /// Rounding decides nothing: what differs in the last digits is equal.
@@ -120,10 +145,11 @@ impl FreeEnds {
         let (low, size) = self.extent();
         // Where it is along an axis, as a share of the extent of all.
         let along = |node: usize, axis: usize| self.position[node].map_or(0.0, |p| near_zero((p[axis] - low[axis]) / size));
+        only(&|node| self.belongs[node]);
         only(&|node| steady(self.joined[node]) < PROBABLE);
         only(&|node| self.at_border[node]);
         if self.is_upright {
-            let placed = || self.nodes.iter().filter(|node| self.position[**node].is_some());
+            let placed = || self.nodes.iter().filter(|node| self.belongs[**node] && self.position[**node].is_some());
             let half = 0.5 * placed().map(|node| along(*node, 2)).fold(0.0, f64::max);
             only(&|node| self.position[node].is_some() && along(node, 2) <= half);
         }
@@ -144,9 +170,10 @@ impl FreeEnds {
         ranked
     }
 
-    /// The lowest corner of the box around the free ends, m, and the longest of its sides, m, which is positive.
+    /// The lowest corner of the box around the free ends that belong, m, and the longest of its sides, m, which is positive.
     fn extent(&self) -> (Point, f64) {
-        let along = |axis: usize| self.nodes.iter().filter_map(move |node| self.position[*node]).map(move |p: Point| p[axis]);
+        let placed = || self.nodes.iter().filter(|node| self.belongs[**node]).filter_map(|node| self.position[*node]);
+        let along = |axis: usize| placed().map(move |p| p[axis]);
         let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
         let side = |axis: usize| along(axis).fold(f64::NEG_INFINITY, f64::max) - low[axis];
         let size = side(0).max(side(1)).max(side(2));
@@ -154,9 +181,25 @@ impl FreeEnds {
     }
 }
 
+/// The parts that the vessels make which can be open.
+fn joinable_parts(network: &Network) -> Fragments {
+    fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed)
+}
+
+/// By node whether it lies in a part of at least [`LEAST_PART`] of the observed length of the longest, all that can be joined being one part.
+fn in_long_parts(network: &Network) -> Vec<bool> {
+    let parts = joinable_parts(network);
+    let mut lengths = vec![0.0; parts.count];
+    for ([a, _], vessel) in network.vessels().filter(|(_, v)| v.origin != Origin::Candidate) {
+        lengths[parts.of_node[a]] += vessel.length;
+    }
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    parts.of_node.iter().map(|part| steady(lengths[*part]) >= steady(LEAST_PART * longest)).collect()
+}
+
 /// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
 pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
-    let whole = fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed);
+    let whole = joinable_parts(network);
     let mut fed = vec![false; whole.count];
     for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
         fed[whole.of_node[*node]] = true;

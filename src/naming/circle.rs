@@ -6,18 +6,18 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{BA, LABELS, Label, OTHER, Sided, states_of};
+use super::states::{BA, LABELS, Label, OTHER, Sided, side_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
-    Artery, Circle, LabelScheme, Posterior, RING, SegmentState, Side, VariantFrequencies, artery_of_label, identify_landmarks,
+    Artery, Circle, LabelScheme, Posterior, RING, Side, VariantFrequencies, artery_of_label, identify_landmarks,
 };
 use crate::decision::{KnownEnds, Topologies};
 use crate::error::{Fault, Place};
 use crate::io::{ListedLandmark, SURE};
-use crate::network::units::metres;
+use crate::network::units::{metres, millimetres};
 use crate::network::{Frame, Network};
 use crate::sampling::SamplingOptions;
-use crate::support::geometry::Point;
+use crate::support::geometry::{Point, dot, lerp, sub};
 use crate::support::statistics::sigmoid;
 
 /// Less than this much (mm) of an artery is none of it.
@@ -26,10 +26,6 @@ const LEAST_SEEN: f64 = 3.0;
 const LEAST_NAMED: f64 = 40.0;
 /// No probability of a topology counts for more than this, nor less than one minus it.
 const MOST_SURE: f64 = 0.99;
-/// The least diameter of a segment that is no hypoplasia, mm (as in Hindenes et al., PLoS ONE 15:e0241373, 2020) ...
-const HYPOPLASTIC: f64 = 1.0;
-/// ... and its least share of the diameter of its opposite.
-const HYPOPLASTIC_SHARE: f64 = 0.5;
 
 /// What names say of the segments of [`RING`], to be put together with what topologies say.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,8 +41,9 @@ pub struct NamedCircle {
     /// Whether anything is seen of each segment or of what lies at either end, or of what surrounds the place where it would be.
     #[serde(alias = "has_surroundings")]
     pub is_in_view: [bool; 7],
-    /// Whether each segment, if it is there, is thin.
-    pub is_hypoplastic: [bool; 7],
+    /// The mean diameter of each segment, m, where one is seen.
+    #[serde(default)]
+    pub diameters: [Option<f64>; 7],
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,
 }
@@ -92,9 +89,26 @@ impl NamedCircle {
         prior.frequencies.given(&seen, &self.is_in_view)
     }
 
-    /// What is known of each segment beside its probability.
-    pub fn states(&self) -> [SegmentState; 7] {
-        std::array::from_fn(|s| SegmentState { not_seen: !self.is_decidable[s], hypoplastic: self.is_hypoplastic[s] })
+    /// The same with left and right exchanged. The atlas is symmetric, so that this is what a mirrored network gives.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        fn exchanged<T: Copy>(of: [T; 7]) -> [T; 7] {
+            RING.map(|artery| of[RING.iter().position(|other| *other == artery.opposite()).unwrap_or_default()])
+        }
+        Self {
+            log_odds: exchanged(self.log_odds),
+            topology_weight: exchanged(self.topology_weight),
+            share: exchanged(self.share),
+            is_decidable: exchanged(self.is_decidable),
+            is_in_view: exchanged(self.is_in_view),
+            diameters: exchanged(self.diameters),
+            factors: self.factors,
+        }
+    }
+
+    /// Of which segments too little is seen to say whether they are there.
+    pub fn not_seen(&self) -> [bool; 7] {
+        self.is_decidable.map(|is_decidable| !is_decidable)
     }
 }
 
@@ -137,9 +151,31 @@ impl Names {
             share: std::array::from_fn(|s| model.share[kind_of(s)]),
             is_decidable: std::array::from_fn(|s| self.is_decidable(s)),
             is_in_view: std::array::from_fn(|s| self.has_surroundings(s) || self.encloses(s, &model.atlas)),
-            is_hypoplastic: self.hypoplasia(),
+            diameters: self.diameters(),
             factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
         }
+    }
+
+    /// Whether arteries lie on the other side than their names say, by `places` (m, in the axes of the network's file) whose side is known.
+    pub fn is_mirrored(&self, places: &[(Side, Point)]) -> bool {
+        let middle_of = |side: Side| {
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
+                let p: f64 = (0..LABELS).filter(|label| side_of(*label) == Some(side)).map(|label| labels[label]).sum();
+                sum = [0, 1, 2].map(|k| sum[k] + p * at[k]);
+                total += p;
+            }
+            (total > 0.0).then(|| sum.map(|x| x / total))
+        };
+        let [Some(left), Some(right)] = Side::BOTH.map(middle_of) else { return false };
+        let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));
+        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
+        let agrees = |(side, at): &(Side, Point)| {
+            let at = [sign * at[0], sign * at[1], at[2]].map(millimetres);
+            let away = dot(sub(at, middle), rightward);
+            if *side == Side::Right { away } else { -away }
+        };
+        places.iter().map(agrees).sum::<f64>() < 0.0
     }
 
     /// Whether a segment, or what lies at both of its ends, is seen.
@@ -181,9 +217,9 @@ impl Names {
         })
     }
 
-    /// Which segments are thin: below a diameter, or below a share of the opposite one's.
-    fn hypoplasia(&self) -> [bool; 7] {
-        let diameter = |segment: usize| {
+    /// The mean diameter of each segment by the probability of its name, m, where half a millimetre of it is seen.
+    fn diameters(&self) -> [Option<f64>; 7] {
+        std::array::from_fn(|segment| {
             let label = super::presence::label_of_segment(segment);
             let (mut sum, mut total) = (0.0, 0.0);
             for (n, p) in self.labels.iter().enumerate() {
@@ -191,20 +227,7 @@ impl Names {
                 sum += w * 2.0 * self.nodes.log_radius[n].exp();
                 total += w;
             }
-            (total > 0.5).then(|| sum / total)
-        };
-        let all: [Option<f64>; 7] = std::array::from_fn(diameter);
-        let opposite = |segment: usize| {
-            let other = match RING[segment] {
-                Artery::A1(side) => Artery::A1(side.other()),
-                Artery::P1(side) => Artery::P1(side.other()),
-                Artery::PComm(side) => Artery::PComm(side.other()),
-                _ => return None,
-            };
-            RING.iter().position(|artery| *artery == other).and_then(|row| all[row])
-        };
-        std::array::from_fn(|s| {
-            all[s].is_some_and(|own| own < HYPOPLASTIC || opposite(s).is_some_and(|other| own < HYPOPLASTIC_SHARE * other))
+            (total > 0.5).then(|| metres(sum / total))
         })
     }
 

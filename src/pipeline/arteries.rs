@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
 use crate::circle_of_willis::{
-    Circle, Collateral, Informant, LabelScheme, Posterior, Supply, artery_of_label, collaterals, identify_landmarks, in_axes_of,
-    supplies,
+    Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Supply, Variant, artery_of_label,
+    collaterals, hypoplastic, identify_landmarks, in_axes_of, segment_diameters, supplies,
 };
 use crate::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
 use crate::error::{Fault, Result};
@@ -132,14 +132,23 @@ pub(crate) struct FoundArteries {
 
 impl FoundArteries {
     /// The same with what names by geometry say of the segments, where the arteries are known by landmarks: a person says where arteries
-    /// enter and leave, names what lies between.
+    /// enter and leave, and which side is which; names say what lies between.
     pub(crate) fn with_names(self, graph: &Network, phenotypes: &PhenotypeOptions) -> Result<Self> {
         if self.landmarks.is_none() || !has_evidence(graph) {
             return Ok(self);
         }
         let models = phenotypes.models()?;
-        let names = models.name(graph).filter(Names::is_circle);
-        Ok(Self { named: names.map(|names| names.circle(models.of(&names))), ..self })
+        let Some(names) = models.name(graph).filter(Names::is_circle) else { return Ok(self) };
+        let named = names.circle(models.of(&names));
+        // A person knows which side is which. Geometry does not in a mirrored file.
+        let places = self.circle.sided_nodes().into_iter();
+        let places: Vec<_> = places.filter_map(|(side, node)| Some((side, graph.node(node).position?))).collect();
+        if names.is_mirrored(&places) {
+            let note = "left and right are as the landmarks say; by the axes of the input they would be exchanged".to_owned();
+            let notes = self.notes.iter().cloned().chain([note]).collect();
+            return Ok(Self { named: Some(named.mirrored()), notes, ..self });
+        }
+        Ok(Self { named: Some(named), ..self })
     }
 
     /// The record of the landmarks.
@@ -169,8 +178,28 @@ impl FoundArteries {
         let Some(named) = &self.named else { return Ok(Posterior::of(&self.circle, network, topologies)) };
         let prior = phenotypes.prior()?;
         let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
-        let informant = Informant { presence: &presence, states: named.states() };
+        let informant = Informant { presence: &presence, not_seen: named.not_seen() };
         Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
+    }
+
+    /// The segments of a `variant` that are thin, in the topology of the vessels `kept`: by their names where the arteries were named, else by
+    /// their vessels.
+    pub(crate) fn hypoplastic(
+        &self,
+        network: &Network,
+        variant: &Variant,
+        kept: &[bool],
+        phenotypes: &PhenotypeOptions,
+    ) -> Vec<Artery> {
+        let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
+        let named = self.named.as_ref().map_or([None; 7], |named| named.diameters);
+        let diameters = std::array::from_fn(|s| named[s].or(seen[s]));
+        let thin = hypoplastic(&diameters, phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
+        RING.into_iter()
+            .zip(thin)
+            .filter(|(artery, is_thin)| *is_thin && variant.has(*artery))
+            .map(|(artery, _)| artery)
+            .collect()
     }
 
     /// The plausible topologies, and how they were drawn: by the evidence, or without any those that the samples vote for, by the
@@ -217,7 +246,8 @@ impl FoundArteries {
     ) -> Result<Vec<Supply>> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
-        let boundary = Boundary::resolve(&network, &stated(&network), outlets)?;
+        let known = self.known_inlets(&network);
+        let boundary = Boundary::resolve_knowing(&network, &stated(&network), outlets, &known)?;
         Ok(supplies(&self.circle, &network, topologies, &boundary, viscosity))
     }
 

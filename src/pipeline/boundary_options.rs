@@ -31,7 +31,7 @@ pub struct BoundaryOptions {
     pub flow: Vec<String>,
     /// A CSV or TOML file of conditions.
     pub conditions: Option<PathBuf>,
-    /// What outlets that are found are; by default Murray's law for a brain's flow in [`infer`](crate::infer) on centerlines, else ground.
+    /// What outlets that are found are; by default Murray's law for a brain's flow on centerlines and masks, ground on a ready graph.
     pub found_outlets: Option<FoundOutlets>,
 }
 

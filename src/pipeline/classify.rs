@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
 use super::{ArterySource, InferOptions, Input, Silent, prepare};
-use crate::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels};
+use crate::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
@@ -36,6 +36,8 @@ pub struct Phenotype {
     pub supplies: Vec<Supply>,
     /// How many vessels counted.
     pub counted: usize,
+    /// The segments that are there but thin.
+    pub hypoplastic: Vec<Artery>,
     /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
     pub known_by: String,
     /// What a person should know.
@@ -78,11 +80,13 @@ pub fn classify(
     if source.is_none() {
         check_landmarks(input, &found)?;
     }
+    if input.run.is_some() {
+        found = found.with_names(network, phenotypes)?;
+    }
     let mut notes = found.notes.clone();
     let (topologies, variant, posterior) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
-        found = found.with_names(network, phenotypes)?;
         let above = if has_evidence(network) {
             None
         } else {
@@ -101,10 +105,9 @@ pub fn classify(
     };
     let (outlets, viscosity) = match &input.run {
         Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
-        None if input.is_fragments => (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY),
-        None => (FoundOutlets::Ground, BLOOD_VISCOSITY),
+        None => (input.usual_outlets(), BLOOD_VISCOSITY),
     };
-    Ok(phenotype(input, network, Answer { found, topologies, variant, posterior, notes }, outlets, viscosity))
+    Ok(phenotype(input, network, Answer { found, topologies, variant, posterior, notes }, (outlets, viscosity), phenotypes))
 }
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
@@ -126,7 +129,7 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     notes.push(how);
     let (topologies, variant) = (topologies.weighted, posterior.best());
     let answer = Answer { found, topologies, variant, posterior: Some(posterior), notes };
-    Ok(phenotype(input, network, answer, FoundOutlets::CEREBRAL, BLOOD_VISCOSITY))
+    Ok(phenotype(input, network, answer, (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY), phenotypes))
 }
 
 /// What was found of a circle.
@@ -140,7 +143,13 @@ struct Answer {
 }
 
 /// The phenotype of an answer, with what the loss of each feeder means.
-fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOutlets, viscosity: f64) -> Phenotype {
+fn phenotype(
+    input: &Input,
+    network: &Network,
+    answer: Answer,
+    (outlets, viscosity): (FoundOutlets, f64),
+    phenotypes: &PhenotypeOptions,
+) -> Phenotype {
     let Answer { found, topologies, variant, posterior, mut notes } = answer;
     let kept = match &posterior {
         Some(posterior) => posterior.topology.clone(),
@@ -152,7 +161,8 @@ fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOut
     });
     let supplies = found.supplies(network, &topologies, outlets, viscosity).unwrap_or_default();
     let counted = kept.iter().filter(|kept| **kept).count();
-    let json = phenotype_json(network, &variant, posterior.as_ref());
+    let hypoplastic = found.hypoplastic(network, &variant, &kept, phenotypes);
+    let json = phenotype_json(network, &variant, &hypoplastic, posterior.as_ref());
     let classified = Classified {
         network,
         counted,
@@ -166,7 +176,7 @@ fn phenotype(input: &Input, network: &Network, answer: Answer, outlets: FoundOut
     let record = classification_record(&classified, &input.provenance);
     let supply_table = supply_columns(network, &supplies);
     let known_by = found.known_by;
-    Phenotype { variant, posterior, collaterals, supplies, counted, known_by, notes, json, supply_table, record }
+    Phenotype { variant, posterior, collaterals, supplies, counted, hypoplastic, known_by, notes, json, supply_table, record }
 }
 
 /// Refuses landmarks of the run that have changed since.
@@ -187,7 +197,7 @@ impl Phenotype {
     ///
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
-        write_phenotype(folder, subject, &self.variant, self.posterior.as_ref(), &self.json)?;
+        write_phenotype(folder, subject, (&self.variant, &self.hypoplastic), self.posterior.as_ref(), &self.json)?;
         write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
         write_classified(folder, &self.record, collateral_columns(&self.collaterals))
     }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::shard::Solver;
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
-use crate::circle_of_willis::{Posterior, Supply};
+use crate::circle_of_willis::{Artery, Posterior, Supply};
 use crate::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
@@ -36,6 +36,8 @@ pub struct Inference {
     /// Whether every decision on L is clear, where the run was to go on until it is.
     stable: Option<bool>,
     posterior: Option<(Posterior, String)>,
+    /// The segments of the most probable variant that are thin.
+    hypoplastic: Vec<Artery>,
     /// Who feeds each territory and outlet, where the arteries are known.
     supplies: Vec<Supply>,
     /// How long sampling took, on what; for run.json.
@@ -64,18 +66,21 @@ impl Prepared {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
         let until_stable = self.options.infer.until_stable;
         let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
-        let (mut posterior, mut supplies) = (None, Vec::new());
+        let (mut posterior, mut hypoplastic, mut supplies) = (None, Vec::new(), Vec::new());
         if let Some(found) = &self.arteries {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
             let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above)?;
-            posterior = Some((found.posterior_from(&self.graph, &topologies, &self.options.infer.phenotypes)?, how));
+            let phenotypes = &self.options.infer.phenotypes;
+            let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
+            hypoplastic = found.hypoplastic(&self.graph, &said.best(), &said.topology, phenotypes);
+            posterior = Some((said, how));
             let viscosity = options.viscosity;
             supplies = found.supplies(&self.graph, &topologies.weighted, self.outlets, viscosity).unwrap_or_default();
         }
         let (prepared, sampling) = (self.clone(), options.clone());
-        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, supplies, time })
+        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, hypoplastic, supplies, time })
     }
 }
 
@@ -113,6 +118,11 @@ impl Inference {
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
     pub fn posterior(&self) -> Option<(&Posterior, &str)> {
         self.posterior.as_ref().map(|(posterior, how)| (posterior, how.as_str()))
+    }
+
+    /// The segments of the most probable variant of the circle that are thin; none where its arteries are not known.
+    pub fn hypoplastic(&self) -> &[Artery] {
+        &self.hypoplastic
     }
 
     /// Who feeds each territory and outlet of the circle, and how late, over the plausible topologies; none where arteries are not known.
@@ -254,9 +264,9 @@ impl Inference {
         summary.time = self.time.clone();
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
             let variant = posterior.best();
-            let phenotype = phenotype_json(&prepared.graph, &variant, Some(posterior));
+            let phenotype = phenotype_json(&prepared.graph, &variant, &self.hypoplastic, Some(posterior));
             let subject = stem(Path::new(&prepared.provenance.input));
-            write_phenotype(folder, &subject, &variant, Some(posterior), &phenotype)?;
+            write_phenotype(folder, &subject, (&variant, &self.hypoplastic), Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
             summary.supply = supply_json(&prepared.graph, &self.supplies);
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::stored_run::StoredRun;
-use crate::circle_of_willis::split_where_labels_change;
+use crate::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
 use crate::error::{Error, Result};
+use crate::flow::FoundOutlets;
 use crate::io::tables::reader::plural;
 use crate::io::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
 use crate::masks::{Foreground, RadiusFrom};
@@ -208,6 +209,24 @@ impl Input {
     /// Whether it was read from the folder of a run of infer.
     pub fn is_run(&self) -> bool {
         self.run.is_some()
+    }
+
+    /// What outlets are that are found: terminal resistances at the ends of centerlines, where arteries go on outside of the image. A ready
+    /// graph states the ends of its arteries; what it does not state is ground, as in the paper.
+    pub(crate) fn usual_outlets(&self) -> FoundOutlets {
+        if self.is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground }
+    }
+
+    /// The nodes where blood comes in by the names of arteries on the vessels; none where labels are numbers, which may mean anything.
+    pub(crate) fn inlets_by_labels(&self) -> Vec<usize> {
+        if self.network.vessels().all(|(_, vessel)| vessel.label.is_empty()) {
+            return Vec::new();
+        }
+        let network = if self.is_fragments { &self.divided_by_labels() } else { &self.network };
+        let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
+        let named = LabelScheme::of(labels).ok().filter(|scheme| *scheme == LabelScheme::Names);
+        let circle = named.and_then(|scheme| Circle::labelled(network, scheme).ok());
+        circle.map_or_else(Vec::new, |(circle, _)| circle.labelled_inlets(network))
     }
 
     /// The vessels, divided where their labels change along the centerlines.

@@ -136,6 +136,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     options.validate()?;
     let path = std::path::PathBuf::from(&input.provenance.input);
     let (scale, is_fragments) = (input.options.scale, input.is_fragments);
+    let (usual_outlets, by_names) = (input.usual_outlets(), input.inlets_by_labels());
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network));
     let by_landmarks = source.as_ref().filter(|source| source.is_landmarks());
     let by_geometry = source.as_ref().is_some_and(|source| *source == ArterySource::Geometry);
@@ -205,9 +206,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         (None, Some(names)) => Some(arteries::by_geometry(&path, &graph, Some(names), &options.phenotypes.models()?)?),
         (None, None) => arteries.map(|found| found.with_names(&graph, &options.phenotypes)).transpose()?,
     };
-    let usual = if is_fragments { FoundOutlets::CEREBRAL } else { FoundOutlets::Ground };
-    let outlets = options.boundary.found_outlets.unwrap_or(usual);
-    let known = arteries.as_ref().map(|found| found.known_inlets(&graph)).unwrap_or_default();
+    let outlets = options.boundary.found_outlets.unwrap_or(usual_outlets);
+    let known = arteries.as_ref().map_or(by_names, |found| found.known_inlets(&graph));
     let boundary = Boundary::resolve_knowing(&graph, &given, outlets, &known)?;
     let all_stated = boundary.found_outlets.is_empty() && arteries.as_ref().is_none_or(|found| found.circle.outlets().is_empty());
     if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {

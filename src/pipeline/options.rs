@@ -109,6 +109,9 @@ pub struct PhenotypeOptions {
     pub unseen: Option<f64>,
     /// A model of `willis train --model labels` that names arteries, in the place of the one that ships.
     pub arteries: Option<PathBuf>,
+    /// The diameter below which a segment is hypoplastic, m, positive; by default 1 mm.
+    #[serde(rename = "hypoplastic_m")]
+    pub hypoplastic: Option<f64>,
 }
 
 impl PhenotypeOptions {
@@ -118,11 +121,12 @@ impl PhenotypeOptions {
     ///
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        match self.unseen {
-            Some(share) if !(0.0..1.0).contains(&share) => {
-                Err(Error::parameter("unseen", share, "expected a share from 0 to below 1"))
-            }
-            _ => Ok(()),
+        if let Some(share) = self.unseen.filter(|share| !(0.0..1.0).contains(share)) {
+            return Err(Error::parameter("unseen", share, "expected a share from 0 to below 1"));
+        }
+        match self.hypoplastic.filter(|diameter| !(*diameter > 0.0 && diameter.is_finite())) {
+            Some(diameter) => Err(Error::parameter("hypoplastic", diameter, "expected a positive diameter")),
+            None => Ok(()),
         }
     }
 
@@ -133,6 +137,7 @@ impl PhenotypeOptions {
             frequencies: self.frequencies.clone().or_else(|| others.frequencies.clone()),
             unseen: self.unseen.or(others.unseen),
             arteries: self.arteries.clone().or_else(|| others.arteries.clone()),
+            hypoplastic: self.hypoplastic.or(others.hypoplastic),
         }
     }
 

@@ -77,11 +77,11 @@ pub fn simulate_with<'a>(
     Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity, transports, pulses })
 }
 
-/// The boundary conditions of a network whose vessels are taken as they are; outlets that are found are ground, unless said otherwise.
+/// The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
 fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Progress) -> Result<(Boundary, FoundOutlets)> {
-    let outlets = options.found_outlets.unwrap_or(FoundOutlets::Ground);
+    let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
     // Every vessel is there, and a condition that was found holds at a free end only.
-    let boundary = options.resolve(&input.network, outlets, &[], progress)?.held(&input.network, |_| true);
+    let boundary = options.resolve(&input.network, outlets, &input.inlets_by_labels(), progress)?.held(&input.network, |_| true);
     if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
         progress.step(Step::OutletsAllStated);
     }

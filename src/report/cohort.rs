@@ -8,12 +8,16 @@ use serde_json::{Map, Value, json};
 use super::page::cohort::write_cohort_page;
 use crate::circle_of_willis::{FEEDERS, RING, TERRITORIES};
 use crate::error::Result;
+use crate::io::tables::reader::plural;
 use crate::io::{Column, write_csv};
 use crate::output::atomic::{StagedFile, write_file};
 use crate::output::names::{COHORT_PAGE, COHORT_TABLE};
 
 /// The one column that differs between two runs of one command, from run.json, in seconds.
 pub const WALL_TIME: &str = "wall_s";
+
+/// The column that says why a subject needs a person.
+const NEEDS_PERSON: &str = "needs_person";
 
 /// A subject.
 #[derive(Debug, Clone)]
@@ -163,6 +167,44 @@ fn text(value: &Value) -> Cell {
     Cell::Text(value.as_str().unwrap_or_default().to_owned())
 }
 
+/// A variant below this probability needs a person.
+const SURE_VARIANT: f64 = 0.9;
+/// A connection is open between this share of the plausible topologies and the rest.
+const OPEN: std::ops::Range<f64> = 0.1..0.9;
+
+/// Why a subject needs a person; empty where it does not. Where arteries are known, that is what could change the variant: it is not sure, or
+/// one open connection would make another one likelier than not. Where they are not, it is any undecided connection, or an error that the
+/// evidence expects.
+fn needs_person(record: &Value) -> String {
+    let mut why = Vec::new();
+    let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN);
+    if record["phenotype"].is_object() {
+        let p = number("/phenotype/probabilities/variant");
+        if p < SURE_VARIANT {
+            why.push(format!("variant uncertain, P = {p:.3}"));
+        }
+        let deciding = record.pointer("/phenotype/probabilities/deciding").and_then(Value::as_array);
+        let changes = |d: &&Value| {
+            let of = |key: &str| d[key].as_f64().unwrap_or(f64::NAN);
+            OPEN.contains(&of("probability")) && of("variant_with").min(of("variant_without")) < 0.5
+        };
+        let changing = deciding.into_iter().flatten().filter(changes).count();
+        if changing > 0 {
+            why.push(format!("{} would change the variant", plural(changing, "open connection")));
+        }
+        return why.join("; ");
+    }
+    let undecided = number("/convergence/undecided");
+    if undecided > 0.0 {
+        why.push(format!("{undecided} undecided"));
+    }
+    let (wrong, missed) = (number("/expected_errors/wrong"), number("/expected_errors/missed"));
+    if wrong + missed >= 1.0 {
+        why.push(format!("about {wrong:.1} wrong and {missed:.1} missed expected"));
+    }
+    why.join("; ")
+}
+
 /// The figures of an inference. `kept`, `components` and `cycles` are those of the kept topology; `sparsity` is the share of kept
 /// candidates among all; wrong and missed connections are those that the evidence expects.
 pub fn infer_figures(record: &Value) -> Figures {
@@ -182,7 +224,12 @@ pub fn infer_figures(record: &Value) -> Figures {
         ("expected_missed", number("/expected_errors/missed")),
         (WALL_TIME, number("/time/wall_s")),
     ];
-    phenotype_figures(record).into_iter().chain(figures.map(|(name, x)| (name.into(), Cell::Number(x)))).collect()
+    let mut all = phenotype_figures(record);
+    if all.is_empty() {
+        all.push((NEEDS_PERSON.into(), Cell::Text(needs_person(record))));
+    }
+    all.extend(figures.map(|(name, x)| (name.into(), Cell::Number(x))));
+    all
 }
 
 /// The figures of a Circle of Willis; none where it was not classified. `margin` is the probability of the variant less that of the
@@ -194,6 +241,9 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         ["variant", "completeness"].map(|name| (name.into(), text(&phenotype[name]))).into_iter().collect();
     figures.extend(segments().map(|segment| (segment.clone().into(), flag(&phenotype["segments"][segment]))));
     figures.extend(["L-PCA", "R-PCA"].map(|side| (format!("fetal_{side}").into(), flag(&phenotype["fetal"][side]))));
+    figures.push((NEEDS_PERSON.into(), Cell::Text(needs_person(record))));
+    let thin: Vec<&str> = phenotype["hypoplastic"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    figures.push(("hypoplastic".into(), Cell::Text(thin.join(" "))));
     if let Some(probabilities) = phenotype.get("probabilities") {
         let of_variant = [("p_variant", "variant"), ("margin", "margin")];
         figures.extend(of_variant.map(|(name, key)| (name.into(), number(&probabilities[key]))));
@@ -240,6 +290,32 @@ mod tests {
         write_csv(&mut table, &columns).expect("columns of one length");
         let lines = "a,,,ok,,3,\nb,,,failed,unreadable,,\nc,,,ok,,4,complete\n";
         assert_eq!(String::from_utf8(table).expect("text").split_once('\n').expect("a header").1, lines);
+    }
+
+    /// What could change the variant needs a person, and nothing else where arteries are known.
+    #[test]
+    fn a_person_is_needed_where_the_variant_could_change() {
+        let subject = |p: f64, probability: f64, without: f64| {
+            let deciding = json!([{ "probability": probability, "variant_with": 0.99, "variant_without": without }]);
+            json!({
+                "phenotype": { "probabilities": { "variant": p, "deciding": deciding } },
+                "convergence": { "undecided": 4 },
+                "expected_errors": { "wrong": 1.0, "missed": 1.0 },
+            })
+        };
+        // Undecided connections that leave the variant as it is are no reason.
+        assert_eq!(needs_person(&subject(0.97, 0.5, 0.95)), "");
+        assert_eq!(needs_person(&subject(0.97, 0.98, 0.1)), "");
+        assert_eq!(needs_person(&subject(0.899, 0.5, 0.8)), "variant uncertain, P = 0.899");
+        assert_eq!(needs_person(&subject(0.91, 0.85, 0.4)), "1 open connection would change the variant");
+        // A circle whose vessels are taken as they are has no probability.
+        assert_eq!(needs_person(&json!({ "phenotype": {} })), "");
+        let without_circle = json!({ "convergence": { "undecided": 4 }, "expected_errors": { "wrong": 1.0, "missed": 0.5 } });
+        assert_eq!(needs_person(&without_circle), "4 undecided; about 1.0 wrong and 0.5 missed expected");
+        assert_eq!(
+            needs_person(&json!({ "convergence": { "undecided": 0 }, "expected_errors": { "wrong": 0.1, "missed": 0.2 } })),
+            ""
+        );
     }
 
     #[test]

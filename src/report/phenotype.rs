@@ -6,9 +6,7 @@ use serde_json::{Value, json};
 
 use super::page::phenotype::write_phenotype_page;
 use super::run_record::Provenance;
-use crate::circle_of_willis::{
-    Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, SegmentState, Side, TERRITORIES, Variant,
-};
+use crate::circle_of_willis::{Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant};
 use crate::error::Result;
 use crate::io::{Column, write_csv};
 use crate::network::Network;
@@ -39,9 +37,10 @@ pub struct Classified<'a> {
 }
 
 /// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
-/// and segments. Where topologies are uncertain it is the most probable variant, with probabilities.
-pub fn phenotype_json(network: &Network, variant: &Variant, posterior: Option<&Posterior>) -> Value {
+/// segments, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
+pub fn phenotype_json(network: &Network, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) -> Value {
     let mut phenotype = anatomy_json(variant);
+    phenotype["hypoplastic"] = json!(names(hypoplastic));
     if let Some(posterior) = posterior {
         phenotype["probabilities"] = probabilities_json(network, posterior);
     }
@@ -63,12 +62,8 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     };
     let segments: serde_json::Map<String, Value> =
         RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
-    let names = |is: fn(&SegmentState) -> bool| -> Vec<String> {
-        RING.iter().zip(&posterior.states).filter(|(_, state)| is(state)).map(|(artery, _)| artery.to_string()).collect()
-    };
     json!({
-        "not_seen": names(|state| state.not_seen),
-        "hypoplastic": names(|state| state.hypoplastic),
+        "not_seen": names(&not_seen(posterior)),
         "variant": posterior.probability(),
         "margin": posterior.margin(),
         "segments": segments,
@@ -77,6 +72,15 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
         "deciding": posterior.deciding.iter().take(MOST_LISTED).map(deciding).collect::<Vec<_>>(),
         "topologies": posterior.samples,
     })
+}
+
+/// The segments of which too little is seen.
+fn not_seen(posterior: &Posterior) -> Vec<Artery> {
+    RING.into_iter().zip(posterior.not_seen).filter(|(_, not_seen)| *not_seen).map(|(artery, _)| artery).collect()
+}
+
+fn names(arteries: &[Artery]) -> Vec<String> {
+    arteries.iter().map(ToString::to_string).collect()
 }
 
 /// The anatomy of a variant.
@@ -115,7 +119,7 @@ fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
 }
 
 /// The columns of phenotype.csv, which has one row.
-fn phenotype_columns(subject: &str, variant: &Variant, posterior: Option<&Posterior>) -> Vec<Column> {
+fn phenotype_columns(subject: &str, (variant, hypoplastic): (&Variant, &[Artery]), posterior: Option<&Posterior>) -> Vec<Column> {
     let text = |name: &'static str, text: &str| Column::text(name, [text.to_owned()].into_iter());
     let flag = |name: String, flag: bool| Column::whole(name, [usize::from(flag)].into_iter());
     let share = |name: String, share: f64| Column::real(name, [share].into_iter());
@@ -130,13 +134,9 @@ fn phenotype_columns(subject: &str, variant: &Variant, posterior: Option<&Poster
     if let Some(posterior) = posterior {
         columns.push(share("p_variant".to_owned(), posterior.probability()));
         columns.extend(RING.iter().zip(posterior.segments).map(|(artery, p)| share(format!("p_{artery}"), p)));
-        let names = |is: fn(&SegmentState) -> bool| {
-            let own = RING.iter().zip(&posterior.states).filter(|(_, state)| is(state));
-            own.map(|(artery, _)| artery.to_string()).collect::<Vec<_>>().join(" ")
-        };
-        columns.push(text("not_seen", &names(|state| state.not_seen)));
-        columns.push(text("hypoplastic", &names(|state| state.hypoplastic)));
+        columns.push(text("not_seen", &names(&not_seen(posterior)).join(" ")));
     }
+    columns.push(text("hypoplastic", &names(hypoplastic).join(" ")));
     columns
 }
 
@@ -168,12 +168,12 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
 pub fn write_phenotype(
     folder: &Path,
     subject: &str,
-    variant: &Variant,
+    (variant, hypoplastic): (&Variant, &[Artery]),
     posterior: Option<&Posterior>,
     phenotype: &Value,
 ) -> Result<()> {
     write_json(&folder.join(PHENOTYPE), phenotype)?;
-    let columns = phenotype_columns(subject, variant, posterior);
+    let columns = phenotype_columns(subject, (variant, hypoplastic), posterior);
     write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &columns))
 }
 

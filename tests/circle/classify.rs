@@ -49,6 +49,40 @@ fn the_folder_holds_the_phenotype_and_its_record() {
     assert_eq!(contents(here.path()), before);
 }
 
+/// AComm and PComm of the published circle are 1.48 and 1.46 mm wide (Alastruey et al., J Biomech 40:1794-1805, 2007), so that they are
+/// hypoplastic below 1.5 mm, and nothing is below 1 mm. A cohort has a column of them.
+#[test]
+fn hypoplastic_segments_are_told_in_every_table() {
+    let here = folder();
+    let inputs = ["complete", "without-AComm"].map(|name| data(&format!("circle-of-willis/{name}.graphml")));
+    let run = |arguments: &[&str]| {
+        let output = willis(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stderr(&output)
+    };
+    run(&["classify", &inputs[0], "-o", "usual"]);
+    assert_eq!(json(&here.path().join("usual/phenotype.json"))["hypoplastic"], serde_json::json!([]));
+    let said = run(&["classify", &inputs[0], "-o", "wide", "--hypoplastic", "1.5mm"]);
+    assert!(said.contains("AComm, L-PComm, R-PComm (hypoplastic)"), "{said}");
+    let phenotype = json(&here.path().join("wide/phenotype.json"));
+    assert_eq!(phenotype["hypoplastic"], serde_json::json!(["AComm", "L-PComm", "R-PComm"]));
+    assert_eq!(phenotype["variant"], "complete");
+    let table = fs::read_to_string(here.path().join("wide/phenotype.csv")).expect("a table");
+    assert!(table.lines().next().is_some_and(|header| header.ends_with(",hypoplastic")), "{table}");
+    assert!(table.lines().nth(1).is_some_and(|row| row.ends_with(",AComm L-PComm R-PComm")), "{table}");
+    run(&["classify", &inputs[0], &inputs[1], "-o", "cohort", "--hypoplastic", "1.5mm"]);
+    let table = fs::read_to_string(here.path().join("cohort/cohort.csv")).expect("a table");
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let at = rows.headers().expect("a header").iter().position(|name| name == "hypoplastic").expect("a column");
+    let column: Vec<String> = rows.records().map(|row| row.expect("a row")[at].to_owned()).collect();
+    assert_eq!(column, ["AComm L-PComm R-PComm", "L-PComm R-PComm"]);
+    for wrong in ["0mm", "-1mm", "thin"] {
+        let output = willis(here.path(), &["classify", &inputs[0], "-o", "bad", &format!("--hypoplastic={wrong}")]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        assert!(stderr(&output).contains("--hypoplastic"), "{}", stderr(&output));
+    }
+}
+
 /// Centerlines without labels, by landmarks in the unit of the file, or in mm where they say so.
 #[test]
 fn landmarks_stand_in_for_labels() {

@@ -436,3 +436,43 @@ fn the_patients_of_icafe_are_classified_by_either_word() {
     }
     assert_eq!(told, [("INSIST_0021".to_owned(), "L-P1, R-P1, L-P2, R-P2".to_owned())]);
 }
+
+/// A mirrored file that states no frame looks like any other: by its axes left would be right. A person's landmarks say which side is which, and
+/// are followed: every segment has the probability that it has in the file that is not mirrored.
+#[test]
+fn landmarks_of_a_mirrored_file_say_which_side_is_which() {
+    let here = folder();
+    let run = |arguments: &[&str]| {
+        let output = willis(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stderr(&output)
+    };
+    run(&["phantom", "cerebral", "--without", "L-P1", "--break", "--seed", "3", "--spacing", "1mm", "-o", "as-it-is.swc", "-q"]);
+    let mirrored = |text: &str, at: usize, separator: char| -> String {
+        let of = |line: &str| {
+            let mut fields: Vec<String> = line.split(separator).map(str::to_owned).collect();
+            if let Some(x) = fields.get(at).and_then(|field| field.parse::<f64>().ok()) {
+                fields[at] = (-x).to_string();
+            }
+            fields.join(&separator.to_string())
+        };
+        text.lines().filter(|line| !line.starts_with("# SPACE")).map(|line| of(line) + "\n").collect()
+    };
+    for (file, at, separator) in [(".swc", 2, ' '), (".landmarks.csv", 1, ',')] {
+        let text = fs::read_to_string(here.path().join(format!("as-it-is{file}"))).expect("a file");
+        fs::write(here.path().join(format!("mirrored{file}")), mirrored(&text, at, separator)).expect("written");
+    }
+    let [straight, other] = ["as-it-is", "mirrored"].map(|name| {
+        let said =
+            run(&["infer", &format!("{name}.swc"), "--landmarks", &format!("{name}.landmarks.csv"), "-n", "256", "-o", name]);
+        assert_eq!(said.contains("left and right are as the landmarks say"), name == "mirrored", "{said}");
+        json(&here.path().join(name).join("phenotype.json"))
+    });
+    assert_eq!(other["variant"], straight["variant"]);
+    assert_eq!(straight["segments"]["L-P1"], false);
+    let segments = straight["probabilities"]["segments"].as_object().expect("segments");
+    for (segment, p) in segments {
+        let q = other["probabilities"]["segments"][segment].as_f64().expect("a probability");
+        assert!((q - p.as_f64().expect("a probability")).abs() < 0.02, "{segment}: {p} and {q}");
+    }
+}

@@ -9,8 +9,8 @@ use willis::error::{Fault, Place};
 use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
 use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{
-    Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, identify_landmarks,
-    split_where_labels_change,
+    Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, hypoplastic, identify_landmarks,
+    segment_diameters, split_where_labels_change,
 };
 use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_landmarks};
 use willis::internals::network::WELD_TOLERANCE;
@@ -157,6 +157,70 @@ fn absent_segments_are_missing_and_no_others() {
 }
 
 /// The same patterns as masks over the whole network.
+/// A third A2 leaves AComm between the two sides, so that AComm is in pieces: it is there if pieces on either side of the third A2 join the two
+/// sides, and not if the third A2 lies between the piece and the other side.
+#[test]
+fn a_third_a2_divides_acomm_and_takes_it_away_from_none() {
+    let with = |vessels: &[(&str, &str, &str)]| {
+        let mut network = network(&without(&["AComm"]));
+        let row = |network: &Network, id: &str| network.nodes().position(|node| node.id == id).expect("a node");
+        for (id, at) in [("x", [-0.7, 14.0, 3.0]), ("y", [0.7, 14.0, 3.0]), ("u", [0.0, 40.0, 40.0])] {
+            network.add_node(Node { id: id.to_owned(), position: Some(at.map(metres)), ..Node::default() });
+        }
+        for (a, b, label) in vessels {
+            let ends = [row(&network, a), row(&network, b)];
+            let point = |node: usize| PathPoint { position: network.node(node).position.unwrap(), radius: metres(0.7), id: None };
+            let vessel = Vessel::along(ends.map(point).to_vec(), RadiusRule::Mean);
+            network.add_vessel(ends, Vessel { label: (*label).to_owned(), ..vessel });
+        }
+        by_labels(&network)
+    };
+    let (acomm, third) = ("AComm", "3rd-A2");
+    let there = [
+        &[("lj", "x", acomm), ("x", "rj", acomm), ("x", "u", third)][..],
+        &[("lj", "x", acomm), ("x", "y", third), ("y", "rj", acomm), ("y", "u", third)],
+        &[("lj", "x", acomm), ("x", "y", third), ("y", "rj", ""), ("x", "u", third)],
+    ];
+    for vessels in there {
+        let variant = with(vessels);
+        assert!(variant.third_a2 && missing(&variant).is_empty(), "{vessels:?}: {}", variant.words());
+    }
+    let not = [
+        &[("lj", "x", acomm), ("x", "u", third)][..],
+        &[("lj", "x", acomm), ("x", "rj", third), ("x", "u", third)],
+        &[("lj", "rj", third), ("lj", "u", third)],
+    ];
+    for vessels in not {
+        let variant = with(vessels);
+        assert!(variant.third_a2, "{vessels:?}");
+        assert_eq!(missing(&variant), ["AComm"], "{vessels:?}");
+    }
+}
+
+/// A thin segment is there, and hypoplastic: by labels and by landmarks, below the diameter that is stated, or below half the diameter of its
+/// opposite.
+#[test]
+fn a_thin_segment_is_hypoplastic_however_arteries_are_known() {
+    let network_of = |radii: &[(&str, f64)]| network(&with_radii(&CIRCLE, radii));
+    let thin = |network: &Network, least: f64| {
+        let labelled = Circle::labelled(network, LabelScheme::Names).expect("labels").0;
+        let marked = Circle::at(network, &marked(&landmarks(&ENDS)).expect("landmarks")).expect("a circle").0;
+        [labelled, marked].map(|circle| {
+            assert!(missing(&circle.variant(network, |_| true)).is_empty());
+            let thin = hypoplastic(&segment_diameters(&circle, network, |_| true), metres(least));
+            RING.iter().zip(thin).filter(|(_, is)| *is).map(|(artery, _)| artery.to_string()).collect::<Vec<_>>()
+        })
+    };
+    let both =
+        |names: &[&str]| [names.to_vec(), names.to_vec()].map(|names| names.into_iter().map(str::to_owned).collect::<Vec<_>>());
+    assert_eq!(thin(&network_of(&[]), 1.0), both(&[]));
+    assert_eq!(thin(&network_of(&[("L-A1", 0.1)]), 1.0), both(&["L-A1"]));
+    assert_eq!(thin(&network_of(&[("R-P1", 0.52)]), 1.0), both(&["R-P1"]), "1.04 mm is below half of 2.2 mm");
+    assert_eq!(thin(&network_of(&[("R-PComm", 0.45)]), 1.0), both(&["R-PComm"]));
+    assert_eq!(thin(&network_of(&[("R-PComm", 0.45)]), 0.8), both(&[]));
+    assert_eq!(thin(&network_of(&[]), 1.5), both(&["AComm", "L-PComm", "R-PComm"]));
+}
+
 #[test]
 fn vessels_that_are_not_kept_are_not_there() {
     let whole = network(&CIRCLE);

@@ -65,3 +65,60 @@ fn what_zero_radii_become_is_printed() {
         assert!(said.contains("1 point without a positive finite radius: interpolated"), "{said}");
     }
 }
+
+/// The role of every node of the table in a folder, by its id.
+fn roles(folder: &Path) -> std::collections::BTreeMap<String, String> {
+    let table = fs::read_to_string(folder.join("nodes.csv")).expect("nodes.csv");
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let header = rows.headers().expect("a header").clone();
+    let at = |name: &str| header.iter().position(|h| h == name).expect("a column");
+    let (id, role) = (at("id"), at("role"));
+    rows.records().map(|row| row.expect("a row")).map(|row| (row[id].to_owned(), row[role].to_owned())).collect()
+}
+
+/// A wide piece 1 m away, as of a sinus, moves no role of a phantom or of a brain, in infer and in simulate.
+#[test]
+fn a_piece_far_away_moves_no_role() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let run = |arguments: &[&str]| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_willis")).current_dir(here.path()).args(arguments).output().expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let phantom = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/broken-circle-of-willis.swc");
+    let brain = files("brava/vtp", "vtp").into_iter().next();
+    for input in [Some(phantom), brain].into_iter().flatten() {
+        run(&["convert", &input.display().to_string(), "alone.swc", "--force", "-q"]);
+        let mut swc = fs::read_to_string(here.path().join("alone.swc")).expect("SWC");
+        for step in 0..20_usize {
+            let parent = if step == 0 { "-1".to_owned() } else { (900_000 + step - 1).to_string() };
+            swc += &format!("{} 0 {} 0 -500 5 {parent}\n", 900_000 + step, 1000 + step);
+        }
+        fs::write(here.path().join("with.swc"), swc).expect("written");
+        for command in [&["infer", "-n", "64"][..], &["simulate"]] {
+            for name in ["alone", "with"] {
+                run(&[command, &[&format!("{name}.swc"), "-o", name, "--force", "-q"]].concat());
+            }
+            let [alone, mut with] = ["alone", "with"].map(|name| roles(&here.path().join(name)));
+            with.retain(|id, _| !id.starts_with("9000"));
+            assert!(alone.values().any(|role| role == "inlet"));
+            assert_eq!(alone, with, "{} of {}", command[0], input.display());
+        }
+    }
+}
+
+/// The inlets of the circle that ships are those that its truth names: two carotids and two vertebral arteries.
+#[test]
+fn the_four_inlets_of_the_circle_that_ships_are_found() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_willis"));
+    let command = command.current_dir(here.path()).arg("infer").arg(data.join("broken-circle-of-willis.swc"));
+    assert!(command.args(["-n", "64", "-q", "-o", "out"]).status().expect("it runs").success());
+    let truth = fs::read(data.join("broken-circle-of-willis.truth.json")).expect("a truth");
+    let truth: serde_json::Value = serde_json::from_slice(&truth).expect("JSON");
+    let mut truth: Vec<String> = truth["inlets"].as_array().expect("inlets").iter().map(ToString::to_string).collect();
+    truth.sort();
+    let found = roles(&here.path().join("out")).into_iter().filter(|(_, role)| role == "inlet").map(|(id, _)| id);
+    assert_eq!(found.collect::<Vec<_>>(), truth);
+}

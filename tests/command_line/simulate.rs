@@ -148,16 +148,49 @@ fn the_same_command_gives_the_same_files_and_prints_run_json() {
     }
 }
 
-/// Centerlines are simulated as they are, without candidates, and outlets that are found are at ground.
+/// Centerlines and masks are simulated as they are, without candidates. Their outlets are terminal resistances that let 700 mL/min pass at the
+/// inlet pressure, so that less comes in; at ground it is many times what a brain gets. A ready graph is at ground.
 #[test]
 fn centerlines_are_taken_without_candidates() {
     let here = folder();
-    let output = willis(here.path(), &["simulate", &data("broken-circle-of-willis.swc"), "-o", "out"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let said = stderr(&output);
+    let inflow = |arguments: &[&str]| -> f64 {
+        let output = willis(here.path(), &[arguments, &["-o", "out", "--force"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let nodes = table(here.path(), "nodes.csv").1;
+        let inlets: Vec<String> =
+            nodes("node").into_iter().zip(nodes("role")).filter(|(_, role)| role == "inlet").map(|(node, _)| node).collect();
+        let edges = table(here.path(), "edges.csv").1;
+        let flows = edges("node_a").into_iter().zip(edges("node_b")).zip(edges("flow_mL_per_min"));
+        flows
+            .map(|((a, b), flow)| {
+                let flow: f64 = flow.parse().unwrap_or(0.0);
+                f64::from(u8::from(inlets.contains(&a))) * flow - f64::from(u8::from(inlets.contains(&b))) * flow
+            })
+            .sum()
+    };
+    for name in ["broken-circle-of-willis.swc", "scan.nii.gz"] {
+        let flow = inflow(&["simulate", &data(name)]);
+        assert!(flow > 100.0 && flow < 700.0, "{name}: {flow} mL/min");
+        assert!(record(here.path())["parameters"]["outlets_found"].is_object(), "{name}");
+        let ground = inflow(&["simulate", &data(name), "--outlets", "ground"]);
+        assert!(ground > 2000.0, "{name}: {ground} mL/min");
+        assert_eq!(record(here.path())["parameters"]["outlets_found"], "ground");
+    }
     let vessels = table(here.path(), "edges.csv").1("edge").len();
-    assert!(said.contains(&format!("{vessels} vessels")) && said.contains("(ground)"), "{said}");
+    assert!(vessels > 10);
+    fs::write(here.path().join("line.csv"), "node_a,node_b,length_mm,radius_mm\na,b,20,2\nb,c,20,1\n").expect("written");
+    inflow(&["simulate", "line.csv", "--inlet", "a"]);
     assert_eq!(record(here.path())["parameters"]["outlets_found"], "ground");
+}
+
+/// A vessel that is named for a stenosis is narrowed over all of its length, and the run says how long that is.
+#[test]
+fn a_run_says_over_what_length_a_vessel_is_narrowed() {
+    let here = folder();
+    let said = run(here.path(), &["--stenosis", "wide=70%"]);
+    assert!(said.contains("wide: diameter narrowed by 70.0 % over all of its 20.0 mm (@mid:10mm narrows a stretch)"), "{said}");
+    let said = run(here.path(), &["--stenosis", "wide=70%@mid:10mm"]);
+    assert!(said.contains("wide: diameter narrowed by 70.0 % over 10.0 mm") && !said.contains("all of its"), "{said}");
 }
 
 /// The tables handed back are the same network under the same conditions.

@@ -110,9 +110,72 @@ fn inlets_lie_low_where_up_is_known() {
     for (node, height) in [0.0, 10.0, 9.0, 1.0, 2.0].into_iter().enumerate() {
         network.node_mut(node).position = Some([0.0, 0.0, height]);
     }
-    assert_eq!(resolve(&network, &[]).found_inlets, [0, 1, 2]);
+    // The two wide ends lie above, so blood comes in from there, and not by the others.
+    assert_eq!(resolve(&network, &[]).found_inlets, [1, 2]);
     network.frame = willis::internals::network::Frame::Ras;
     assert_eq!(resolve(&network, &[]).found_inlets, [0, 3, 4]);
+}
+
+/// The ends of the arteries of a head, mm: two carotids, two vertebral arteries below them, both M1, as wide as these or wider, and both A2.
+const HEAD: [([f64; 3], f64); 8] = [
+    ([-20.0, 0.0, 30.0], 2.0),
+    ([20.0, 0.0, 30.0], 2.0),
+    ([-15.0, 0.0, 0.0], 1.4),
+    ([15.0, 0.0, 2.0], 1.35),
+    ([-60.0, 0.0, 100.0], 1.5),
+    ([60.0, 0.0, 100.0], 1.4),
+    ([-4.0, 50.0, 120.0], 1.3),
+    ([4.0, 50.0, 120.0], 1.3),
+];
+
+/// A star with these ends, its axes in another order, in file order `order`; and by end its node.
+fn head(ends: &[([f64; 3], f64)], axes: [usize; 3], order: &[usize]) -> (Network, Vec<usize>) {
+    let radii: Vec<f64> = order.iter().map(|end| ends[*end].1).collect();
+    let mut network = stars(&[&radii]);
+    for (node, end) in order.iter().enumerate() {
+        network.node_mut(node).position = Some(axes.map(|axis| ends[*end].0[axis] * 1e-3));
+    }
+    let node_of = (0..ends.len()).map(|end| order.iter().position(|e| *e == end).unwrap()).collect();
+    (network, node_of)
+}
+
+/// Blood comes in from one side: by two carotids and two vertebral arteries, whichever way the axes point and in whatever order the ends are
+/// numbered. M1 of the same width lies on the other side.
+#[test]
+fn two_carotids_and_two_vertebral_arteries_are_four_inlets() {
+    for axes in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+        for order in [[0, 1, 2, 3, 4, 5, 6, 7], [7, 3, 5, 1, 6, 2, 4, 0]] {
+            let (network, node_of) = head(&HEAD, axes, &order);
+            let mut expected = [0, 1, 2, 3].map(|end| node_of[end]);
+            expected.sort_unstable();
+            assert_eq!(resolve(&network, &[]).found_inlets, expected, "axes {axes:?}, order {order:?}");
+        }
+    }
+    // With a basilar artery, and P2 as wide halfway up, there are three.
+    let mut ends = HEAD;
+    (ends[2], ends[3]) = (([0.0, 0.0, 20.0], 1.4), ([15.0, -40.0, 60.0], 1.4));
+    let (network, _) = head(&ends, [0, 1, 2], &[0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(resolve(&network, &[]).found_inlets, [0, 1, 2]);
+}
+
+/// A wide piece far away that nothing can join to the rest, as of a sinus, moves no role of the rest. One that may be joined is a part of it.
+#[test]
+fn a_piece_far_away_takes_no_inlet() {
+    let (mut network, _) = head(&HEAD, [0, 1, 2], &[0, 1, 2, 3, 4, 5, 6, 7]);
+    for frame in [willis::internals::network::Frame::Unknown, willis::internals::network::Frame::Ras] {
+        network.frame = frame;
+        let alone = resolve(&network, &[]);
+        let mut with = network.clone();
+        for x in [1000.0, 1005.0] {
+            with.add_node(Node { position: Some([x * 1e-3, 0.0, -0.5]), ..Node::default() });
+        }
+        with.add_vessel([9, 10], tube(5.0, 5.0));
+        let both = resolve(&with, &[]);
+        assert_eq!(both.found_inlets, alone.found_inlets);
+        assert_eq!(both.roles[..9], alone.roles);
+        with.add_vessel([8, 9], Vessel { origin: Origin::Candidate, prior: 0.01, ..tube(5.0, 1.0) });
+        assert!(resolve(&with, &[]).found_inlets.contains(&10));
+    }
 }
 
 /// Known inlets come before all others, and no other is added.

@@ -407,13 +407,13 @@ fn outflow(graph: &Network, held: &Boundary) -> Vec<f64> {
 }
 
 /// In the topologies that a run leaves, of thirty broken phantoms: no condition that was found stands where two vessels meet; inlets are
-/// three at the most; blood comes in and leaves by nodes with a condition alone, as much of it as 700 mL/min of the terminals allow.
+/// four at the most; blood comes in and leaves by nodes with a condition alone, as much of it as 700 mL/min of the terminals allow.
 #[test]
 fn no_end_that_was_joined_keeps_a_condition() {
     let mut inflows = Vec::new();
     for seed in 0..30 {
         let run = repaired(seed);
-        assert!(run.boundary().found_inlets.len() <= 3);
+        assert!(run.boundary().found_inlets.len() <= 4);
         let median = run.decision().above_median.clone();
         for kept in [run.kept(), &median] {
             let held = run.boundary().held(run.graph(), |row| kept[row]);

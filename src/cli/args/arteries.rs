@@ -1,5 +1,6 @@
 //! `--landmarks` and `--labels`: where the arteries of a Circle of Willis are in an input.
 
+use crate::internals::network::quantity::Dimension;
 use crate::{ArterySource, LabelScheme, PhenotypeOptions};
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,15 @@ pub struct ArteryArgs {
     /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
     arteries: Option<PathBuf>,
+    /// The diameter below which a segment is hypoplastic [default: 1mm]
+    #[arg(long, value_name = "DIAMETER", value_parser = diameter, allow_negative_numbers = true, hide_short_help = true)]
+    hypoplastic: Option<f64>,
+}
+
+/// A diameter, m.
+fn diameter(text: &str) -> Result<f64, String> {
+    let diameter = Dimension::Length.parse(text)?;
+    if diameter > 0.0 { Ok(diameter) } else { Err("expected a positive diameter, such as 0.8mm".to_owned()) }
 }
 
 impl ArteryArgs {
@@ -42,7 +52,12 @@ impl ArteryArgs {
 
     /// What is known of people's circles before one is seen.
     pub fn phenotypes(&self) -> PhenotypeOptions {
-        PhenotypeOptions { frequencies: self.variant_prior.clone(), unseen: self.unseen, arteries: self.arteries.clone() }
+        PhenotypeOptions {
+            frequencies: self.variant_prior.clone(),
+            unseen: self.unseen,
+            arteries: self.arteries.clone(),
+            hypoplastic: self.hypoplastic,
+        }
     }
 }
 

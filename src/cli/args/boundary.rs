@@ -26,7 +26,7 @@ pub struct BoundaryArgs {
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     bc: Option<PathBuf>,
     /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
-    /// mL/min) or a total resistance [default: murray=700 for infer and candidates on centerlines, else ground]
+    /// mL/min) or a total resistance [default: murray=700 on centerlines and masks, ground on a ready graph]
     #[arg(long, value_name = "ground|murray[=FLOW|RESISTANCE]", hide_short_help = true)]
     outlets: Option<String>,
 }

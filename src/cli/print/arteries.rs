@@ -1,17 +1,21 @@
 //! Prints what `willis infer` and `willis classify` know of a Circle of Willis.
 
-use crate::internals::circle_of_willis::{Collateral, Posterior, RING, TERRITORIES, Variant};
+use crate::internals::circle_of_willis::{Artery, Collateral, Posterior, RING, TERRITORIES, Variant};
 
 use super::{Terminal, brief};
 
 /// Says what a Circle of Willis has, and how probable that is.
-pub fn say_variant(terminal: Terminal, variant: &Variant, posterior: Option<&Posterior>) {
+pub fn say_variant(terminal: Terminal, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) {
     let likely = posterior.map_or_else(String::new, |posterior| {
         let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
         format!(", probability {p}, {margin} before the next")
     });
     terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));
     terminal.say("anatomy", variant.words());
+    if !hypoplastic.is_empty() {
+        let names: Vec<String> = hypoplastic.iter().map(ToString::to_string).collect();
+        terminal.say("thin", format!("{} (hypoplastic)", names.join(", ")));
+    }
     if let Some(posterior) = posterior {
         let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
         let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();

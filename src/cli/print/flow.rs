@@ -157,7 +157,13 @@ fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> S
         Change::Occlusion => "occluded".to_owned(),
         Change::Tortuosity(factor) => format!("lengthened to {factor} times its length"),
         Change::Stenosis(Stenosis { open_diameter, stretch, .. }) => {
-            let over = stretch.map_or(String::new(), |length| format!(" over {} mm", brief(millimetres(length))));
+            let all = || {
+                format!(
+                    " over all of its {} mm (@mid:10mm narrows a stretch)",
+                    brief(millimetres(network.vessel(*vessel).length))
+                )
+            };
+            let over = stretch.map_or_else(all, |length| format!(" over {} mm", brief(millimetres(length))));
             format!("diameter narrowed by {} %{over}", brief(100.0 * (1.0 - open_diameter)))
         }
     };

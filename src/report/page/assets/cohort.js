@@ -14,16 +14,12 @@ const late = ["input", "error"];
 subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
 
-const value = (name, row) => { const column = subjects.find(name); return column ? column.at(row) : NaN; };
 
 // Why a subject needs a person; empty where it does not.
 function reasons(row) {
   if (bad(row)) return [`failed: ${subjects.find("error").at(row)}`];
-  const words = [], p = value("p_variant", row), undecided = value("undecided", row), wrong = value("expected_wrong", row), missed = value("expected_missed", row);
-  if (p < 0.8) words.push(`variant uncertain, P = ${shown(p, 2)}`);
-  if (undecided > 0) words.push(`${grouped(undecided)} undecided`);
-  if (wrong + missed >= 1) words.push(`about ${shown(wrong, 2)} wrong and ${shown(missed, 2)} missed expected`);
-  return words;
+  const why = subjects.find("needs_person")?.at(row);
+  return why ? why.split("; ") : [];
 }
 
 function showSummary() {
