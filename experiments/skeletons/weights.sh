@@ -29,7 +29,8 @@ levels() { # levels and subjects of scans that nothing was fitted to
     done
 }
 levels "good fair" BG0002,BG07,BH0002,BH0017,BH0029,Set9
-levels "fine near poor" BG0002,BG07,BH0017
+levels near BG0002,BG07
+levels poor BG0002
 [ -d unseen/manual ] || "$python" "$here/manual.py" "$bench" "$data" "$work/unseen/manual" 002
 [ -d calibration ] || "$python" "$here/own.py" "$bench" unseen calibration
 "$WILLIS" train calibration -o contacts.toml --model contacts --calibrate-onto contacts.toml --force
