@@ -1,4 +1,6 @@
-"""Scores answers to the manual masks of two people by skelbench, cut and not cut, with the expert's tubes as truth. manual.py SKELBENCH DATA WORK.
+"""Scores answers to the manual masks of two people by skelbench, cut and not cut, with the expert's tubes as truth. manual.py SKELBENCH DATA WORK [SUBJECT].
+
+With SUBJECT it only makes the case of that one, with its mask in the frame of the tubes, as weights.sh asks for it.
 
 DATA holds tubetk-masks. WILLIS names the program. The tubes lie in a frame with x and y the other way round, so that answers are turned into it.
 """
@@ -7,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import nibabel
 import numpy as np
 
 sys.path.insert(0, sys.argv[1])
@@ -31,14 +34,30 @@ def answer(mask, out, cut):
     return turned
 
 
-bench, data, work = (Path(word).resolve() for word in sys.argv[1:4])
-print("| mask | answer | " + " | ".join(FIGURES) + " |\n" + "|---" * (len(FIGURES) + 2) + "|")
-for subject in ("002", "003"):
-    mask, case = data / f"tubetk-masks/labels-{subject}.nii.gz", work / subject
+def made(bench, data, case):
+    """The case of a subject, with its mask turned into the frame of the tubes."""
     if not (case / "truth.json").exists():
-        flip = ",".join(map(str, FLIP))
-        run(sys.executable, bench / "make_cases.py", "real", mask, data / f"tubetk-masks/tubes-{subject}.vtp", case, "--tubes", f"--flip={flip}")
-    truth = score.Case(case)
-    for cut, name in (("never", "nothing cut"), ("auto", "cut (default)")):
-        found = score.score(truth, *score.read_answer(answer(mask, work / f"{subject}-{cut}", cut), truth))
-        print(f"| {subject} | {name} | " + " | ".join("%.4g" % found[key] for key in FIGURES) + " |", flush=True)
+        mask, tubes = (data / f"tubetk-masks/{name}-{case.name}{ending}" for name, ending in (("labels", ".nii.gz"), ("tubes", ".vtp")))
+        run(sys.executable, bench / "make_cases.py", "real", mask, tubes, case, "--tubes", f"--flip={','.join(map(str, FLIP))}")
+        image = nibabel.load(mask)
+        turned = (np.asarray(image.dataobj) > 0).astype(np.uint8)
+        nibabel.save(nibabel.Nifti1Image(turned, np.diag([*FLIP, 1.0]) @ image.affine), case / "mask.nii.gz")
+
+
+def main(bench, data, work):
+    print("| mask | answer | " + " | ".join(FIGURES) + " |\n" + "|---" * (len(FIGURES) + 2) + "|")
+    for subject in ("002", "003"):
+        made(bench, data, work / subject)
+        truth = score.Case(work / subject)
+        for cut, name in (("never", "nothing cut"), ("auto", "cut (default)")):
+            lines = answer(data / f"tubetk-masks/labels-{subject}.nii.gz", work / f"{subject}-{cut}", cut)
+            found = score.score(truth, *score.read_answer(lines, truth))
+            print(f"| {subject} | {name} | " + " | ".join("%.4g" % found[key] for key in FIGURES) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    bench, data, work = (Path(word).resolve() for word in sys.argv[1:4])
+    if len(sys.argv) > 4:
+        made(bench, data, work / sys.argv[4])
+    else:
+        main(bench, data, work)

@@ -6,7 +6,7 @@
 #   willis infer fragments.npz -o OUT --box BOX [--cut always | --uncertain all | --preset paper]
 #
 # beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py); what copies of shared runs could add (passes.py), what a
-# joint posterior would decide (joint.py), manual masks (manual.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
+# joint posterior would decide (joint.py), manual masks (manual.py), how far P of contacts can be believed (contacts.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
 #
 # Argument: a folder for cases and answers, which is kept and gone on from (about half an hour on two cores). LEVELS names other levels than "good
 # fair near fine poor"; good and fair are cropped too. ../skelbench.sh says what the environment names; WILLIS_GAPBENCH names the benchmark of tracings.
@@ -53,6 +53,7 @@ printed at_border "$work"
 printed passes "$bench" "$work"
 printed joint "$bench" "$work"
 printed manual "$bench" "$data" "$work/manual"
+printed contacts "$bench" "$work"
 printed rings "$gapbench" "$data"
 printed intact "$data"
 "$python" $here/scores.py "$bench" "$work"

@@ -8,6 +8,7 @@
 
 pub mod branches;
 pub mod courses;
+pub mod crowding;
 pub mod evidence;
 pub mod features;
 pub mod image;
@@ -24,11 +25,12 @@ use crate::network::Network;
 use crate::support::boosted_trees::stored;
 use branches::Branches;
 use courses::Courses;
+use crowding::Crowding;
 use evidence::{mask_feature_names, mask_features};
 use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
 use image::image_feature_names;
 use model::ContactModel;
-use partition::{Blocks, most_probable};
+use partition::{Blocks, PartitionWeights, most_probable};
 use split::{Opened, split};
 
 /// The contacts of a network.
@@ -112,13 +114,11 @@ impl ContactTable {
         out
     }
 
-    /// The most probable blocks of each cluster; the image is left out where the model does not know images.
-    pub fn blocks(&self, model: &ContactModel, mask: Option<&Field>, scene: Option<&Scene>) -> Vec<Blocks> {
-        let scene = scene.filter(|_| model.image.is_some());
-        let part = model.part(Basis::of(mask, scene));
-        let tables = self.by_cluster(&part.trees.scores(&self.features(mask, scene)));
+    /// The most probable blocks of each cluster, given the scores of all pairs.
+    pub fn blocks(&self, scores: &[f64], weights: &PartitionWeights) -> Vec<Blocks> {
+        let tables = self.by_cluster(scores);
         let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
-            Some(table) => most_probable(&table, cluster.ends.len(), &part.weights),
+            Some(table) => most_probable(&table, cluster.ends.len(), weights),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
         tables.into_iter().zip(&self.branches.clusters).map(of).collect()
@@ -126,9 +126,19 @@ impl ContactTable {
 }
 
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
-/// was one junction. The nodes of `network` keep their rows.
-pub fn with_contacts(network: &Network, mask: Option<&Field>, scene: Option<&Scene>, model: &ContactModel) -> Opened {
+/// was one junction. The nodes of `network` keep their rows. The image is left out where the model does not know images. Beside it, where
+/// the vessels are unlike those that the model was calibrated on, what to tell a person.
+pub fn with_contacts(
+    network: &Network,
+    mask: Option<&Field>,
+    scene: Option<&Scene>,
+    model: &ContactModel,
+) -> (Opened, Option<String>) {
     let table = ContactTable::new(network);
-    let blocks = table.blocks(model, mask, scene);
-    split(network, &table.branches, &blocks)
+    let scene = scene.filter(|_| model.image.is_some());
+    let part = model.part(Basis::of(mask, scene));
+    let blocks = table.blocks(&part.trees.scores(&table.features(mask, scene)), &part.weights);
+    let opened = split(network, &table.branches, &blocks, |joined| part.probability(joined));
+    let here = Crowding::new(network, &table.branches, opened.junctions.len());
+    (opened, part.crowding.and_then(|most| here.unlike(most)))
 }

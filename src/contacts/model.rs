@@ -6,9 +6,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Basis;
+use super::crowding::Crowding;
 use super::partition::PartitionWeights;
 use crate::error::Fault;
 use crate::support::boosted_trees::{Boosted, BoostedEntry};
+use crate::support::calibration::Calibration;
 use crate::support::toml_text::{list, parse, text};
 use crate::support::tree_provenance::TreeProvenance;
 
@@ -19,18 +21,35 @@ const HEADING: &str = "\
 # The model of contacts, fitted by `willis train --model contacts`; read by `willis infer --cut FILE`.
 # The score of a pair of branch ends is the sum of the trees, each read from left to right: `3<0.25 A B` is A where feature 3 (from 0)
 # is less than 0.25, else B. Features have no unit. The weights are those of partitions of two or three ends, of four, of more.
+# P of a contact is 1/(1 + exp(-(a + b l))), [a, b] the calibration and l the log-odds by the partitions. crowding: the most contacts and
+# handles per 1,000 radii of length in a case of the calibration.
 kind = \"contacts\"
 ";
 
 const FIGURES: &str = "# Cross-validated by subject, over pairs of branch ends at clusters of at most six ends.";
 
-/// Scores of pairs and weights of partitions.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// A calibration that changes nothing: that of a model which has none.
+pub const NOT_CALIBRATED: [f64; 2] = [0.0, 1.0];
+
+/// Scores of pairs, weights of partitions, and how often contacts that are found are one vessel.
+#[derive(Debug, Clone, PartialEq)]
 pub struct ContactPart {
     /// The score (log-odds) of a pair.
     pub trees: Boosted,
     /// The weights of the features of a partition.
     pub weights: PartitionWeights,
+    /// a and b: P of a contact is σ(a + b l), l the log-odds that its two blocks are joined by the partitions; b is at least 0.
+    pub calibration: [f64; 2],
+    /// The most crowded of the cases that it was calibrated on; `None` for a model that is not calibrated.
+    pub crowding: Option<Crowding>,
+}
+
+impl ContactPart {
+    /// The share of contacts that are one vessel, of those that the partitions join with this probability.
+    pub fn probability(&self, joined: f64) -> f64 {
+        let [a, b] = self.calibration;
+        Calibration([a, b, 0.0]).apply(joined)
+    }
 }
 
 /// The contact model.
@@ -89,7 +108,14 @@ struct File {
 struct PartEntry {
     features: Vec<String>,
     weights: PartitionWeights,
+    #[serde(default = "not_calibrated")]
+    calibration: [f64; 2],
+    crowding: Option<Crowding>,
     pairs: BoostedEntry,
+}
+
+fn not_calibrated() -> [f64; 2] {
+    NOT_CALIBRATED
 }
 
 impl ContactModel {
@@ -143,7 +169,10 @@ impl ContactModel {
             }
             let part = self.part(basis);
             writeln!(out, "\n[{name}]\nfeatures = {}", list(&basis.feature_names()))?;
-            writeln!(out, "weights = {:?}", part.weights)?;
+            writeln!(out, "weights = {:?}\ncalibration = {:?}", part.weights, part.calibration)?;
+            if let Some(Crowding { contacts, handles }) = part.crowding {
+                writeln!(out, "crowding = {{ contacts = {contacts:?}, handles = {handles:?} }}")?;
+            }
             writeln!(out, "\n[{name}.pairs]")?;
             part.trees.write(&mut out)?;
         }
@@ -171,5 +200,14 @@ fn part(place: &str, entry: &PartEntry, basis: Basis) -> Result<ContactPart, Fau
     if let Some(x) = entry.weights.iter().flatten().find(|x| !x.is_finite()) {
         return Err(Fault::item(format!("{place} weights"), x.to_string(), "expected finite numbers"));
     }
-    Ok(ContactPart { trees: Boosted::read(place, &entry.pairs, names.len())?, weights: entry.weights })
+    if entry.calibration.iter().any(|x| !x.is_finite()) || entry.calibration[1] < 0.0 {
+        let accepted = "expected [a, b], finite, with b of at least 0";
+        return Err(Fault::item(format!("{place} calibration"), format!("{:?}", entry.calibration), accepted));
+    }
+    if let Some(most) = entry.crowding.filter(|most| !(most.contacts >= 0.0 && most.handles >= 0.0)) {
+        let found = format!("{} and {}", most.contacts, most.handles);
+        return Err(Fault::item(format!("{place} crowding"), found, "expected numbers from 0 on"));
+    }
+    let trees = Boosted::read(place, &entry.pairs, names.len())?;
+    Ok(ContactPart { trees, weights: entry.weights, calibration: entry.calibration, crowding: entry.crowding })
 }

@@ -41,8 +41,9 @@ pub struct Opened {
 }
 
 /// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
-/// keep their rows, new ones follow; contacts are the last vessels.
-pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opened {
+/// keep their rows, new ones follow; contacts are the last vessels. `probability` is that of a contact whose blocks are joined so
+/// probably by the partitions; half of the latter is what either end has as `attached`.
+pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probability: impl Fn(f64) -> f64) -> Opened {
     let mut graph = Network::new();
     graph.frame = network.frame;
     for node in network.nodes() {
@@ -90,7 +91,9 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks]) -> Opene
     let pairings = pairings.collect();
     let mut junctions = Vec::with_capacity(plan.contacts.len());
     for (ends, contact, junction) in plan.contacts {
-        graph.add_vessel(ends, contact);
+        let (joined, p) = (contact.prior, probability(contact.prior));
+        let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(p) };
+        graph.add_vessel(ends, Vessel { prior: p, evidence: Some(evidence), ..contact });
         junctions.push(junction);
     }
     Opened { graph, junctions, pairings }
@@ -179,7 +182,7 @@ fn copied(node: &Node, block: usize, taken: &mut BTreeSet<String>) -> Node {
     Node { id, position: node.position, radius: node.radius, ..Node::default() }
 }
 
-/// The contact of two blocks: the way through the core from one hub to the other.
+/// The contact of two blocks, joined so probably: the way through the core from one hub to the other.
 fn contact(
     graph: &Network,
     branches: &Branches,
@@ -213,5 +216,5 @@ fn contact(
         point.position = point.position.map(as_stored);
     }
     let vessel = Vessel::new(length, as_stored(cluster.radius), Origin::Contact);
-    Vessel { prior: p, evidence: Some(Evidence::undirected(p)), path, ..vessel }
+    Vessel { prior: p, path, ..vessel }
 }

@@ -7,7 +7,7 @@ use crate::network::{Network, Origin, Vessel};
 /// The usual least probability.
 pub const BEST_FIRST: f64 = 0.4;
 
-/// The usual least probability of what joins two parts: four nats against it.
+/// The usual least probability by the partitions of a contact that joins two parts: four nats against it.
 pub const RECONNECT: f64 = 0.018;
 /// A candidate that was not probable enough by itself joins two parts from this probability on.
 pub const DOUBTFUL: f64 = 0.1;
@@ -51,6 +51,9 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
 /// Per vessel whether it is observed or certain, or kept by [`best_first`], or joins two parts of what is kept: contacts at least as
 /// probable as `least`, and candidates of [`DOUBTFUL`] probability, the most probable first (Kruskal's algorithm). Cuts at contacts stay
 /// where they set nothing apart, or where the connection is less probable.
+///
+/// A contact counts here by what the partitions say ([`Evidence::connection`](crate::network::Evidence::connection)), which is less than its
+/// probability: a contact that is kept by mistake makes two vessels one, and on a par with doubtful candidates fewer fusions were undone.
 pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
     let mut kept = best_first_of(network, BEST_FIRST);
     let mut parts = UnionFind::<usize>::new(network.node_count());
@@ -59,8 +62,11 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
         if kept[row] {
             parts.union(ends[0], ends[1]);
         } else if let Some(evidence) = vessel.evidence {
-            let least = if vessel.origin == Origin::Contact { least } else { least.max(DOUBTFUL) };
-            open.extend((evidence.probability >= least).then_some((evidence.probability, row, ends)));
+            let (score, least) = match vessel.origin {
+                Origin::Contact => (evidence.connection(), least),
+                _ => (evidence.probability, least.max(DOUBTFUL)),
+            };
+            open.extend((score >= least).then_some((score, row, ends)));
         }
     }
     open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -72,7 +78,25 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::best_first;
+    use super::{RECONNECT, best_first, reconnected};
+    use crate::network::{Evidence, Network, Node, Origin, Vessel};
+
+    #[test]
+    fn a_contact_is_reconnected_by_what_the_partitions_say_and_not_by_its_probability() {
+        let kept = |joined: f64| {
+            let mut network = Network::new();
+            (0..4).for_each(|row| {
+                network.add_node(Node { id: row.to_string(), ..Node::default() });
+            });
+            let vessel = |origin, evidence| Vessel { evidence, ..Vessel::new(0.01, 0.001, origin) };
+            network.add_vessel([0, 1], vessel(Origin::Observed, None));
+            network.add_vessel([2, 3], vessel(Origin::Observed, None));
+            let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(0.6) };
+            network.add_vessel([1, 2], vessel(Origin::Contact, Some(evidence)));
+            reconnected(&network, RECONNECT)[2]
+        };
+        assert_eq!([kept(0.017), kept(0.019)], [false, true]);
+    }
 
     #[test]
     fn a_free_end_is_used_once_and_a_branch_as_often_as_it_is_met() {

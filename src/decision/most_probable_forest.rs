@@ -112,13 +112,13 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
     let mut pairs: BTreeMap<[usize; 2], ([f64; 2], bool)> = BTreeMap::new();
     for ((ends, v), kept) in network.vessels().zip(kept) {
         let Some(evidence) = v.evidence else { continue };
-        wrong += if *kept { 1.0 - evidence.connection().max(evidence.probability) } else { 0.0 };
+        let [x, y] = v.shares();
+        wrong += if *kept { 1.0 - f64::min(x + y, 1.0).max(evidence.probability) } else { 0.0 };
         let [a, b] = ends.map(|end| parts.of_node[end]);
         if a == b {
             missed += if *kept { 0.0 } else { evidence.probability };
             continue;
         }
-        let [x, y] = evidence.attached;
         let (pair, scores) = if a < b { ([a, b], [x, y]) } else { ([b, a], [y, x]) };
         let (most, joined) = pairs.entry(pair).or_default();
         *most = [most[0].max(scores[0]), most[1].max(scores[1])];

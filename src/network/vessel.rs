@@ -16,7 +16,8 @@ pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,
     /// Per end, the posterior probability that the fragment at that end is attached to the fragment at the other end by this candidate,
-    /// or by one nearly at the same place, in [0, 1]; zero for both where it closes a loop within one fragment. `hangs` in files.
+    /// or by one nearly at the same place, in [0, 1]; zero for both where it closes a loop within one fragment. Of a contact
+    /// half of the probability that the partitions join it, which is not calibrated. `hangs` in files.
     #[serde(rename = "hangs")]
     pub attached: [f64; 2],
     /// Per end, the odds w/e⁻² that a vessel which breaks off there continues along this candidate instead of ending; zero where there
@@ -132,6 +133,13 @@ pub struct Vessel {
 const END_POINTS: usize = 10;
 
 impl Vessel {
+    /// What either direction adds to the probability that the vessel connects its ends: `attached`, and half of the probability of a contact,
+    /// which has no direction; zero without evidence.
+    pub fn shares(&self) -> [f64; 2] {
+        let Some(evidence) = self.evidence else { return [0.0; 2] };
+        if self.origin == Origin::Contact { [0.5 * evidence.probability; 2] } else { evidence.attached }
+    }
+
     /// A vessel with a length and radius (m), and nothing else.
     pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
         Self {

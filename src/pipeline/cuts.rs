@@ -128,14 +128,15 @@ impl Cuts {
         Ok(Some(Self { model, source, field, only_suggests }))
     }
 
-    /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested.
-    pub(crate) fn open(&self, graph: Network, scene: Option<&Scene>) -> (Network, Contacts) {
-        let opened = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
+    /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
+    /// them what to tell a person where P of contacts may be off.
+    pub(crate) fn open(&self, graph: Network, scene: Option<&Scene>) -> (Network, Contacts, Option<String>) {
+        let (opened, note) = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
         if !self.only_suggests {
-            return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() });
+            return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() }, note);
         }
         let suggested = suggested_cuts(&graph, &opened);
-        (graph, Contacts { pairings: Vec::new(), suggested })
+        (graph, Contacts { pairings: Vec::new(), suggested }, note)
     }
 
     /// Whether cuts are suggested and not made.

@@ -198,7 +198,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
     }
-    let (mut graph, contacts) = opened(cuts.as_ref(), graph, scene, progress);
+    let (mut graph, contacts, crowded) = opened(cuts.as_ref(), graph, scene, progress);
     let uniform_prior = matches!(prior, prior::LoadedPrior::Uniform);
     let (uniform_prior, decided) = decided(&mut graph, options.decisions.as_deref(), &provenance.sha256, uniform_prior)?;
     arteries = match (by_labels, &names) {
@@ -216,7 +216,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
-    let said = arteries.iter().flat_map(|found| found.notes.clone());
+    let said = crowded.into_iter().chain(arteries.iter().flat_map(|found| found.notes.clone()));
     for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &given)) {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);
@@ -242,16 +242,21 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     }))
 }
 
-/// The graph with its contacts cut apart, where they are.
-fn opened(cuts: Option<&Cuts>, graph: Network, scene: Option<&Scene>, progress: &mut dyn Progress) -> (Network, Contacts) {
-    let Some(cuts) = cuts else { return (graph, Contacts::default()) };
-    let (graph, contacts) = cuts.open(graph, scene);
+/// The graph with its contacts cut apart, where they are, and what to tell a person of them.
+fn opened(
+    cuts: Option<&Cuts>,
+    graph: Network,
+    scene: Option<&Scene>,
+    progress: &mut dyn Progress,
+) -> (Network, Contacts, Option<String>) {
+    let Some(cuts) = cuts else { return (graph, Contacts::default(), None) };
+    let (graph, contacts, note) = cuts.open(graph, scene);
     progress.step(if cuts.only_suggests() {
         Step::CutsSuggested { suggested: contacts.suggested.len() }
     } else {
         Step::Cut { graph: &graph, with_mask: cuts.has_mask(), with_image: cuts.looks_at(scene) }
     });
-    (graph, contacts)
+    (graph, contacts, note)
 }
 
 /// The arteries of a network by their geometry.

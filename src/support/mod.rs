@@ -2,6 +2,7 @@
 //! text that may be shown, endings of names, limits of the system.
 
 pub mod boosted_trees;
+pub mod calibration;
 pub mod elimination;
 pub mod endings;
 pub mod gamma;

@@ -7,8 +7,8 @@ use serde::Deserialize;
 use crate::candidates::search::point_index::PointIndex;
 use crate::contacts::branches::{BranchEnd, Branches};
 use crate::error::Fault;
-use crate::network::PathPoint;
 use crate::network::units::metres;
+use crate::network::{Network, Origin, PathPoint};
 use crate::support::geometry::{Point, distance, dot, sub, unit};
 
 /// Neighbours on a skeleton that are further apart along the true vessels than so many radii of both and voxels are fused.
@@ -19,6 +19,11 @@ const WAY: f64 = 1.2;
 const SLACK: f64 = 0.7;
 /// A point of a skeleton shows the nearest node of the case's own within so many voxels.
 const REACH: f64 = 2.0;
+/// What the sides of a contact show is looked for between these distances from it, and they are one vessel if no more than this is
+/// missing on the way, m.
+const NEAR: f64 = 1e-3;
+const FAR: f64 = 5e-3;
+const TOLERANCE: f64 = 1.5e-3;
 
 #[derive(Deserialize)]
 struct File {
@@ -160,6 +165,41 @@ impl ContactTruth {
             found.map(|(class, end)| (known(end).0.is_some() || nobody(end)).then_some(class)).collect()
         };
         branches.clusters.iter().enumerate().map(of_cluster).collect()
+    }
+
+    /// Per contact of an opened network, in their order, whether its two sides are one vessel: the way along the true vessels from a place
+    /// of one side to a place of the other is no longer than the way through the contact, up to 1.5 mm. `None` where a side shows no place.
+    pub fn contacts(&self, graph: &Network) -> Vec<Option<bool>> {
+        let index = PointIndex::new(self.nodes.clone());
+        let mut at: BTreeMap<usize, Vec<Vec<PathPoint>>> = BTreeMap::new();
+        for (ends, vessel) in graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed && vessel.path.len() > 1) {
+            at.entry(ends[0]).or_default().push(vessel.path.clone());
+            at.entry(ends[1]).or_default().push(vessel.path.iter().rev().copied().collect());
+        }
+        // Per station that the vessels at a node show, how far from it (m).
+        let places = |node: usize| {
+            let mut seen = BTreeMap::new();
+            for path in at.get(&node).into_iter().flatten() {
+                for (arc, place) in along(path, 0.5 * self.voxel) {
+                    let nearest = index.nearest(place, REACH * self.voxel).points.first().copied();
+                    if let Some(shown) = nearest.and_then(|node| self.shown[node]).filter(|_| (NEAR..=FAR).contains(&arc)) {
+                        seen.entry(shown.station).or_insert(arc);
+                    }
+                }
+            }
+            seen
+        };
+        let is_one = |[a, b]: [usize; 2]| {
+            let [a, b] = [a, b].map(places);
+            let furthest = b.values().copied().reduce(f64::max)?;
+            let meets = |(station, off): (&usize, &f64)| {
+                let from = Shown { station: *station, off: 0.0, towards: None };
+                let found = self.within(from, off + furthest + TOLERANCE);
+                b.iter().any(|(other, beyond)| found.get(other).is_some_and(|d| *d <= off + beyond + TOLERANCE))
+            };
+            (!a.is_empty()).then(|| a.iter().any(meets))
+        };
+        graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).map(|(ends, _)| is_one(ends)).collect()
     }
 
     fn same(&self, branches: &Branches, cluster: usize, (p, a): (Option<Shown>, f64), (q, b): (Option<Shown>, f64)) -> bool {

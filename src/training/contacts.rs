@@ -9,17 +9,21 @@ use ndarray::Array2;
 use super::boosting::boost;
 use super::cross_validation::fold_of;
 use super::example::{Case, image_name, shown};
+use super::logistic::calibrate_in_order;
 use super::minimise::minimise;
 use crate::candidates::kind::Kind;
 use crate::candidates::resample::Resampled;
-use crate::contacts::model::{ContactModel, ContactPart, ContactScores};
+use crate::contacts::crowding::Crowding;
+use crate::contacts::model::{ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
 use crate::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
 };
+use crate::contacts::split::split;
 use crate::contacts::{Basis, ContactTable};
 use crate::error::{Error, Result};
 use crate::io::{ReadOptions, read_mask};
 use crate::masks::{Field, Foreground};
+use crate::network::Origin;
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
 use crate::support::tree_provenance::TreeProvenance;
@@ -100,6 +104,18 @@ impl<'a> ContactExample<'a> {
         in_order(cases, |_, case| Self::new(case)).into_iter().collect()
     }
 
+    /// The contacts that are found by some scores of pairs: how probably the partitions join each, and whether it is one vessel, as far as
+    /// that is known; and how crowded they make the vessels.
+    fn found(&self, scores: &[f64], weights: &PartitionWeights) -> (Vec<(f64, bool)>, Crowding) {
+        let (network, branches) = (&self.case.network, &self.table.branches);
+        let opened = split(network, branches, &self.table.blocks(scores, weights), |joined| joined);
+        let crowding = Crowding::new(network, branches, opened.junctions.len());
+        let known = self.case.contacts.as_ref().map(|truth| truth.contacts(&opened.graph)).unwrap_or_default();
+        let contacts = opened.graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
+        let judged = contacts.zip(known).filter_map(|((_, vessel), known)| Some((vessel.prior, known?)));
+        (judged.collect(), crowding)
+    }
+
     fn ends(&self, pair: usize) -> usize {
         self.table.branches.clusters[self.table.pairs[pair].cluster].ends.len()
     }
@@ -176,15 +192,46 @@ fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
     let order: Vec<&str> = subjects.iter().copied().collect();
     let fold = |view: &View| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
     let trees = fit_trees(&views.iter().collect::<Vec<_>>(), basis)?;
-    let mut designs = Vec::new();
+    let (mut designs, mut unseen) = (Vec::new(), Vec::new());
     for held in 0..INNER {
         let inner: Vec<&View> = views.iter().filter(|view| fold(view) != held).collect();
         let trees = fit_trees(&inner, basis)?;
         for view in views.iter().filter(|view| fold(view) == held) {
-            designs.extend(view.e.designs(&trees.scores(view.features)));
+            let scores = trees.scores(view.features);
+            designs.extend(view.e.designs(&scores));
+            unseen.push((view, scores));
         }
     }
-    Ok(ContactPart { trees, weights: fit_weights(&designs) })
+    let mut part = ContactPart { trees, weights: fit_weights(&designs), calibration: NOT_CALIBRATED, crowding: None };
+    calibrate_part(&mut part, &unseen);
+    Ok(part)
+}
+
+/// Calibrates a part on the contacts that it finds by scores of trees that never saw the subject; nothing changes without one.
+fn calibrate_part(part: &mut ContactPart, unseen: &[(&View, Vec<f64>)]) {
+    let found = in_order(unseen, |_, (view, scores)| view.e.found(scores, &part.weights));
+    let pairs: Vec<(f64, bool)> = found.iter().flat_map(|(pairs, _)| pairs.iter().copied()).collect();
+    if let Some(calibration) = calibrate_in_order(&pairs) {
+        part.calibration = calibration;
+        part.crowding = found.into_iter().map(|(_, crowding)| crowding).reduce(Crowding::most);
+    }
+}
+
+/// Calibrates a model on cases of its subjects or others that it was not fitted to, and changes nothing else in it.
+pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample]) {
+    for basis in Basis::ALL {
+        let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+        let part = match basis {
+            Basis::Skeleton => &mut model.skeleton,
+            Basis::Mask => &mut model.mask,
+            Basis::Image => match &mut model.image {
+                Some(part) => part,
+                None => continue,
+            },
+        };
+        let unseen: Vec<(&View, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
+        calibrate_part(part, &unseen);
+    }
 }
 
 /// Boosted trees over the pairs whose answer is known.

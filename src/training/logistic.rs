@@ -1,7 +1,7 @@
 //! Logistic regression with a penalty of large slopes.
 
 use super::minimise::minimise;
-use crate::candidates::model::posterior::Calibration;
+use crate::support::calibration::Calibration;
 use crate::support::statistics::sigmoid;
 
 const ITERATIONS: usize = 300;
@@ -40,9 +40,42 @@ pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
 
 const L2: f64 = 1e-5;
 
+/// a and b of P = σ(a + b l) of probabilities with whether they were right, l their log-odds; b is at least 0, so that the order stays.
+/// `None` without a pair.
+pub fn calibrate_in_order(pairs: &[(f64, bool)]) -> Option<[f64; 2]> {
+    let rows = |columns: usize| -> Vec<Row> {
+        pairs.iter().map(|(p, right)| (Calibration::design(*p)[..columns].to_vec(), *right, 1.0)).collect()
+    };
+    match logistic(&rows(2), L2)[..] {
+        [a, b] if b >= 0.0 => Some([a, b]),
+        [..] => logistic(&rows(1), L2).first().map(|a| [*a, 0.0]),
+    }
+}
+
 /// The calibration of pairs of points with their probability by the model, whether they are right, and how much each counts.
 pub fn calibrate(pairs: &[(f64, bool, f64)]) -> Calibration {
     let rows: Vec<Row> = pairs.iter().map(|(p, right, weight)| (Calibration::design(*p).to_vec(), *right, *weight)).collect();
     let found = logistic(&rows, L2);
     Calibration([0, 1, 2].map(|k| found.get(k).copied().unwrap_or(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many pairs of this probability, of which so many are right.
+    fn of(p: f64, count: usize, right: usize) -> impl Iterator<Item = (f64, bool)> {
+        (0..count).map(move |n| (p, n < right))
+    }
+
+    #[test]
+    fn a_calibration_gives_the_shares_that_were_found_and_keeps_the_order() {
+        // Odds 1/4 are found to be 1, odds 1 to be 4: a = ln 4, b = 1.
+        let found = calibrate_in_order(&of(0.2, 100, 50).chain(of(0.5, 100, 80)).collect::<Vec<_>>()).expect("two shares");
+        assert!((found[0] - 4.0_f64.ln()).abs() < 1e-3 && (found[1] - 1.0).abs() < 1e-3, "{found:?}");
+        // What would turn the order round says nothing: all have the share of all.
+        let turned = calibrate_in_order(&of(0.2, 100, 80).chain(of(0.5, 100, 40)).collect::<Vec<_>>()).expect("two shares");
+        assert!((turned[0] - 1.5_f64.ln()).abs() < 1e-3 && turned[1].abs() < 1e-12, "{turned:?}");
+        assert_eq!(calibrate_in_order(&[]), None);
+    }
 }

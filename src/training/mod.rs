@@ -18,7 +18,7 @@ mod truth_file;
 
 pub use crate::contacts::model::{ContactModel, ContactScores};
 pub use cases::{Cases, Model, read_cases};
-pub use contacts::{ContactExample, cross_validate_contacts, fit_contacts};
+pub use contacts::{ContactExample, calibrate_contacts, cross_validate_contacts, fit_contacts};
 pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
 pub use example::{Case, Example};
 pub use fit::{Step, TrainParams, fit, goes_without_inlets};

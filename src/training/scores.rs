@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::example::Example;
 use super::fit::LEAST_LISTED;
 use super::known_connections::Match;
-use crate::candidates::model::posterior::{Calibration, last_pass};
+use crate::candidates::model::posterior::last_pass;
 use crate::candidates::model::weights::{HeldOutScores, Weights};
 use crate::error::Result;
 use crate::forest_posterior::log_likelihood;
+use crate::support::calibration::Calibration;
 
 /// Probabilities that leave doubt.
 const DOUBT: [f64; 2] = [0.05, 0.95];

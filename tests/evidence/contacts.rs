@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::contacts::branches::Branches;
+use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
+use willis::internals::contacts::model::{ContactModel, NOT_CALIBRATED};
 use willis::internals::contacts::pairings::Pairings;
 use willis::internals::contacts::partition::Blocks;
 use willis::internals::contacts::sections::section;
@@ -90,7 +92,9 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     let of_end: Vec<usize> =
         ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
     let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
-    let graph = split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)], ways: Vec::new() }]).graph;
+    let graph =
+        split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)], ways: Vec::new() }], |p| 2.0 * p)
+            .graph;
     let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
     let through = |a: usize, b: usize| {
         let vessel = |at: Point| {
@@ -103,7 +107,9 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     assert!(through(2, 4) && through(3, 5) && !through(2, 3) && !through(2, 5));
     let contacts: Vec<&Vessel> = graph.vessels().map(|(_, v)| v).filter(|v| v.origin == Origin::Contact).collect();
     assert_eq!(contacts.len(), 1);
-    assert_eq!((contacts[0].prior, contacts[0].evidence.map(|e| e.probability)), (0.25, Some(0.25)));
+    // P is what the calibration makes of the partitions; a decision goes by these.
+    let stated = contacts[0].evidence.map(|e| (e.probability, e.connection()));
+    assert_eq!((contacts[0].prior, stated, contacts[0].shares()), (0.5, Some((0.5, 0.25)), [0.25; 2]));
     assert!(contacts[0].length > 0.0);
     // Each vessel has the shared stretch, and the contact joins them again: nothing is lost.
     let length = |n: &Network| n.vessels().filter(|(_, v)| v.origin == Origin::Observed).map(|(_, v)| v.length).sum::<f64>();
@@ -275,6 +281,65 @@ fn without_a_mask_cuts_are_suggested_that_always_would_make() {
     let mut expected: Vec<f64> = cut.map(|row| row["probability"].parse().expect("a probability")).collect();
     expected.sort_by(f64::total_cmp);
     assert_eq!(listed, expected);
+}
+
+/// The model that ships as TOML, without the lines that begin so.
+fn shipped_without(starts: &[&str]) -> String {
+    let mut text = Vec::new();
+    ContactModel::shipped().expect("a model").write(&mut text).expect("TOML");
+    let text = String::from_utf8(text).expect("UTF-8");
+    let lines = text.lines().filter(|line| !starts.iter().any(|start| line.starts_with(start)));
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn a_calibration_keeps_the_order_of_contacts_and_a_model_without_one_states_its_partitions() {
+    let shipped = ContactModel::shipped().expect("a model");
+    assert_eq!(ContactModel::read(&shipped_without(&[])).expect("the same"), *shipped);
+    for part in [&shipped.skeleton, &shipped.mask] {
+        let p: Vec<f64> = (0..=1000).map(|n| part.probability(f64::from(n) / 1000.0)).collect();
+        assert!(p.is_sorted() && p.iter().all(|p| (0.0..=1.0).contains(p)) && part.crowding.is_some());
+        // By hand: odds of one are the odds e^a.
+        let odds = part.calibration[0].exp();
+        assert!((part.probability(0.5) - odds / (1.0 + odds)).abs() < 1e-12);
+    }
+    let bare = ContactModel::read(&shipped_without(&["calibration = ", "crowding = "])).expect("a model of before");
+    assert_eq!((bare.mask.calibration, bare.mask.crowding), (NOT_CALIBRATED, None));
+    assert!((bare.mask.probability(0.3) - 0.3).abs() < 1e-12);
+    let turned = format!("calibration = [0.0, -1.0]\nweights = {:?}", shipped.mask.weights);
+    let turned = shipped_without(&["calibration = "]).replace(&format!("weights = {:?}", shipped.mask.weights), &turned);
+    let fault = ContactModel::read(&turned).expect_err("the order would turn round").in_file("own.toml".as_ref()).to_string();
+    assert!(fault.contains("mask calibration") && fault.contains("b of at least 0"), "{fault}");
+}
+
+#[test]
+fn handles_and_contacts_are_counted_per_length_in_radii() {
+    // A ring of 80 mm with a twig of 20 mm, radii of 1 mm: one handle in 100 radii.
+    let nodes = [[0.0; 3], [20.0, 0.0, 0.0], [20.0, 20.0, 0.0], [0.0, 20.0, 0.0], [-20.0, 0.0, 0.0]];
+    let ring = network(&nodes, &[[0, 1], [1, 2], [2, 3], [3, 0], [0, 4]]);
+    let found = Crowding::new(&ring, &Branches::new(&ring), 3);
+    assert!((found.handles - 10.0).abs() < 1e-9 && (found.contacts - 30.0).abs() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn a_mask_more_crowded_than_those_of_the_calibration_is_told_so_by_its_figure() {
+    let at = folder();
+    let few = shipped_without(&[]).lines().fold(String::new(), |text, line| {
+        let line = if line.starts_with("crowding = ") { "crowding = { contacts = 0.001, handles = 1000.0 }" } else { line };
+        text + line + "\n"
+    });
+    std::fs::write(at.path().join("few.toml"), few).expect("a file");
+    let notes = |cut: &str| {
+        let ran = willis(
+            at.path(),
+            &["infer", &data("scan.nii.gz"), "-o", "out", "--cut", cut, "-n", "1", "--dpi", "36", "--json", "--quiet", "--force"],
+        );
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        serde_json::from_slice::<serde_json::Value>(&ran.stdout).expect("JSON")["notes"].to_string()
+    };
+    let told = notes("few.toml");
+    assert!(told.contains("contacts (at most 0.0) per 1,000 radii") && !told.contains("handles ("), "{told}");
+    assert!(!notes("auto").contains("per 1,000 radii"));
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub mod posterior;
 pub mod weights;
 pub(crate) mod weights_file;
 
+pub use crate::support::calibration::Calibration;
 pub use loop_closures::CLOSURE_FEATURES;
-pub use posterior::{Calibration, posterior};
+pub use posterior::posterior;
 pub use weights::{Fold, HeldOutScores, Pass, Provenance, Weights};

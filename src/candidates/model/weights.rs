@@ -39,7 +39,7 @@ impl Pass {
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
     pub passes: Vec<Pass>,
-    /// [`Calibration`](super::posterior::Calibration) of the last pass.
+    /// [`Calibration`](crate::support::calibration::Calibration) of the last pass.
     pub calibration: [f64; 3],
     /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case had any.
     pub closure: Vec<f64>,

@@ -55,6 +55,9 @@ pub struct TrainArgs {
     /// Add the pass over images to MODEL.toml, a model of skeletons, and change nothing else in it
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath)]
     images_onto: Option<PathBuf>,
+    /// Calibrate MODEL.toml, a model of contacts, on cases that it was not fitted to, and change nothing else in it
+    #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, conflicts_with_all = ["images_onto", "save_folds"])]
+    calibrate_onto: Option<PathBuf>,
     /// Penalty of large weights
     #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,
@@ -81,6 +84,12 @@ impl TrainArgs {
         let output = Output { paths: self.outputs()?, force };
         output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
         let kind = if self.labels { Kind::Labels } else { self.model };
+        if let Some(path) = &self.calibrate_onto {
+            if !matches!(kind, Kind::Contacts) {
+                return Err(Error::parameter("calibrate_onto", path.display(), "goes with --model contacts"));
+            }
+            return trees::calibrate(path, &self, &output, terminal);
+        }
         match kind {
             Kind::Tracing => self.fit_tracings(&params, &output, terminal),
             Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),

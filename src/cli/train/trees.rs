@@ -9,8 +9,8 @@ use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
 use crate::internals::io::bytes_of;
 use crate::internals::support::tree_provenance::TreeProvenance;
 use crate::internals::training::{
-    Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, check_folds, cross_validate_contacts,
-    cross_validate_joins, fit_contacts, fit_joins, read_cases,
+    Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, calibrate_contacts, check_folds,
+    cross_validate_contacts, cross_validate_joins, fit_contacts, fit_joins, read_cases,
 };
 use serde::Serialize;
 use serde_json::json;
@@ -55,7 +55,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     let read = read_cases(&args.cases, M::MODEL)?;
     say_notes(terminal, &read.notes, "case");
     let all: Vec<&Case> = read.cases.iter().collect();
-    let onto = args.images_onto.as_ref().map(|path| read_model::<M>(path, &all)).transpose()?;
+    let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &all)).transpose()?;
     if args.folds > 0 {
         check_folds(&all, args.folds)?;
     }
@@ -92,6 +92,24 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
         summary(&read.cases, &names, &json!(figures))?;
     }
     Ok(())
+}
+
+/// Calibrates the model of contacts in a file, and writes it.
+pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+    let mut model = read_model::<ContactModel>(path)?;
+    let read = read_cases(&args.cases, Model::Contacts)?;
+    say_notes(terminal, &read.notes, "case");
+    let examples = ContactExample::measure(&read.cases.iter().collect::<Vec<_>>())?;
+    calibrate_contacts(&mut model, &examples);
+    for (name, part) in [("without", &model.skeleton), ("with mask", &model.mask)] {
+        let [a, b] = part.calibration;
+        terminal.say("calibrated", format!("{name}: log-odds {a:.3} + {b:.3} times those of the partitions"));
+    }
+    let made_by = &mut model.provenance.made_by;
+    *made_by = format!("{made_by}; calibration: willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    let names = save(output, std::iter::once(model), |model, out| model.write(out))?;
+    terminal.say("written", names.join(", "));
+    if args.json { summary(&read.cases, &names, &json!([])) } else { Ok(()) }
 }
 
 impl TreeModel for JoinModel {
@@ -163,11 +181,16 @@ impl TreeModel for JoinModel {
 }
 
 /// The model that gets the part for images, for cases that have some.
-fn read_model<M: TreeModel>(path: &Path, cases: &[&Case]) -> Result<M> {
+fn model_for_images<M: TreeModel>(path: &Path, cases: &[&Case]) -> Result<M> {
     if cases.iter().all(|case| case.images.is_empty()) {
         let accepted = "needs cases with images: image.nii.gz beside the truth";
         return Err(Error::parameter("images_onto", path.display(), accepted));
     }
+    read_model(path)
+}
+
+/// The model in a file.
+fn read_model<M: TreeModel>(path: &Path) -> Result<M> {
     let bytes = bytes_of(path)?;
     let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train` writes it");
     std::str::from_utf8(&bytes).map_err(not_utf8).and_then(M::read).map_err(|fault| fault.in_file(path))

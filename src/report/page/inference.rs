@@ -37,7 +37,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     let left_open: HashSet<usize> = outcome.answer.left_open.iter().copied().collect();
     columns.push(Column::whole(LEFT_OPEN, (0..outcome.network.vessel_count()).map(|row| usize::from(left_open.contains(&row)))));
     if has_evidence(outcome.network) {
-        let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |e| e.attached[end]));
+        let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |_| v.shares()[end]));
         columns.extend(["attached_a", "attached_b"].into_iter().zip([0, 1]).map(|(name, end)| Column::real(name, attached(end))));
     }
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
