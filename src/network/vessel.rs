@@ -15,8 +15,8 @@ pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,
-    /// Per end, the posterior probability that the fragment at that end is attached to the fragment at the other end by this candidate,
-    /// or by one nearly at the same place, in [0, 1]; zero for both where it closes a loop within one fragment. `hangs` in files.
+    /// Per end, the probability that it is true and that the fragment at that end is the one that hangs on the other; the two add up to
+    /// `probability`. Zero for both where it closes a loop within one fragment. `hangs` in files.
     #[serde(rename = "hangs")]
     pub attached: [f64; 2],
     /// Per end, the odds w/e⁻² that a vessel which breaks off there continues along this candidate instead of ending; zero where there
@@ -31,11 +31,11 @@ impl Evidence {
         Self { probability, attached: [0.5 * probability; 2], continuation_odds: [Self::odds(probability); 2] }
     }
 
-    /// The probability that the candidate, or one nearly at the same place, connects what it lies between: the sum of both ends' of
-    /// `attached`, at most 1; where a loop closes, its own.
-    pub fn connection(self) -> f64 {
-        let [a, b] = self.attached;
-        if a + b > 0.0 { f64::min(a + b, 1.0) } else { self.probability }
+    /// The same evidence with its probability divided between the ends as these figures are; none of them negative.
+    pub fn divided(self, between: [f64; 2]) -> Self {
+        let whole = between[0] + between[1];
+        let attached = if whole > 0.0 { between.map(|part| self.probability * (part / whole)) } else { [0.0; 2] };
+        Self { attached, ..self }
     }
 
     /// The odds of continuing by a candidate of weight w.
