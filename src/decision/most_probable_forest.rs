@@ -8,7 +8,7 @@ use crate::forest_posterior::{Edge, Forests, arborescence};
 use crate::network::{Network, Origin, Vessel, fragments};
 
 /// The usual price of a false connection.
-pub const PRICE: f64 = 1.25;
+pub const PRICE: f64 = 1.5;
 
 /// Whether the network knows how probably its fragments are roots, as one built by evidence does.
 pub fn knows_fragments(network: &Network) -> bool {
