@@ -1,6 +1,6 @@
 """How many connections each rule of `--keep` makes, and how many of them are right: keep.py [--seed N] [--work FOLDER].
 
-Brains and circles of a draw of the damage, and the brains undamaged, by the weights that ship, which were fitted to other draws of the same subjects. Needs what run.sh needs;
+Brains and circles of a draw of the damage, and the brains undamaged, each by the weights of the fold that held its subject out, fitted to other draws. Needs what run.sh needs;
 WILLIS names another willis to try, such as an earlier version."""
 import argparse
 import csv
@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent)]
 import bench
+import command
 import common
 import numpy as np
 
@@ -19,7 +20,7 @@ sys.path.append(str(bench.GAPBENCH))
 import score
 
 README = Path(__file__).resolve().parent / "README.md"
-RULES = ("probable", "probable=0.3", "probable=0.1")
+RULES = ("probable=3", "probable", "probable=0.6", "probable=0.3")
 FIGURES = ("precision", "recall", "f1", "path_after", "fed_spurious", "phenotype_exact", "absent_kept_absent")
 
 
@@ -38,14 +39,16 @@ def kept(job):
 
 
 def damaged(work, seed):
+    folds, held_out = command.by_fold(work), command.held_out(work)
     cases = [case for case in bench.make(work, seed) if case.data in ("brains", "circles")]
     lines = []
     for data in ("brains", "circles"):
         for level in bench.LEVELS:
             own = [case for case in cases if (case.data, case.level) == (data, level)]
             for rule in RULES:
+                prior = lambda case: ["--prior", folds[held_out[case.subject]]]
                 loops = lambda case: ["--loops", case.folder / "loops.csv"] if (case.folder / "loops.csv").exists() else []
-                jobs = [(case.folder / "fragments.swc", rule, case.within(work / "keep" / rule), ["--bc", case.folder / "conditions.csv", *loops(case)]) for case in own]
+                jobs = [(case.folder / "fragments.swc", rule, case.within(work / "keep" / rule), ["--bc", case.folder / "conditions.csv", *prior(case), *loops(case)]) for case in own]
                 answers = [rows for rows, _ in common.everywhere(kept, jobs)]
                 found = [score.score(json.loads((case.folder / "truth.json").read_text()), rows) for case, rows in zip(own, answers)]
                 count = np.mean([sum(row["origin"] == "candidate" and row["kept"] == "1" for row in rows) for rows in answers])
@@ -55,10 +58,11 @@ def damaged(work, seed):
 
 
 def undamaged(work):
+    folds, held_out = command.by_fold(work), command.held_out(work)
     files = sorted((bench.SHARED / "brava" / "vtp").glob("*.vtp"))
     lines = []
     for rule in RULES:
-        runs = [run for _, run in common.everywhere(kept, [(file, rule, work / "undamaged" / rule / file.stem, []) for file in files])]
+        runs = [run for _, run in common.everywhere(kept, [(file, rule, work / "undamaged" / rule / file.stem, ["--prior", folds[held_out[file.stem]]]) for file in files])]
         lines.append([f"`{rule}`", len(files), sum(run["counts"]["topology"]["kept_candidates"] for run in runs), f"{sum(run['expected_errors']['wrong'] for run in runs):.1f}", sum(run["convergence"]["undecided"] for run in runs)])
     return common.table(["`--keep`", "undamaged brains", "bridges kept", "of these expected to be wrong", "undecided"], lines)
 

@@ -35,7 +35,7 @@ def candidates(file, folder):
         if values["origin"] == "observed":
             part[fragment(a)] = fragment(b)
     found = [
-        (fragment(a), fragment(b), *(float(values.get(name, 0)) for name in ("probability", "hangs_a", "hangs_b")))
+        (fragment(a), fragment(b), float(values.get("probability", 0)))
         for a, b, values in vessels
         if values["origin"] == "candidate" and fragment(a) != fragment(b)
     ]
@@ -44,23 +44,18 @@ def candidates(file, folder):
 
 def main():
     name, *files = sys.argv[1:]
-    of_p, of_connection, of_fragment, above, above_largest = [], [], [], 0, 0
+    of_p, above, above_largest = [], 0, 0
     with tempfile.TemporaryDirectory() as folder:
         for file in files:
             fragments, found = candidates(file, folder)
-            p, connection, hangs = defaultdict(list), defaultdict(float), defaultdict(float)
-            for a, b, probability, hangs_a, hangs_b in found:
+            p = defaultdict(list)
+            for a, b, probability in found:
                 p[min(a, b), max(a, b)].append(probability)
-                connection[min(a, b), max(a, b)] += min(hangs_a + hangs_b, 1)
-                hangs[a] += hangs_a
-                hangs[b] += hangs_b
             of_p += [sum(each) for each in p.values()]
-            of_connection += connection.values()
-            of_fragment += hangs.values()
             above += sum(map(sum, p.values())) > fragments - 1
             above_largest += sum(map(max, p.values())) > fragments - 1
     most = lambda sums: f"{sum(x > 1 + 1e-9 for x in sums):,} of {len(sums):,}; {max(sums, default=0):.2f}"
-    print(f"| {name}, {len(files)} | {most(of_p)} | {most(of_connection)} | {most(of_fragment)} | {above} | {above_largest} |")
+    print(f"| {name}, {len(files)} | {most(of_p)} | {above} | {above_largest} |")
 
 
 if __name__ == "__main__":

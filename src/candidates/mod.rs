@@ -278,16 +278,16 @@ fn probable(posterior: &Posterior) -> Vec<(Candidate, Evidence)> {
     for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
         let p = posterior.marginals.edges[row];
         let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());
-        let attached = posterior.attachment_scores[row];
         if let Some(at) = first[*pair] {
             let (_, sum, evidence) = &mut found[at];
             *sum += p;
-            (evidence.attached[1], evidence.continuation_odds[1]) = (attached, odds);
+            (evidence.attached[1], evidence.continuation_odds[1]) = (p, odds);
         } else {
             first[*pair] = Some(found.len());
             let probability = posterior.probability[row];
-            found.push((*candidate, p, Evidence { probability, attached: [attached, 0.0], continuation_odds: [odds, 0.0] }));
+            found.push((*candidate, p, Evidence { probability, attached: [p, 0.0], continuation_odds: [odds, 0.0] }));
         }
     }
-    found.into_iter().filter(|(_, sum, _)| *sum > LEAST_PROBABLE).map(|(candidate, _, evidence)| (candidate, evidence)).collect()
+    let likely = found.into_iter().filter(|(_, sum, _)| *sum > LEAST_PROBABLE);
+    likely.map(|(candidate, _, evidence)| (candidate, evidence.divided(evidence.attached))).collect()
 }

@@ -63,8 +63,8 @@ pub struct InferenceArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub sampling: SamplingArgs,
-    /// Which uncertain vessels stay: probable[=ODDS] (of the most probable forest what is more likely right than wrong, or has these
-    /// odds; smaller odds leave fewer fragments alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
+    /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is more probable than PRICE, 1.5, times the
+    /// probability that what hangs there is nothing; a smaller price leaves fewer fragments alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
     /// [default: probable where candidates come with evidence, else median]
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     pub keep: Option<String>,

@@ -52,7 +52,7 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
 /// probable as `least`, and candidates of [`DOUBTFUL`] probability, the most probable first (Kruskal's algorithm). Cuts at contacts stay
 /// where they set nothing apart, or where the connection is less probable.
 ///
-/// A contact counts here by what the partitions say ([`Evidence::connection`](crate::network::Evidence::connection)), which is less than its
+/// A contact counts here by what the partitions say ([`Evidence::attached`](crate::network::Evidence::attached)), which is less than its
 /// probability: a contact that is kept by mistake makes two vessels one, and on a par with doubtful candidates fewer fusions were undone.
 pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
     let mut kept = best_first_of(network, BEST_FIRST);
@@ -63,7 +63,7 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
             parts.union(ends[0], ends[1]);
         } else if let Some(evidence) = vessel.evidence {
             let (score, least) = match vessel.origin {
-                Origin::Contact => (evidence.connection(), least),
+                Origin::Contact => (evidence.attached.iter().sum(), least),
                 _ => (evidence.probability, least.max(DOUBTFUL)),
             };
             open.extend((score >= least).then_some((score, row, ends)));

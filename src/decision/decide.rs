@@ -12,7 +12,8 @@ use crate::support::ties::exceeds;
 
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
-/// A vessel whose probability is closer to the cut than this is undecided. The cut of [`Keep::Probable`] is one half.
+/// A vessel whose probability is closer to the cut than this is undecided. The cut of [`Keep::Probable`] is one half; what it keeps below that
+/// is undecided too.
 pub const UNDECIDED_BAND: f64 = 0.2;
 
 /// The decision on every vessel.
@@ -28,8 +29,12 @@ pub struct Decision {
     pub above_median: Vec<bool>,
     /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
     pub undecided: Vec<usize>,
-    /// Those of them that the most probable forest has and that are more likely wrong than right, so that they are not kept.
+    /// Those of them that the most probable forest has and that are not as probable as they need to be, so that they are not kept.
     pub left_open: Vec<usize>,
+    /// Per vessel the least probability with which the rule keeps it; no number where the rule asks for none.
+    pub needed: Vec<f64>,
+    /// Per vessel the row of the one that the most probable forest has in its place, if any.
+    pub instead: Vec<Option<usize>>,
 }
 
 /// The size and the connections of a kept graph.
@@ -62,21 +67,26 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     let rows = 0..result.likelihood.len();
     let above_median =
         rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m))).collect();
-    let mut left_open = Vec::new();
+    let (mut left_open, mut needed, mut instead) =
+        (Vec::new(), vec![f64::NAN; network.vessel_count()], vec![None; network.vessel_count()]);
     let (mut kept, close) = match rule {
         Keep::Probability(least) => {
             let probability = evidence("probability", network)?;
             (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, rule))
         }
-        Keep::Probable(root_factor) => {
+        Keep::Probable(price) => {
             let probability = evidence("probable", network)?;
-            let forest = probable(network, root_factor)?;
+            let forest = probable(network, price)?;
             let mut close = near(&probability, rule);
             left_open = forest.left_open;
             left_open.retain(|row| result.uncertain[*row]);
             for row in &left_open {
                 close[*row] = true;
             }
+            for ((close, kept), p) in close.iter_mut().zip(&forest.kept).zip(&probability) {
+                *close |= *kept && rule.turning_point().is_some_and(|turn| p.is_some_and(|p| p < turn));
+            }
+            (needed, instead) = (forest.needed, forest.instead);
             (forest.kept, close)
         }
         Keep::BestFirst(least) => {
@@ -93,7 +103,7 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         *kept |= !uncertain;
     }
     let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
-    Ok(Decision { threshold: cut, median, kept, above_median, undecided, left_open })
+    Ok(Decision { threshold: cut, median, kept, above_median, undecided, left_open, needed, instead })
 }
 
 /// Whether no uncertain vessel is undecided. A rule that asks for evidence does not depend on samples: then the median decides.

@@ -1,14 +1,14 @@
 //! The decision that keeps the most probability: the maximum arborescence over the fragments, as far as its connections are more likely right
-//! than wrong.
+//! than what hangs on them is nothing.
 
 use std::collections::BTreeMap;
 
 use crate::error::Result;
 use crate::forest_posterior::{Edge, Forests, arborescence};
-use crate::network::{Evidence, Network, Origin, Vessel, fragments};
+use crate::network::{Network, Origin, Vessel, fragments};
 
-/// The usual root factor: what is kept is more likely right than wrong.
-pub const ROOT_FACTOR: f64 = 1.0;
+/// The usual price of a false connection.
+pub const PRICE: f64 = 1.5;
 
 /// Whether the network knows how probably its fragments are roots, as one built by evidence does.
 pub fn knows_fragments(network: &Network) -> bool {
@@ -27,18 +27,31 @@ pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
 }
 
 /// The most probable forest, and how much of it is kept.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProbableForest {
-    /// Per vessel whether it is kept: observed or certain, or a connection of the forest, or a loop, whose odds are at least the root factor.
+    /// Per vessel whether it is kept: observed or certain, or at least as probable as it needs to be.
     pub kept: Vec<bool>,
-    /// Rows of the connections of the forest whose odds are too low, ascending: each the most probable one of a fragment, and still more
-    /// likely wrong than right.
+    /// Per vessel the least probability with which it is kept; no number where it is given, without evidence, or not of the forest while
+    /// another candidate attaches a fragment that it would join.
+    pub needed: Vec<f64>,
+    /// Per candidate that is not of the forest the row of the one by which the forest attaches a fragment that it would join; of two the
+    /// more probable one.
+    pub instead: Vec<Option<usize>>,
+    /// Rows of the connections of the forest that are not probable enough, ascending.
     pub left_open: Vec<usize>,
 }
 
-/// The forest of fragments with the largest sum of scores (of attachments and, times `root_factor`, of roots), and which of its connections
-/// ([`Evidence::connection`]) have odds P/(1 - P) of at least `root_factor`. Candidates that close a loop within one fragment are kept
-/// from the same odds on.
+/// Roots have this share of their price in the forest, which therefore attaches nearly every fragment that a candidate reaches; what stays
+/// alone is decided afterwards.
+const ROOTS_IN_FOREST: f64 = 0.2;
+
+/// The forest of fragments with the largest sum of the probabilities of its attachments and a fifth of the price of its roots, and which of them are worth making: those with
+///
+/// P >= price · q,  q = s · Π (1 - P' (1 - q'))
+///
+/// where s is the score of the fragment that hangs for being attached to nothing ([`root_score`](crate::network::Node::root_score)), and the
+/// product is over the connections of the forest by which others hang on it. q is the probability that all that hangs there is
+/// nothing: a false piece carries no true vessel. Candidates that close a loop within one fragment are kept from odds of the price on.
 ///
 /// A candidate marked certain joins its fragments to one beforehand. A fragment whose nodes have no root score gets what its candidates
 /// leave of one.
@@ -46,46 +59,84 @@ pub struct ProbableForest {
 /// # Errors
 ///
 /// More fragments or candidates than can be numbered.
-pub fn probable(network: &Network, root_factor: f64) -> Result<ProbableForest> {
+pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
     let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
-    let least = root_factor / (1.0 + root_factor);
-    let is_likely = |evidence: &Evidence| evidence.connection() >= least;
     let parts = fragments(network, |_, v| given(v));
     let mut known = vec![f64::NAN; parts.count];
     for (node, part) in network.nodes().zip(&parts.of_node) {
         known[*part] = node.root_score.map_or(known[*part], |p| p.min(known[*part]));
     }
+    let vessels = network.vessel_count();
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
-    let mut left_open = Vec::new();
+    let (mut needed, mut instead, mut left_open) = (vec![f64::NAN; vessels], vec![None; vessels], Vec::new());
+    let probability: Vec<f64> = network.vessels().map(|(_, v)| v.evidence.map_or(0.0, |e| e.probability)).collect();
     let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
-    for (row, ([a, b], v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
+    for (row, (ends, v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
         let Some(evidence) = v.evidence else { continue };
-        let [a, b] = [a, b].map(|node| parts.of_node[node]);
+        let [a, b] = ends.map(|node| parts.of_node[node]);
         if a == b {
-            kept[row] = evidence.probability >= least;
+            needed[row] = price / (1.0 + price);
+            kept[row] = evidence.probability >= needed[row];
             continue;
         }
         for (child, parent, score) in [(a, b, evidence.attached[0]), (b, a, evidence.attached[1])] {
+            left[child] -= evidence.probability;
             if score > 0.0 {
-                left[child] -= score;
                 edges.push(Edge { child, parent, log_weight: 0.0 });
                 scores.push(score);
-                vessel.push((row, is_likely(&evidence)));
+                vessel.push(row);
             }
         }
     }
-    let roots: Vec<f64> =
-        known.iter().zip(&left).map(|(known, left)| if known.is_nan() { left.max(0.0) } else { *known }).collect();
+    let alone = known.iter().zip(&left).map(|(known, left)| if known.is_nan() { left.max(0.0) } else { *known });
+    let alone: Vec<f64> = alone.collect();
     let forests = Forests::new(vec![0.0; parts.count], edges)?;
-    let scaled: Vec<f64> = roots.iter().map(|p| root_factor * p).collect();
-    for edge in arborescence(&forests, &scores, &scaled).into_iter().flatten() {
-        let (row, is_likely) = vessel[edge];
-        kept[row] = is_likely;
-        left_open.extend((!is_likely).then_some(row));
+    let roots: Vec<f64> = alone.iter().map(|p| ROOTS_IN_FOREST * price * p).collect();
+    let attached = arborescence(&forests, &scores, &roots);
+    let row_of = |child: usize| attached[child].map(|edge: usize| vessel[edge]);
+    let mut nothing = alone.clone();
+    for child in leaves_first(&forests, &attached) {
+        let Some(edge) = attached[child] else { continue };
+        let row = vessel[edge];
+        needed[row] = price * nothing[child];
+        kept[row] = probability[row] >= needed[row];
+        if !kept[row] {
+            left_open.push(row);
+        }
+        nothing[forests.edges()[edge].parent] *= 1.0 - probability[row] * (1.0 - nothing[child]);
+    }
+    for (row, (ends, v)) in network.vessels().enumerate() {
+        if !kept[row] && needed[row].is_nan() && v.evidence.is_some() {
+            let joined = ends.map(|node| parts.of_node[node]);
+            let attaching = joined.into_iter().filter_map(row_of);
+            instead[row] = attaching.max_by(|a, b| probability[*a].total_cmp(&probability[*b]).then(b.cmp(a)));
+            if instead[row].is_none() {
+                needed[row] = price * alone[joined[0]].max(alone[joined[1]]);
+            }
+        }
     }
     left_open.sort_unstable();
-    Ok(ProbableForest { kept, left_open })
+    Ok(ProbableForest { kept, needed, instead, left_open })
+}
+
+/// The fragments of a forest, each after all those that hang on it.
+fn leaves_first(forests: &Forests, attached: &[Option<usize>]) -> Vec<usize> {
+    let parent = |child: usize| attached[child].map(|edge| forests.edges()[edge].parent);
+    let mut hanging = vec![0; attached.len()];
+    (0..attached.len()).filter_map(parent).for_each(|parent| hanging[parent] += 1);
+    let mut order: Vec<usize> = (0..attached.len()).filter(|fragment| hanging[*fragment] == 0).collect();
+    let mut at = 0;
+    while at < order.len() {
+        if let Some(parent) = parent(order[at]) {
+            hanging[parent] -= 1;
+            if hanging[parent] == 0 {
+                order.push(parent);
+            }
+        }
+        at += 1;
+    }
+    order
 }
 
 /// How many errors a decision is expected to make among the candidates.
@@ -97,33 +148,30 @@ pub struct ExpectedErrors {
     pub missed: f64,
 }
 
-/// The expected number of errors among the vessels `kept`, by the probabilities of connections ([`Evidence::connection`]); `None` without
-/// evidence.
+/// The expected number of errors among the vessels `kept`, by their probabilities; `None` without evidence.
 ///
-/// The probability that two fragments belong together is that of the candidate that represents them, over both directions:
-/// candidates a few voxels from it are other places of the same connection, so their probabilities are not added.
+/// The probability that two fragments belong together is that of the most probable candidate between them: others are other places of the
+/// same connection, so their probabilities are not added.
 pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedErrors> {
     if !has_evidence(network) {
         return None;
     }
     let parts = fragments(network, |_, v| v.origin == Origin::Observed || v.certain);
     let (mut wrong, mut missed) = (0.0, 0.0);
-    // Per pair of fragments the largest score of attaching the one and the other, and whether they are joined.
-    let mut pairs: BTreeMap<[usize; 2], ([f64; 2], bool)> = BTreeMap::new();
+    // Per pair of fragments the largest probability, and whether they are joined.
+    let mut pairs: BTreeMap<[usize; 2], (f64, bool)> = BTreeMap::new();
     for ((ends, v), kept) in network.vessels().zip(kept) {
         let Some(evidence) = v.evidence else { continue };
-        let [x, y] = v.shares();
-        wrong += if *kept { 1.0 - f64::min(x + y, 1.0).max(evidence.probability) } else { 0.0 };
+        wrong += if *kept { 1.0 - evidence.probability } else { 0.0 };
         let [a, b] = ends.map(|end| parts.of_node[end]);
         if a == b {
             missed += if *kept { 0.0 } else { evidence.probability };
             continue;
         }
-        let (pair, scores) = if a < b { ([a, b], [x, y]) } else { ([b, a], [y, x]) };
-        let (most, joined) = pairs.entry(pair).or_default();
-        *most = [most[0].max(scores[0]), most[1].max(scores[1])];
+        let (most, joined) = pairs.entry([a.min(b), a.max(b)]).or_default();
+        *most = most.max(evidence.probability);
         *joined |= *kept;
     }
-    missed += pairs.values().filter(|(_, joined)| !joined).map(|([x, y], _)| f64::min(x + y, 1.0)).sum::<f64>();
+    missed += pairs.values().filter(|(_, joined)| !joined).map(|(p, _)| p).sum::<f64>();
     Some(ExpectedErrors { wrong, missed })
 }

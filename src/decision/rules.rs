@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::best_first::{BEST_FIRST, RECONNECT};
-use super::most_probable_forest::ROOT_FACTOR;
+use super::most_probable_forest::PRICE;
 use crate::error::{Error, Result};
 use crate::sampling::likelihood::Likelihood;
 use crate::support::statistics::{median, otsu, quantile};
@@ -31,8 +31,8 @@ pub enum Keep {
     Frequency(f64),
     /// At least so probable by the evidence, in [0, 1].
     Probability(f64),
-    /// In the most probable forest of fragments ([`super::most_probable_forest::probable()`]), with odds of at least this root factor, from 0
-    /// to 1000, by which the probabilities of staying alone are multiplied too: the smaller, the fewer fragments stay alone.
+    /// In the most probable forest of fragments, and more probable than this price, from 0 to 1000, times the probability that what hangs
+    /// there is nothing ([`super::most_probable_forest::probable()`]): the smaller, the fewer fragments stay alone.
     Probable(f64),
     /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
     /// ([`super::best_first::best_first()`]).
@@ -42,11 +42,11 @@ pub enum Keep {
     Reconnect(f64),
 }
 
-/// The largest root factor.
-const MOST_ROOT_FACTOR: f64 = 1000.0;
+/// The largest price.
+const MOST_PRICE: f64 = 1000.0;
 
 const ACCEPTED: &str =
-    "expected probable[=ODDS], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
+    "expected probable[=PRICE], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
 /// Rules that need a figure, with one such.
 const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
 
@@ -109,7 +109,7 @@ impl FromStr for Keep {
         let rule = match text.split_once('=') {
             None if text == "median" => Self::Median,
             None if text == "otsu" => Self::Otsu,
-            None if text == "probable" => Self::Probable(ROOT_FACTOR),
+            None if text == "probable" => Self::Probable(PRICE),
             None if text == "best-first" => Self::BestFirst(BEST_FIRST),
             None if text == "reconnect" => Self::Reconnect(RECONNECT),
             Some(("reconnect", p)) => Self::Reconnect(share(p)?),
@@ -140,8 +140,8 @@ impl Keep {
                 Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
             }
             Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),
-            Self::Probable(x) if !(0.0..=MOST_ROOT_FACTOR).contains(&x) => {
-                Err(Error::parameter("keep probable", x, format!("expected a number from 0 to {MOST_ROOT_FACTOR}")))
+            Self::Probable(x) if !(0.0..=MOST_PRICE).contains(&x) => {
+                Err(Error::parameter("keep probable", x, format!("expected a number from 0 to {MOST_PRICE}")))
             }
             _ => Ok(()),
         }

@@ -15,9 +15,9 @@ pub const END_ODDS: f64 = 0.135_335_283_236_612_7;
 pub struct Evidence {
     /// The calibrated probability that it is a true connection, in [0, 1].
     pub probability: f64,
-    /// Per end, the posterior probability that the fragment at that end is attached to the fragment at the other end by this candidate,
-    /// or by one nearly at the same place, in [0, 1]; zero for both where it closes a loop within one fragment. Of a contact
-    /// half of the probability that the partitions join it, which is not calibrated. `hangs` in files.
+    /// Per end, the probability that it is true and that the fragment at that end is the one that hangs on the other; the two add up to
+    /// `probability`. Zero for both where it closes a loop within one fragment. Of a contact half of the probability that the partitions join it,
+    /// which is not calibrated. `hangs` in files.
     #[serde(rename = "hangs")]
     pub attached: [f64; 2],
     /// Per end, the odds w/e⁻² that a vessel which breaks off there continues along this candidate instead of ending; zero where there
@@ -32,11 +32,11 @@ impl Evidence {
         Self { probability, attached: [0.5 * probability; 2], continuation_odds: [Self::odds(probability); 2] }
     }
 
-    /// The probability that the candidate, or one nearly at the same place, connects what it lies between: the sum of both ends' of
-    /// `attached`, at most 1; where a loop closes, its own.
-    pub fn connection(self) -> f64 {
-        let [a, b] = self.attached;
-        if a + b > 0.0 { f64::min(a + b, 1.0) } else { self.probability }
+    /// The same evidence with its probability divided between the ends as these figures are; none of them negative.
+    pub fn divided(self, between: [f64; 2]) -> Self {
+        let whole = between[0] + between[1];
+        let attached = if whole > 0.0 { between.map(|part| self.probability * (part / whole)) } else { [0.0; 2] };
+        Self { attached, ..self }
     }
 
     /// The odds of continuing by a candidate of weight w.
@@ -133,13 +133,6 @@ pub struct Vessel {
 const END_POINTS: usize = 10;
 
 impl Vessel {
-    /// What either direction adds to the probability that the vessel connects its ends: `attached`, and half of the probability of a contact,
-    /// which has no direction; zero without evidence.
-    pub fn shares(&self) -> [f64; 2] {
-        let Some(evidence) = self.evidence else { return [0.0; 2] };
-        if self.origin == Origin::Contact { [0.5 * evidence.probability; 2] } else { evidence.attached }
-    }
-
     /// A vessel with a length and radius (m), and nothing else.
     pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
         Self {

@@ -14,7 +14,7 @@ use crate::candidates::kind::Kind;
 use crate::candidates::model::Weights;
 use crate::candidates::search::SearchOptions;
 use crate::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
-use crate::decision::{BEST_FIRST, Keep, RECONNECT, ROOT_FACTOR, has_evidence, knows_fragments};
+use crate::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
 use crate::error::{Error, Fault, Result};
 use crate::flow::Given;
 use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
@@ -171,7 +171,7 @@ impl LoadedPrior {
         match self {
             _ if graph.vessels().any(|(_, v)| v.origin == Origin::Contact) => Keep::Reconnect(RECONNECT),
             Self::Joins { .. } => Keep::BestFirst(BEST_FIRST),
-            _ if knows_fragments(graph) => Keep::Probable(ROOT_FACTOR),
+            _ if knows_fragments(graph) => Keep::Probable(PRICE),
             _ if has_evidence(graph) => Keep::BestFirst(BEST_FIRST),
             _ => Keep::Median,
         }

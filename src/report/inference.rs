@@ -334,6 +334,8 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         Column::real("std_error", result.std_error.iter().copied()),
         Column::real("frequency", result.frequency.iter().copied()),
         Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
+        Column::real("needed", answer.needed.iter().copied()),
+        Column::text("instead", answer.instead.iter().map(|row| row.map_or_else(String::new, |row| row.to_string()))),
         flag("above_median", &answer.above_median),
         flag("kept", &answer.kept),
     ]);

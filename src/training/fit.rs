@@ -11,6 +11,7 @@ use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
 use crate::candidates::model::loop_closures::{Closure, closures};
 use crate::candidates::model::posterior::{attachment_scores, root_scores};
+use crate::support::calibration::Calibration;
 use crate::candidates::model::weights::{Pass, Provenance, Weights};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
@@ -115,19 +116,20 @@ pub fn fit(examples: &[&Example], params: &TrainParams, progress: &mut dyn FnMut
         let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
         pairs.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
     }
-    let closure = fit_closures(examples, &passes[0], &posteriors);
+    let calibration = calibrate(&pairs);
+    let closure = fit_closures(examples, &passes[0], &posteriors, calibration);
     let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    Ok(Weights { passes, calibration: calibrate(&pairs).0, closure, provenance })
+    Ok(Weights { passes, calibration: calibration.0, closure, provenance })
 }
 
 /// The weights of closures by logistic regression; none where no case has a right one within reach.
-fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
+fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)], calibration: Calibration) -> Vec<f64> {
     let of_case = in_order(examples, |at, e| {
         let (forests, marginals) = &posteriors[at];
-        let attached = attachment_scores(&e.extraction, &e.table.candidates, marginals);
+        let attached = attachment_scores(&e.table, marginals, calibration);
         let kept = arborescence(forests, &attached, &root_scores(&e.extraction, marginals));
         let found = closures(&e.extraction, &e.table, first, marginals, &kept);
         let point = |c: &Closure| e.extraction.ends[c.candidate.end].point;

@@ -141,7 +141,7 @@ fn shards_of_other_runs_are_refused_by_what_differs() {
         ("seed", &input, &["--seed", "1"], &["has seed 1", "a has 0"]),
         ("epsilon", &input, &["--epsilon", "0.3"], &["has epsilon 0.3", "a has 0.5"]),
         ("samples", &input, &["-n", "512"], &["samples 512", "a has 256"]),
-        ("keep", &input, &["--keep", "median"], &["has keep \"median\"", "a has \"probable=1\""]),
+        ("keep", &input, &["--keep", "median"], &["has keep \"median\"", "a has \"probable=1.5\""]),
         ("weight", &input, &["--weight", "count"], &["has weight \"count\""]),
         ("k", &input, &["-k", "4"], &["has k 4"]),
         ("uncertain", &input, &["--uncertain", "all"], &["has uncertain \"all\""]),

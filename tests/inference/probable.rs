@@ -4,7 +4,7 @@ use crate::draw::Draw;
 use crate::vessels;
 use crate::vessels::tube;
 use willis::internals::decision::{
-    Decision, Keep, ROOT_FACTOR, decide, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+    Decision, Keep, PRICE, decide, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
 use willis::internals::network::{Evidence, Network, Origin, Vessel};
 use willis::internals::sampling::Likelihood;
@@ -50,39 +50,38 @@ fn best(parts: usize, arcs: &[(usize, usize, f64)], roots: &[f64]) -> f64 {
     }
 }
 
+/// How probable it is that all that hangs on a fragment is nothing, by the formula of the docs, from the leaves up.
+fn nothing(fragment: usize, hanging: &[Vec<(usize, f64)>], alone: &[f64]) -> f64 {
+    hanging[fragment].iter().fold(alone[fragment], |q, (child, p)| q * (1.0 - p * (1.0 - nothing(*child, hanging, alone))))
+}
+
 #[test]
-fn the_most_probable_forest_is_the_best_of_all_forests() {
+fn the_most_probable_forest_is_the_best_of_all_forests_and_every_row_says_why_it_is_kept() {
     let mut random = Draw::new(3);
     let mut draw = || random.within(0.0, 1.0);
-    let (mut wide, mut left_open) = (0, 0);
+    let (mut wide, mut left_open, mut hanging_counts) = (0, 0, 0);
     for case in 0..60 {
         let parts = 3 + case % 3;
         let mut network = fragments(parts);
-        let (mut arcs, mut left) = (Vec::new(), vec![1.0; parts]);
+        let mut arcs = Vec::new();
+        let alone: Vec<f64> = (0..parts).map(|_| draw()).collect();
         for a in 0..parts {
+            network.node_mut(2 * a).root_score = Some(alone[a]);
             for b in a + 1..parts {
                 if draw() < 0.8 {
-                    let attached = [0.4 * draw(), 0.4 * draw()];
-                    network.add_vessel([2 * a + 1, 2 * b], candidate((attached[0] + attached[1]).min(1.0), attached));
+                    let attached = [0.5 * draw(), 0.5 * draw()];
+                    network.add_vessel([2 * a + 1, 2 * b], candidate(attached[0] + attached[1], attached));
                     arcs.extend([(a, b, attached[0]), (b, a, attached[1])]);
-                    left[a] -= attached[0];
-                    left[b] -= attached[1];
                 }
             }
         }
-        let factor = [0.3, 1.0, 2.0][case % 3];
-        let alone: Vec<f64> = left.iter().map(|l| l.max(0.0)).collect();
-        let roots: Vec<f64> = alone.iter().map(|p| factor * p).collect();
-        let forest = probable(&network, factor).unwrap();
+        let price = [0.3, 1.0, 2.0][case % 3];
+        // Roots count a fifth of their price.
+        let roots: Vec<f64> = alone.iter().map(|p| 0.2 * price * p).collect();
+        let forest = probable(&network, price).unwrap();
         let chosen: Vec<usize> =
             (parts..network.vessel_count()).filter(|row| forest.kept[*row] || forest.left_open.contains(row)).collect();
         wide += usize::from(chosen.len() > 1);
-        for row in &chosen {
-            let p = f64::min(arcs[2 * (row - parts)].2 + arcs[2 * (row - parts) + 1].2, 1.0);
-            let likely = p / (1.0 - p) >= factor;
-            assert_eq!([forest.kept[*row], forest.left_open.contains(row)], [likely, !likely], "case {case}: {p} with {factor}");
-            left_open += usize::from(!likely);
-        }
         // It is a forest that scores as the best does: its edges, each in its better direction, tried alone.
         let own: Vec<(usize, usize, f64)> =
             chosen.iter().flat_map(|row| [arcs[2 * (row - parts)], arcs[2 * (row - parts) + 1]]).collect();
@@ -90,28 +89,76 @@ fn the_most_probable_forest_is_the_best_of_all_forests() {
         assert!((all - these).abs() < 1e-12, "case {case}: {these} of {all}");
         assert!(chosen.len() < parts);
         assert!(forest.kept[..parts].iter().all(|k| *k), "observed vessels stay");
+        for row in parts..network.vessel_count() {
+            let p = arcs[2 * (row - parts)].2 + arcs[2 * (row - parts) + 1].2;
+            // One row says it all: kept is P >= needed, or another row stands in its place.
+            assert_eq!(forest.kept[row], p >= forest.needed[row], "case {case}, row {row}");
+            assert_eq!(forest.instead[row].is_some(), forest.needed[row].is_nan(), "case {case}, row {row}");
+            assert!(forest.instead[row].is_none_or(|other| chosen.contains(&other)));
+            left_open += usize::from(forest.left_open.contains(&row));
+        }
+        // Which fragment hangs: of the two directions of each edge those whose sum is the best one and that make a forest.
+        let directions = |bits: usize| -> Vec<(usize, usize, f64)> {
+            chosen.iter().enumerate().map(|(at, row)| arcs[2 * (row - parts) + (bits >> at & 1)]).collect()
+        };
+        let score = |arcs: &[(usize, usize, f64)]| {
+            let hangs = |c: usize| arcs.iter().filter(|a| a.0 == c).count();
+            let valid = (0..parts).all(|c| hangs(c) <= 1);
+            let alone: f64 = (0..parts).filter(|c| hangs(*c) == 0).map(|c| roots[c]).sum();
+            if valid { alone + arcs.iter().map(|a| a.2).sum::<f64>() } else { f64::NEG_INFINITY }
+        };
+        let taken = (0..1 << chosen.len()).map(directions).max_by(|a, b| score(a).total_cmp(&score(b))).unwrap();
+        let mut hanging = vec![Vec::new(); parts];
+        for ((child, parent, _), row) in taken.iter().zip(&chosen) {
+            let p = arcs[2 * (row - parts)].2 + arcs[2 * (row - parts) + 1].2;
+            hanging[*parent].push((*child, p));
+        }
+        for ((child, ..), row) in taken.iter().zip(&chosen) {
+            let expected = price * nothing(*child, &hanging, &alone);
+            assert!((forest.needed[*row] - expected).abs() < 1e-12, "case {case}, row {row}");
+            hanging_counts += usize::from(!hanging[*child].is_empty());
+        }
     }
-    assert!(wide > 10 && left_open > 10, "some forests have several bridges, some of them unlikely: {wide}, {left_open}");
+    let counts = [wide, left_open, hanging_counts];
+    assert!(
+        counts.iter().all(|count| *count > 10),
+        "several bridges, some left open, some with more hanging on them: {counts:?}"
+    );
 }
 
-/// Two fragments: the bridge speaks with 0.3 + 0.1, what is left is 0.7 and 0.9. Together 0.3 + 0.9 f against (0.7 + 0.9) f,
-/// so the bridge stays where f < 3/7.
+/// A short piece that may be nothing (0.8) hangs by 0.5 on a tree; a true vessel (0.1) hangs on it by 0.9. Alone the piece would need
+/// 0.8 at price 1; with what hangs on it, it needs 0.8 (1 - 0.9 · 0.9) = 0.152.
 #[test]
-fn the_root_factor_decides_how_readily_fragments_stay_alone() {
+fn a_false_piece_carries_no_true_vessel() {
+    let mut network = fragments(3);
+    for (node, alone) in [(0, 0.01), (2, 0.8), (4, 0.1)] {
+        network.node_mut(node).root_score = Some(alone);
+    }
+    network.add_vessel([1, 2], candidate(0.5, [0.0, 0.5]));
+    let forest = probable(&network, 1.0).unwrap();
+    assert_eq!((forest.kept[3], forest.needed[3], forest.left_open), (false, 0.8, vec![3]));
+    network.add_vessel([3, 4], candidate(0.9, [0.0, 0.9]));
+    let forest = probable(&network, 1.0).unwrap();
+    assert!(forest.kept[3] && (forest.needed[3] - 0.152).abs() < 1e-12, "{:?}", forest.needed);
+    assert!(forest.kept[4] && (forest.needed[4] - 0.1).abs() < 1e-12, "{:?}", forest.needed);
+}
+
+/// Two fragments of which nothing is known but a bridge of 0.4: either is nothing with 0.6, so the bridge stays where 0.4 >= 0.6 times the
+/// price, up to 2/3. With the node's own word of 0.9 and 0.2 the second hangs, and the bridge stays up to a price of 2.
+#[test]
+fn the_price_decides_how_readily_fragments_stay_alone() {
     let mut network = fragments(2);
-    network.add_vessel([1, 2], candidate(0.4, [0.3, 0.1]));
-    let kept = |network: &Network, factor: f64| probable(network, factor).unwrap().kept;
-    assert_eq!(kept(&network, 0.42), [true, true, true]);
-    assert_eq!(kept(&network, 0.43), [true, true, false]);
-    // The node's own word: 0.2 + 0.9 f < 0.3 + 0.9 f holds for every f up to 3/2. The odds of the bridge are 0.4/0.6.
-    assert!(!knows_fragments(&network));
-    network.node_mut(0).root_score = Some(0.2);
-    network.node_mut(2).root_score = Some(0.9);
-    assert!(knows_fragments(&network) && has_evidence(&network));
+    network.add_vessel([1, 2], candidate(0.4, [0.1, 0.3]));
+    let kept = |network: &Network, price: f64| probable(network, price).unwrap().kept;
     assert_eq!(kept(&network, 0.66), [true, true, true]);
     assert_eq!(kept(&network, 0.67), [true, true, false]);
-    let left_open = |factor: f64| probable(&network, factor).unwrap().left_open == [2];
-    assert_eq!([0.66, 0.67, 1.4, 1.6].map(left_open), [false, true, true, false]);
+    assert!(!knows_fragments(&network));
+    network.node_mut(0).root_score = Some(0.9);
+    network.node_mut(2).root_score = Some(0.2);
+    assert!(knows_fragments(&network) && has_evidence(&network));
+    assert_eq!(kept(&network, 1.99), [true, true, true]);
+    assert_eq!(kept(&network, 2.01), [true, true, false]);
+    assert_eq!(probable(&network, 2.01).unwrap().left_open, [2]);
 }
 
 /// A bridge marked certain joins its fragments, so a second one between them closes a loop; one within a fragment does.
@@ -178,7 +225,7 @@ fn rules_on_evidence_ask_for_it_and_have_their_ranges() {
         samples: 64,
         trace: Vec::new(),
     };
-    for (rule, name) in [(Keep::Probable(ROOT_FACTOR), "probable"), (Keep::Probability(0.5), "probability")] {
+    for (rule, name) in [(Keep::Probable(PRICE), "probable"), (Keep::Probability(0.5), "probability")] {
         let said = decide(rule, &network, &likelihood).unwrap_err().to_string();
         assert!(said.starts_with(&format!("keep {name}: asks for probabilities")), "{said}");
     }

@@ -113,14 +113,15 @@ class Page:
 TURNS = {"probable": 0.5, "reconnect": 0.4}
 
 
-def left_open(page):
-    """Connections of the most probable forest that the run did not make: undecided though far from where its rule turns."""
+def doubted(page):
+    """Connections that are undecided though far from where the rule turns: of the most probable forest and not made, or made and improbable."""
     turn = TURNS.get(page.record["threshold"]["rule"].split("=")[0])
     if turn is None:
         return set()
     within, undecided = page.record["convergence"]["within_probability"], set(map(str, page.record["convergence"]["undecided_edges"]))
     found = [e for e in page.edges if e["edge"] in undecided and abs(float(e["probability"]) - turn) >= within]
-    assert all(e["kept"] == "0" for e in found) and len(found) <= page.record["counts"]["left_open"], found
+    not_made = [e for e in found if e["kept"] == "0"]
+    assert len(not_made) <= page.record["counts"]["left_open"] and all(float(e["probability"]) < turn for e in found if e["kept"] == "1"), found
     return {e["edge"] for e in found}
 
 
@@ -147,7 +148,7 @@ def recount(page, threshold):
     n = page.record["parameters"]["samples"]
     error = lambda e: math.sqrt(float(e[figure]) * (1 - float(e[figure])) / n) if by_frequency else float(e["std_error"])
     near = lambda e: page.record["convergence"]["within_probability"] if by_evidence else 2 * error(e)
-    undecided = [e for e in uncertain if flip is not None and (not abs(float(e[figure]) - flip) >= near(e) or e["edge"] in left_open(page) and not passes(e))]
+    undecided = [e for e in uncertain if flip is not None and (not abs(float(e[figure]) - flip) >= near(e) or e["edge"] in doubted(page) and passes(e) == (e["kept"] == "1"))]
     return {
         "kept": len(kept),
         "pruned": len(uncertain) - len(kept),
@@ -175,7 +176,7 @@ def check_threshold(page):
     assert start["kept"] == sum(page.is_uncertain(e) and e["kept"] == "1" for e in page.edges)
     if turn:
         # The most probable forest has no threshold; what is reconnected is not decided by one figure.
-        near = [e for e in page.edges if page.is_uncertain(e) and (abs(float(e["probability"]) - turn) < 0.2 or e["edge"] in left_open(page))]
+        near = [e for e in page.edges if page.is_uncertain(e) and (abs(float(e["probability"]) - turn) < 0.2 or e["edge"] in doubted(page))]
         assert start["undecided"] == len(near), start
     else:
         assert start == recount(page, cut)

@@ -1,7 +1,5 @@
 //! The posterior over the forests of an extraction, and the probability of every candidate.
 
-use std::collections::BTreeMap;
-
 use super::feature_table::CandidateTable;
 use super::loop_closures::closures;
 use super::weights::Weights;
@@ -26,8 +24,6 @@ pub struct Posterior {
     pub marginals: Marginals,
     /// Per candidate the calibrated probability of its pair.
     pub probability: Vec<f64>,
-    /// Per candidate the score of attaching its child by it when a forest is decided.
-    pub attachment_scores: Vec<f64>,
     /// Per fragment the score of leaving it a root then.
     pub root_scores: Vec<f64>,
     /// The candidates within a fragment with the probability that they close a loop that is there.
@@ -46,16 +42,15 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
     let calibration = Calibration(weights.calibration);
     let of_pair: Vec<f64> = table.summed_by_pair(&marginals.edges).into_iter().map(|p| calibration.apply(p)).collect();
     let probability = table.pair.iter().map(|pair| of_pair[*pair]).collect();
-    let attachment_scores = attachment_scores(extraction, &table.candidates, &marginals);
     let root_scores = root_scores(extraction, &marginals);
     let closures = if weights.closure.is_empty() {
         Vec::new()
     } else {
-        let kept = arborescence(&forests, &attachment_scores, &root_scores);
+        let kept = arborescence(&forests, &attachment_scores(&table, &marginals, calibration), &root_scores);
         let found = closures(extraction, &table, &weights.passes[0], &marginals, &kept);
         found.iter().map(|c| (c.candidate, c.probability(&weights.closure))).collect()
     };
-    Ok(Posterior { table, forests, marginals, probability, attachment_scores, root_scores, closures })
+    Ok(Posterior { table, forests, marginals, probability, root_scores, closures })
 }
 
 /// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.
@@ -115,53 +110,9 @@ pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
     ends.iter().take(LIKELY_INLETS).map(|end| end.point).collect()
 }
 
-/// Candidates from one end to one fragment are nearly equal where they meet it within the largest of so many spacings, ...
-const NEAR_SPACINGS: f64 = 3.0;
-/// ... so many radii there, ...
-const NEAR_RADII: f64 = 2.0;
-/// ... and so many gaps: closer, no image distinguishes them.
-const NEAR_GAPS: f64 = 0.75;
-/// A candidate represents two fragments in place of a more probable one where it has so much more probability around it, ...
-const MUCH_MORE: f64 = 0.25;
-/// ... and itself at least so much of the other's.
-const NOT_MUCH_LESS: f64 = 0.5;
-
-/// Per candidate the score of attaching its child by it: its marginal, and for the one candidate that represents its child and
-/// parent the sum over the candidates nearly equal to it. A search offers several meeting points a few voxels from one another, which
-/// share the probability of one connection.
-pub fn attachment_scores(extraction: &Extraction, candidates: &[Candidate], marginals: &Marginals) -> Vec<f64> {
-    let own = &marginals.edges;
-    let parent = |c: &Candidate| extraction.fragment[c.point];
-    let mut alike: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
-    for (row, candidate) in candidates.iter().enumerate() {
-        alike.entry((candidate.end, parent(candidate))).or_default().push(row);
-    }
-    let at = |row: usize| extraction.position[candidates[row].point];
-    let gap_of = |row: usize| distance(at(row), extraction.position[extraction.ends[candidates[row].end].point]);
-    let mass = |row: usize| {
-        let candidate = &candidates[row];
-        let gap = gap_of(row);
-        let near = (NEAR_SPACINGS * extraction.spacing).max(NEAR_RADII * extraction.smooth.radius[candidate.point]);
-        // A little more, so that no rounding decides on voxel grids.
-        let near = near.max(NEAR_GAPS * gap) * (1.0 + 1e-9);
-        let rows = alike[&(candidate.end, parent(candidate))].iter();
-        rows.filter(|other| distance(at(**other), at(row)) <= near).map(|other| own[*other]).sum::<f64>().min(1.0)
-    };
-    let masses: Vec<f64> = (0..own.len()).map(mass).collect();
-    let mut order: Vec<usize> = (0..own.len()).collect();
-    let rank: Vec<[f64; 2]> = (0..own.len()).map(|row| [-steady(own[row]), steady(gap_of(row) / extraction.spacing)]).collect();
-    order.sort_by(|a, b| compare(&rank[*a], &rank[*b]).then(a.cmp(b)));
-    let mut best: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-    for row in order {
-        let candidate = &candidates[row];
-        let represents = best.entry([extraction.ends[candidate.end].fragment, parent(candidate)]).or_insert(row);
-        if steady(masses[row] * (1.0 - MUCH_MORE)) > steady(masses[*represents]) && own[row] > NOT_MUCH_LESS * own[*represents] {
-            *represents = row;
-        }
-    }
-    let mut scores = own.clone();
-    for row in best.into_values() {
-        scores[row] = masses[row];
-    }
-    scores
+/// Per candidate the score of attaching its child by it: the share that its direction has of the calibrated probability of its pair.
+pub fn attachment_scores(table: &CandidateTable, marginals: &Marginals, calibration: Calibration) -> Vec<f64> {
+    let sum = table.summed_by_pair(&marginals.edges);
+    let share = |(p, pair): (&f64, &usize)| if sum[*pair] > 0.0 { calibration.apply(sum[*pair]) * (p / sum[*pair]) } else { 0.0 };
+    marginals.edges.iter().zip(&table.pair).map(share).collect()
 }

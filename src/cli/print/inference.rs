@@ -38,7 +38,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
         (Keep::Probability(p), _) => format!("probability >= {p}"),
         (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
         (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
-        (Keep::Probable(odds), _) => format!("the most probable forest, odds from {odds} on"),
+        (Keep::Probable(price), _) => format!("the most probable forest, price {price}"),
         (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.sampling.weight == Weight::Count { "" } else { " W/m³" }),
         (_, None) => "no uncertain vessel has L > 0".into(),
     };
@@ -65,8 +65,8 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     if !answer.left_open.is_empty() {
         let open = plural(answer.left_open.len(), "connection");
         let more =
-            if matches!(outcome.rule, Keep::Probable(odds) if odds < 1.0) { "" } else { "; --keep probable=0.3 makes more" };
-        say("open", format!("{open} of the most probable forest not made, for the odds are too low{more}"));
+            if matches!(outcome.rule, Keep::Probable(price) if price < 1.0) { "" } else { "; --keep probable=0.6 makes more" };
+        say("open", format!("{open} of the most probable forest not made, for what hangs on them may well be nothing{more}"));
     }
     if let Some(expected) = outcome.expected {
         let [wrong, missed] = [expected.wrong, expected.missed].map(brief);

@@ -187,7 +187,7 @@ pub struct Threshold {
     /// The column that is 1 where a vessel is uncertain.
     pub uncertain: &'static str,
     /// The column that is 1 where the rule of the run left a connection open.
-    pub left_open: &'static str,
+    pub doubted: &'static str,
     /// How many nodes there are.
     pub nodes: usize,
 }

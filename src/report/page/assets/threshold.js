@@ -7,7 +7,7 @@ class Threshold {
     this.rows = vessels.rows;
     this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
-    this.leftOpen = values(source.left_open);
+    this.doubted = values(source.doubted);
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -15,7 +15,6 @@ class Threshold {
     this.probability = vessels.find("probability")?.values ?? null;
     const origin = vessels.find("origin");
     this.isObserved = origin ? row => origin.at(row) === "observed" : row => !this.uncertain[row];
-    this.attached = [vessels.find("attached_a")?.values, vessels.find("attached_b")?.values];
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
@@ -67,10 +66,10 @@ class Threshold {
     return at;
   }
 
-  // Whether a decision may be chance: near the threshold, or left open by the run and still not kept. Without a threshold nothing has
+  // Whether a decision may be chance: near the threshold, or doubted by the run and still as the run decided. Without a threshold nothing has
   // L > 0, which is certain only where the errors are known.
   isOpen(row, flip, passes) {
-    if (this.leftOpen[row] && !passes) return true;
+    if (this.doubted[row] && this.asKept && Boolean(passes) === Boolean(this.asKept[row])) return true;
     const error = this.errorOf(row);
     if (flip === null) return Boolean(this.midway) && Number.isNaN(error);
     return !(Math.abs(this.values[row] - flip) >= this.within * error);
@@ -152,21 +151,20 @@ class Threshold {
 
   // Wrong and missed connections that the probabilities expect; null without probabilities. A pair of fragments counts once.
   expectedErrors() {
-    if (!this.probability || !this.attached[0]) return null;
+    if (!this.probability) return null;
     let wrong = 0, missed = 0;
     const pairs = new Map(), fragment = this.fragments.of;
     for (let row = 0; row < this.rows; row++) {
       const stated = this.probability[row];
       if (Number.isNaN(stated)) continue;
       const p = this.decided.size ? this.chance(row) : stated, kept = this.kept[row];
-      const scale = stated > 0 ? p / stated : 0, [x, y] = this.attached.map(of => scale * of[row]);
-      if (kept) wrong += 1 - Math.max(p, Math.min(x + y, 1));
+      if (kept) wrong += 1 - p;
       const [a, b] = this.ends.map(of => fragment[of[row]]);
       if (a === b) { missed += kept ? 0 : p; continue; }
-      const key = a < b ? `${a},${b}` : `${b},${a}`, pair = pairs.get(key) || [0, 0, false];
-      pairs.set(key, [Math.max(pair[0], a < b ? x : y), Math.max(pair[1], a < b ? y : x), pair[2] || Boolean(kept)]);
+      const key = a < b ? `${a},${b}` : `${b},${a}`, [most, joined] = pairs.get(key) || [0, false];
+      pairs.set(key, [Math.max(most, p), joined || Boolean(kept)]);
     }
-    for (const [x, y, joined] of pairs.values()) if (!joined) missed += Math.min(x + y, 1);
+    for (const [most, joined] of pairs.values()) if (!joined) missed += most;
     return { wrong, missed };
   }
 
