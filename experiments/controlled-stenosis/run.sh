@@ -9,3 +9,4 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/controlled-stenosis/run.py
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record controlled-stenosis

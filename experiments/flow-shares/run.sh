@@ -111,3 +111,4 @@ variants >"$work/variants.md"
 splice shares
 splice variants
 cat "$work/shares.md" "$work/variants.md"
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record flow-shares

@@ -56,3 +56,4 @@ printed manual "$bench" "$data" "$work/manual"
 printed rings "$gapbench" "$data"
 printed intact "$data"
 "$python" $here/scores.py "$bench" "$work"
+[ -n "$tried${LEVELS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record skeletons
