@@ -53,7 +53,7 @@ impl Default for Made {
 /// # Errors
 ///
 /// An input of the panel that the program refuses.
-pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(&'static str, String)>> {
+pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(String, String)>> {
     type Answer = fn(&Made, &Path, &mut Digest) -> Result<()>;
     let scratch = tempfile::tempdir()?;
     let panel: [(&'static str, Answer); 16] = [
@@ -77,7 +77,7 @@ pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(&'
     let one = |(name, answer): (&'static str, Answer)| {
         let mut digest = Digest::default();
         answer(made, scratch.path(), &mut digest)?;
-        Ok((name, digest.end()))
+        Ok((name.to_owned(), digest.end()))
     };
     panel.into_iter().filter(|(name, _)| which(name)).map(one).collect()
 }

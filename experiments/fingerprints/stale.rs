@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 /// The fingerprints of a version: name and digest.
-pub type Prints = [(&'static str, String)];
+pub type Prints = [(String, String)];
 
 /// How the first line of a stale experiment begins.
 const STALE: &str = "> **Stale.**";
@@ -30,6 +30,12 @@ pub struct Part {
 fn rows(path: &Path) -> io::Result<Vec<Vec<String>>> {
     let text = fs::read_to_string(path)?;
     Ok(text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect())
+}
+
+/// The fingerprints as they were last written down.
+pub fn known(root: &Path) -> io::Result<Vec<(String, String)>> {
+    let rows = rows(&root.join("experiments/fingerprints.csv"))?;
+    Ok(rows.into_iter().filter_map(|row| <[String; 2]>::try_from(row).ok()).map(|[name, digest]| (name, digest)).collect())
 }
 
 /// The table of what rests on what.
@@ -85,17 +91,17 @@ pub fn record(root: &Path, now: &Prints, experiment: &str, part: Option<&str>) -
 }
 
 /// The first line of the README of a stale experiment.
-fn stale_line(experiment: &str, moved: &[String]) -> String {
+fn stale_line(moved: &[String]) -> String {
     let moved = moved.join("`, `");
     format!(
-        "{STALE} Made before these answers changed: `{moved}`. The README and the book do not cite it until `experiments/{experiment}` is run again."
+        "{STALE} Not recorded as made with the present answers: `{moved}`. README.md and the book do not cite it until it is run again."
     )
 }
 
 /// README.md of an experiment as it should be.
-fn marked(text: &str, experiment: &str, moved: &[String]) -> String {
+fn marked(text: &str, moved: &[String]) -> String {
     let bare = if text.starts_with(STALE) { text.split_once("\n\n").map_or("", |(_, rest)| rest) } else { text };
-    if moved.is_empty() { bare.to_owned() } else { format!("{}\n\n{bare}", stale_line(experiment, moved)) }
+    if moved.is_empty() { bare.to_owned() } else { format!("{}\n\n{bare}", stale_line(moved)) }
 }
 
 /// A page with the tables that it takes from experiments, where these stand.
@@ -117,7 +123,7 @@ fn with_tables(root: &Path, text: &str, moved: &BTreeMap<String, Vec<String>>) -
             fs::read_to_string(root.join("experiments").join(table))?
         } else {
             format!(
-                "*The answers have changed since `experiments/{experiment}` was run; its table stands here again when it is run anew.*\n"
+                "*`experiments/{experiment}` is to be run again with the present answers; its table stands here when it is.*\n"
             )
         };
         inside = Some(format!("{BEGIN}{table}:end -->"));
@@ -141,7 +147,7 @@ pub fn mark(root: &Path, now: &Prints) -> io::Result<()> {
     let all = moved(root, now)?;
     for (experiment, moved) in &all {
         let page = root.join("experiments").join(experiment).join("README.md");
-        replace(&page, |text| Ok(marked(text, experiment, moved)))?;
+        replace(&page, |text| Ok(marked(text, moved)))?;
     }
     pages(root)?.iter().try_for_each(|page| replace(page, |text| with_tables(root, text, &all)))
 }
@@ -158,7 +164,7 @@ pub fn faults(root: &Path, now: &Prints) -> io::Result<Vec<String>> {
     let mut faults = Vec::new();
     for (experiment, moved) in &all {
         let text = fs::read_to_string(root.join("experiments").join(experiment).join("README.md"))?;
-        if text != marked(&text, experiment, moved) {
+        if text != marked(&text, moved) {
             let why = if moved.is_empty() {
                 "is marked as stale, and is not".to_owned()
             } else {

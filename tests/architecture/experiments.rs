@@ -19,11 +19,7 @@ use crate::pages::root;
 #[test]
 fn stale_experiments_say_so_and_no_page_cites_them() {
     let now = fingerprints(&Made::default(), |_| true).expect("answers");
-    let table = fs::read_to_string(root().join("experiments/fingerprints.csv")).expect("a table");
-    let known: Vec<&str> = table.lines().skip(1).collect();
-    let here: Vec<String> = now.iter().map(|(name, digest)| format!("{name},{digest}")).collect();
-    let moved: Vec<_> = here.iter().filter(|line| !known.contains(&line.as_str())).collect();
-    assert!(moved.is_empty() && known.len() == here.len(), "answers have moved: {moved:?}; see CONTRIBUTING.md, \"Experiments\"");
+    assert_eq!(stale::known(&root()).expect("a table"), now, "answers have moved; see CONTRIBUTING.md, \"Experiments\"");
     assert_eq!(faults(&root(), &now).expect("read"), Vec::<String>::new());
 }
 
@@ -36,10 +32,8 @@ fn every_experiment_says_what_it_rests_on() {
     let folders = folders.filter(|entry| entry.path().join("README.md").is_file());
     assert_eq!(listed, folders.map(|entry| entry.file_name().into_string().expect("a name")).collect());
     let served: BTreeSet<&str> = parts.iter().flat_map(|part| part.rests_on.iter().map(String::as_str)).collect();
-    let table = fs::read_to_string(root().join("experiments/fingerprints.csv")).expect("a table");
-    let known: BTreeSet<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
-    // No experiment judges tubes yet but the one that fitted their weights.
-    assert_eq!(known.difference(&served).copied().collect::<Vec<_>>(), [""; 0]);
+    let known = stale::known(&root()).expect("a table");
+    assert_eq!(served, known.iter().map(|(name, _)| name.as_str()).collect());
 }
 
 /// One number of a file that ships, changed by a tenth of itself and a tenth.
@@ -96,7 +90,7 @@ fn one_weight_moves_what_rests_on_it_and_nothing_else() {
     ];
     for (what, made, must, may, which) in cases {
         let after = fingerprints(&made, which).expect("answers");
-        let moved: Vec<&str> = after.iter().filter(|print| !before.contains(print)).map(|(name, _)| *name).collect();
+        let moved: Vec<&str> = after.iter().filter(|print| !before.contains(print)).map(|(name, _)| name.as_str()).collect();
         assert!(must.iter().all(|name| moved.contains(name)), "{what}: {moved:?}");
         assert!(moved.iter().all(|name| must.contains(name) || may.contains(name)), "{what}: {moved:?}");
     }
@@ -123,8 +117,8 @@ fn project() -> tempfile::TempDir {
     here
 }
 
-fn prints(joins: &str, flow: &str) -> [(&'static str, String); 2] {
-    [("joins", joins.to_owned()), ("flow", flow.to_owned())]
+fn prints(joins: &str, flow: &str) -> [(String, String); 2] {
+    [("joins", joins), ("flow", flow)].map(|(name, digest)| (name.to_owned(), digest.to_owned()))
 }
 
 #[test]
@@ -148,7 +142,7 @@ fn what_moved_is_named_until_it_is_marked_or_run_again() {
     mark(here, &new).expect("marked");
     assert_eq!(faults(here, &new).expect("read"), [""; 0]);
     let readme = || fs::read_to_string(here.join("experiments/yield/README.md")).expect("a page");
-    assert!(readme().starts_with("> **Stale.** Made before these answers changed: `joins`."), "{}", readme());
+    assert!(readme().starts_with("> **Stale.** Not recorded as made with the present answers: `joins`."), "{}", readme());
     assert!(!page().contains("7 of 9"));
     // A figure that a person types beside its name is found.
     fs::write(here.join("README.md"), "# Project\n\n`experiments/yield` finds\n7 of 9.\n").expect("written");
