@@ -9,6 +9,7 @@
 mod panel;
 mod stale;
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::{fs, process};
 
@@ -53,8 +54,11 @@ fn main() -> panel::Result<()> {
             process::exit(2);
         }
     };
-    let rows: String = now.iter().map(|(name, digest)| format!("{name},{digest}\n")).collect();
-    fs::write(root.join("experiments/fingerprints.csv"), "fingerprint,digest\n".to_owned() + &rows)?;
+    let mut table = "fingerprint,digest\n".to_owned();
+    for (name, digest) in &now {
+        writeln!(table, "{name},{digest}")?;
+    }
+    fs::write(root.join("experiments/fingerprints.csv"), table)?;
     stale::mark(root, &now)?;
     Ok(())
 }

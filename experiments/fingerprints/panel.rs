@@ -10,9 +10,8 @@ use willis::internals::modulation::Reading;
 use willis::internals::network::Origin;
 use willis::internals::phantom::{Breaks, Kind, Recipe, break_up, draw_scan};
 use willis::{
-    ArterySource, BoundaryOptions, Change, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions, ModulationOptions,
-    Network, PhenotypeOptions, Prior, ReadOptions, SamplingOptions, Silent, Stenosis, Uncertain, candidates, infer, label,
-    modulate, read, simulate,
+    ArterySource, BoundaryOptions, Change, Cut, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
+    PhenotypeOptions, Prior, ReadOptions, SamplingOptions, Stenosis, Uncertain, candidates, infer, modulate, read, simulate,
 };
 
 /// What the panel returns: every error is a fault of the program, for its inputs ship with it.
@@ -56,7 +55,7 @@ impl Default for Made {
 pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(String, String)>> {
     type Answer = fn(&Made, &Path, &mut Digest) -> Result<()>;
     let scratch = tempfile::tempdir()?;
-    let panel: [(&'static str, Answer); 16] = [
+    let panel: [(&'static str, Answer); 15] = [
         ("phantoms", phantoms),
         ("network", network),
         ("masks", masks),
@@ -71,7 +70,6 @@ pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(St
         ("paper", paper),
         ("flow", flow),
         ("modulation", modulation),
-        ("names", names),
         ("variants", variants),
     ];
     let one = |(name, answer): (&'static str, Answer)| {
@@ -305,17 +303,7 @@ fn modulation(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     Ok(())
 }
 
-/// Arteries by geometry alone, of fragments without evidence between them.
-fn names(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
-    let infer = InferOptions { prior: Some(Prior::Uniform), ..InferOptions::default() };
-    let named = label(broken_circle()?, &LabelOptions { model: made.names.clone(), infer }, &mut Silent)?;
-    named.network.vessels().for_each(|(_, vessel)| digest.word(&vessel.label));
-    digest.numbers(named.names.presence);
-    digest.numbers(named.names.labels.iter().flatten().map(|p| (p * 1e4).round()));
-    Ok(())
-}
-
-/// The variants of a broken circle with landmarks, which names support.
+/// The variants of a broken circle with landmarks. What lies between them is named by geometry, which takes longer than all the rest.
 fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let options = InferOptions {
         arteries: Some(ArterySource::Landmarks(data("broken-circle-of-willis.landmarks.csv"))),

@@ -21,7 +21,7 @@ pub struct Part {
     /// The folder.
     pub experiment: String,
     /// The part.
-    pub part: String,
+    pub name: String,
     /// The fingerprints by name.
     pub rests_on: Vec<String>,
 }
@@ -43,7 +43,7 @@ pub fn parts(root: &Path) -> io::Result<Vec<Part>> {
     let rows = rows(&root.join("experiments/depends.csv"))?;
     let part = |row: Vec<String>| {
         let [experiment, part, rests_on] = row.try_into().map_err(|_| io::Error::other("depends.csv: expected three fields"))?;
-        Ok(Part { experiment, part, rests_on: rests_on.split_whitespace().map(str::to_owned).collect() })
+        Ok(Part { experiment, name: part, rests_on: rests_on.split_whitespace().map(str::to_owned).collect() })
     };
     rows.into_iter().map(part).collect()
 }
@@ -51,7 +51,7 @@ pub fn parts(root: &Path) -> io::Result<Vec<Part>> {
 /// Per experiment the fingerprints that have moved since a part of it was made; none where it stands.
 pub fn moved(root: &Path, now: &Prints) -> io::Result<BTreeMap<String, Vec<String>>> {
     let mut all = BTreeMap::new();
-    for Part { experiment, part, rests_on } in parts(root)? {
+    for Part { experiment, name: part, rests_on } in parts(root)? {
         let made = rows(&made_with(root, &experiment)).unwrap_or_default();
         let moved: &mut Vec<String> = all.entry(experiment).or_default();
         for name in rests_on {
@@ -73,12 +73,12 @@ fn made_with(root: &Path, experiment: &str) -> PathBuf {
 /// Writes down that a part of an experiment was made with the answers of `now`; of all its parts, where none is named.
 pub fn record(root: &Path, now: &Prints, experiment: &str, part: Option<&str>) -> io::Result<()> {
     let own: Vec<Part> = parts(root)?.into_iter().filter(|p| p.experiment == experiment).collect();
-    if !own.iter().any(|p| part.is_none_or(|part| p.part == part)) {
+    if !own.iter().any(|p| part.is_none_or(|part| p.name == part)) {
         return Err(io::Error::other(format!("experiments/depends.csv has no {experiment} {}", part.unwrap_or_default())));
     }
     let before = rows(&made_with(root, experiment)).unwrap_or_default();
     let mut table = "part,fingerprint,digest\n".to_owned();
-    for Part { part: name, rests_on, .. } in own {
+    for Part { name, rests_on, .. } in own {
         if part.is_some_and(|part| part != name) {
             before.iter().filter(|row| row[0] == name).for_each(|row| table += &(row.join(",") + "\n"));
             continue;
@@ -119,13 +119,14 @@ fn with_tables(root: &Path, text: &str, moved: &BTreeMap<String, Vec<String>>) -
         let Some(table) = line.strip_prefix(BEGIN).and_then(|rest| rest.strip_suffix(":begin -->")) else { continue };
         let experiment = table.split('/').next().unwrap_or_default();
         let stands = moved.get(experiment).is_some_and(Vec::is_empty);
-        out += &if stands {
-            fs::read_to_string(root.join("experiments").join(table))?
+        if stands {
+            out += &fs::read_to_string(root.join("experiments").join(table))?;
         } else {
-            format!(
-                "*`experiments/{experiment}` is to be run again with the present answers; its table stands here when it is.*\n"
-            )
-        };
+            let _ = writeln!(
+                out,
+                "*`experiments/{experiment}` is to be run again with the present answers; its table stands here when it is.*"
+            );
+        }
         inside = Some(format!("{BEGIN}{table}:end -->"));
     }
     Ok(out)
