@@ -3,6 +3,7 @@ import csv
 import json
 import os
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -17,6 +18,14 @@ def willis(*arguments, threads=1, folder=None):
     done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     if done.returncode:
         raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
+
+
+def made_with(experiment, *parts):
+    """Writes down that parts of an experiment were just made with the answers of this version; not of a willis that is only tried."""
+    if "WILLIS" in os.environ:
+        print(f"not recorded, for WILLIS is set: experiments/{experiment}", file=sys.stderr)
+        return
+    subprocess.run(["cargo", "run", "--release", "--locked", "--quiet", "--example", "fingerprints", "--", "record", experiment, *parts], check=True, cwd=ROOT)
 
 
 def record(folder):

@@ -1,4 +1,4 @@
-# What the scripts on simulated scans begin with; source it. Sets bench, data, python and WILLIS, or ends the script where the benchmark is absent.
+# What the scripts on simulated scans begin with; source it. Sets bench, data, python, tried and WILLIS, or ends the script where the benchmark is absent.
 # WILLIS_SKELBENCH names the benchmark (../shared/skelbench), WILLIS_SHARED_DATA the tracings (../shared/data), WILLIS_PYTHON a Python with the
 # packages of the benchmark, WILLIS a willis to try in place of this one.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -10,5 +10,7 @@ if [ ! -d "$bench" ] || [ ! -d "$data/brava" ]; then
     echo "skipped: $bench or $data/brava is not there" >&2
     exit 0
 fi
-[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
+# What is only tried is not recorded.
+tried=${WILLIS:-}
+[ -n "$tried" ] || cargo build --release --locked --quiet --bin willis
 export WILLIS=${WILLIS:-$PWD/target/release/willis}

@@ -32,3 +32,4 @@ mkdir -p "$work"
     done
 } >"$here/results.csv"
 "$python" "$here/table.py"
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record candidates

@@ -7,5 +7,6 @@
 # No random numbers. WILLIS_SHARED_DATA names the folder of real subjects (../shared/data), WILLIS_PYTHON a Python.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cargo build --release --locked --quiet --bin willis
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/controlled-stenosis/run.py
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record controlled-stenosis

@@ -9,7 +9,7 @@ if [ ! -f "$measured" ]; then
     echo "skipped: $measured is not there" >&2
     exit
 fi
-cargo build --release --locked --quiet
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 work=target/flow-shares
 mkdir -p "$work"
 
@@ -17,7 +17,7 @@ mkdir -p "$work"
 simulate() {
     local outlets=$1 network=$2
     shift 2
-    target/release/willis simulate "data/circle-of-willis/$network.graphml" -o "$work/$outlets-$network" --force --quiet "$@"
+    "${WILLIS:-target/release/willis}" simulate "data/circle-of-willis/$network.graphml" -o "$work/$outlets-$network" --force --quiet "$@"
     awk -F, -v run="$outlets,$network" '
         NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
         { printf "%s,%s,%.6g\n", run, $at["label"], $at["flow_mL_per_min"] }' "$work/$outlets-$network/edges.csv"
@@ -111,3 +111,4 @@ variants >"$work/variants.md"
 splice shares
 splice variants
 cat "$work/shares.md" "$work/variants.md"
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record flow-shares

@@ -8,7 +8,9 @@ import judge
 import numpy as np
 import variants
 
-RANKINGS = ("plain L", "L with A", "frequency with A", "P alone")
+RANKINGS = ("random", "plain L", "L with A", "shortest gap", "frequency with A", "P alone")
+# Orders that the figure of a random one is the mean of.
+ORDERS = 50
 
 
 def rankings(job):
@@ -16,11 +18,19 @@ def rankings(job):
     case, with_prior, uniform = job
     rows = command.candidates(command.infer(with_prior))
     plain = command.candidates(command.infer(uniform))
-    return [judge.ranked(case, plain, "likelihood")] + [judge.ranked(case, rows, column) for column in ("likelihood", "frequency", "probability")]
+    by = lambda column: judge.ranked(case, rows, column)
+    for row in rows:
+        row["shortness"] = -float(row["length_mm"])
+    chance = []
+    for order in np.random.default_rng(0).random((ORDERS, len(rows))):
+        for row, at in zip(rows, order):
+            row["place"] = at
+        chance.append(by("place"))
+    return [np.mean(chance), judge.ranked(case, plain, "likelihood"), by("likelihood"), by("shortness"), by("frequency"), by("probability")]
 
 
 def flow(work, cases):
-    """Average precision by plain L, by L with A, by how often a bridge is in the forest, and by P."""
+    """Average precision in random order, by plain L, by L with A, the shortest first, by how often a bridge is in the forest, and by P."""
     weights = command.by_fold(work)
     got = bench.each(rankings, [(c, (c, c.folder, weights[c.fold], work / "willis", True), (c, c.folder, "uniform", work / "uniform", True)) for c in cases])
     rows = []
@@ -28,7 +38,7 @@ def flow(work, cases):
         some = [cases[k] for k in at]
         for column, ranking in enumerate(RANKINGS):
             rows.append(("flow", data, level, ranking, "AP", judge.mean(some, [got[k][column] for k in at])))
-        rows.append(("flow", data, level, "frequency - P", "AP", judge.mean(some, [got[k][2] - got[k][3] for k in at])))
+        rows.append(("flow", data, level, "frequency - P", "AP", judge.mean(some, [got[k][-2] - got[k][-1] for k in at])))
     return rows
 
 

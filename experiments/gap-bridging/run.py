@@ -12,6 +12,7 @@ if bench.missing():
     sys.exit()
 
 import command
+import common
 import contest
 import figures
 import hydraulics
@@ -46,6 +47,8 @@ def main():
                 rows = (hydraulics.hydraulics if part == "hydraulics" else getattr(questions, part))(work, cases)
             tables.save(rows)
             tables.write(part)
+            if options.every == 1:
+                common.made_with("gap-bridging", part)
             print(f"{part}: {time.monotonic() - begun:.0f} s", file=sys.stderr)
 
 

@@ -70,6 +70,12 @@ def main(r):
     return {"main": common.table(["cases", "method", *contest.FIGURES], lines), "pooled": common.table(["pooled ECE, all levels", *calibrated], pooled), "paired": common.table(["willis less forest2", *both], paired)}
 
 
+def ablation(r):
+    """What ranks the candidates of brains at medium damage, for the book."""
+    found = [(ranking, r.get("flow", "brains", "medium", ranking, "AP")) for ranking in questions.RANKINGS]
+    return common.table(["ranked by", "AP"], [[ranking, cell(row)] for ranking, row in found if row])
+
+
 def flow(r):
     lines = [[f"{data}, {level}"] + [cell(r.get("flow", data, level, ranking, "AP")) for ranking in questions.RANKINGS] + [cell(r.get("flow", data, level, "frequency - P", "AP"), True)] for data, level in r.groups("flow")]
     return {"flow": common.table(["cases", *questions.RANKINGS, "frequency less P"], lines)}
@@ -114,3 +120,5 @@ def write(part):
         if FOLDER == bench.HERE:
             common.splice(FOLDER / "README.md", mark, text)
         print(text + "\n", flush=True)
+    if part == "flow":
+        (FOLDER / "ablation.md").write_text(ablation(Results()) + "\n")

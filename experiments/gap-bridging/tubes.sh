@@ -11,3 +11,4 @@ cd "$(dirname "$0")/../.."
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 [ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/gap-bridging/tubes.py "$@"
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record gap-bridging tubes

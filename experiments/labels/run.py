@@ -39,6 +39,7 @@ def main():
                 print(text + "\n", flush=True)
                 if options.seed == OTHER_DRAW:
                     common.splice(README, name, text)
+                    common.made_with("labels", name)
 
 
 if __name__ == "__main__":

@@ -45,3 +45,4 @@ else
     echo "skipped: $data has no masks" >&2
 fi
 "$python" "$here/table.py"
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record masks

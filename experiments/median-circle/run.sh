@@ -6,5 +6,6 @@
 # WILLIS_PYTHON names a Python.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cargo build --release --locked --quiet --bin willis
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/median-circle/run.py
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record median-circle

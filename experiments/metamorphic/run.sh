@@ -4,3 +4,4 @@ set -eu
 cd "$(dirname "$0")/../.."
 WILLIS_METAMORPHIC=table cargo test --release --test inference metamorphic -- --nocapture | grep '^|' > experiments/metamorphic/table.md
 cat experiments/metamorphic/table.md
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record metamorphic

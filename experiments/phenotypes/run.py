@@ -6,6 +6,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import cohort
+import common
 import damaged
 import literature
 import patients
@@ -36,6 +37,7 @@ def main():
             print(text)
             if options.seeds == SEEDS and options.seed == 101:
                 tables.put(name, text)
+                common.made_with("phenotypes", name)
 
 
 if __name__ == "__main__":

@@ -7,5 +7,6 @@
 # contacts.py has the table of automatic skeletons; run.sh does not run it, for it needs the cases of experiments/skeletons.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cargo build --release --locked --quiet --bin willis
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/redundant-topologies/run.py
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record redundant-topologies ""

@@ -6,5 +6,6 @@
 # WILLIS_SHARED_DATA names the folder of real subjects (../shared/data), WILLIS_PYTHON a Python.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cargo build --release --locked --quiet --bin willis
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
 "${WILLIS_PYTHON:-python3}" experiments/resistance-modulation/run.py
+[ -n "${WILLIS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record resistance-modulation

@@ -57,3 +57,4 @@ printed contacts "$bench" "$work"
 printed rings "$gapbench" "$data"
 printed intact "$data"
 "$python" $here/scores.py "$bench" "$work"
+[ -n "$tried${LEVELS:-}" ] || cargo run --release --locked --quiet --example fingerprints -- record skeletons

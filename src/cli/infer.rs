@@ -64,8 +64,10 @@ pub struct InferenceArgs {
     #[command(flatten)]
     pub sampling: SamplingArgs,
     /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is more probable than PRICE, 1.5, times the
-    /// probability that what hangs there is nothing; a smaller price leaves fewer fragments alone), median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F, probability=P
-    /// [default: probable where candidates come with evidence, else median]
+    /// probability that what hangs there is nothing; a smaller price leaves fewer fragments alone), best-first[=P] (the most probable
+    /// candidates down to P, each free end once), reconnect[=P] (the same, then contacts and candidates that join two parts),
+    /// probability=P, median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F
+    /// [default: probable on tracings, best-first on skeletons, reconnect where contacts were found, median without evidence]
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
     pub keep: Option<String>,
     /// What a person decided on connections, as report.html writes it (decisions.csv): accepted ones are certain, rejected ones are gone;

@@ -48,7 +48,8 @@ pub struct InferOptions {
     /// Whether samples are doubled until every decision is two standard errors from flipping, up to 2²⁰, whatever
     /// [`SamplingOptions::samples`] says.
     pub until_stable: bool,
-    /// Which uncertain vessels stay; by default the most probable forest where candidates come with evidence, else the median.
+    /// Which uncertain vessels stay; by default those of the most probable forest on tracings, the most probable candidates on
+    /// skeletons, with the contacts that join two parts where contacts were found, and without evidence those above the median of L.
     pub keep: Option<Keep>,
     /// The decisions of a person, as the page of a run writes them: accepted connections are certain, rejected ones are gone.
     pub decisions: Option<PathBuf>,

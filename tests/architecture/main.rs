@@ -1,5 +1,6 @@
 //! The layers of the code, and the documentation against the program.
 
 mod docs;
+mod experiments;
 mod layers;
 mod pages;

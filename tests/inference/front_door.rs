@@ -4,7 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use willis::error::Error;
-use willis::{InferOptions, Inference, Input, Keep, ReadOptions, SaveOptions, infer, read, read_bytes, write};
+use willis::{
+    BoundaryOptions, FoundOutlets, InferOptions, Inference, Input, Keep, ReadOptions, SamplingOptions, SaveOptions, infer, read,
+    read_bytes, write,
+};
 
 const BROKEN: &str = "data/broken-circle-of-willis.swc";
 
@@ -54,6 +57,34 @@ fn a_run_decided_again_is_a_run_with_that_rule() {
     assert_ne!(run.kept(), again.kept());
     assert_eq!(saved(&again), saved(&fresh));
     assert!(run.decided_by(Keep::Probability(2.0)).is_err());
+}
+
+/// What README says: by default geometry and mask decide. Nothing of the flow moves a probability or what is kept, though it moves L.
+#[test]
+fn flow_decides_neither_the_probability_nor_what_is_kept() {
+    for file in [BROKEN, "data/scan.nii.gz"] {
+        let input = read(file.as_ref(), &ReadOptions::default()).unwrap();
+        let answer = |options: &InferOptions| {
+            let run = infer(&input, options).unwrap();
+            let [_, vessels] = run.tables().unwrap();
+            let column = |name: &str| format!("{:?}", vessels.iter().find(|column| column.name == name).unwrap().values);
+            ([column("probability"), column("kept")], column("likelihood"))
+        };
+        let plain = options(64);
+        let sampled = |with: SamplingOptions| InferOptions { sampling: with, ..plain.clone() };
+        let ground = BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() };
+        let usual = answer(&plain);
+        for other in [
+            sampled(SamplingOptions { epsilon: 0.9, ..plain.sampling.clone() }),
+            sampled(SamplingOptions { viscosity: 0.03, ..plain.sampling.clone() }),
+            sampled(SamplingOptions { seed: 7, ..plain.sampling.clone() }),
+            InferOptions { boundary: ground, ..plain.clone() },
+        ] {
+            let found = answer(&other);
+            assert_eq!(usual.0, found.0, "{file}");
+            assert_ne!(usual.1, found.1, "{file}");
+        }
+    }
 }
 
 #[test]
