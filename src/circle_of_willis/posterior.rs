@@ -41,23 +41,23 @@ pub struct Informant<'a> {
 pub struct DecidingCandidate {
     /// The candidate's row.
     pub vessel: usize,
-    /// The share of topologies with it.
-    pub probability: f64,
-    /// The probability of the most probable variant among the topologies with it ...
+    /// The share of the topologies with it, by weight. It is not its P: names weigh in, and one free end continues along one candidate.
+    pub share_with: f64,
+    /// The share of the most probable variant among the topologies with it ...
     pub with: f64,
     /// ... and among those without it.
     pub without: f64,
 }
 
 impl DecidingCandidate {
-    /// How much the variant depends on the candidate: the covariance of the two, |with - without| p (1 - p).
-    pub fn share(&self) -> f64 {
-        (self.with - self.without).abs() * self.probability * (1.0 - self.probability)
+    /// How much the variant depends on the candidate: the covariance of the two, |with - without| s (1 - s), with s its share.
+    pub fn covariance(&self) -> f64 {
+        (self.with - self.without).abs() * self.share_with * (1.0 - self.share_with)
     }
 }
 
 /// A candidate below this covariance is not listed.
-const LEAST_SHARE: f64 = 1e-3;
+const LEAST_COVARIANCE: f64 = 1e-3;
 
 impl Posterior {
     /// Counts the variants of sampled topologies of `network`.
@@ -204,10 +204,10 @@ fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: 
             }
         }
         let without = share(of_best - both, all - there).clamp(0.0, 1.0);
-        DecidingCandidate { vessel, probability: share(there, all), with: share(both, there), without }
+        DecidingCandidate { vessel, share_with: share(there, all), with: share(both, there), without }
     };
     let candidates = (0..network.vessel_count()).filter(|row| network.vessel(*row).origin == Origin::Candidate);
-    let mut deciding: Vec<DecidingCandidate> = candidates.map(of).filter(|d| d.share() >= LEAST_SHARE).collect();
-    deciding.sort_by(|a, b| b.share().total_cmp(&a.share()));
+    let mut deciding: Vec<DecidingCandidate> = candidates.map(of).filter(|d| d.covariance() >= LEAST_COVARIANCE).collect();
+    deciding.sort_by(|a, b| b.covariance().total_cmp(&a.covariance()));
     deciding
 }

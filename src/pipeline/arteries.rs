@@ -156,6 +156,11 @@ impl FoundArteries {
         json!(self.landmarks)
     }
 
+    /// All of it where geometry is all that it is known by: a search of the pose from other beginnings ends in other last digits.
+    pub(crate) fn by_geometry_record(&self) -> Value {
+        if self.landmarks.is_none() && self.named.is_some() { json!(self) } else { Value::Null }
+    }
+
     /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
     pub(crate) fn write_landmarks(&self, folder: &Path) -> Result<()> {
         let Some((format, text)) = &self.copy else { return Ok(()) };

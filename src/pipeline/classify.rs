@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
+use super::stored_run::StoredRun;
 use super::{ArterySource, InferOptions, Input, Silent, prepare};
 use crate::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels};
 use crate::decision::{Keep, decide, has_evidence};
@@ -76,7 +77,13 @@ pub fn classify(
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
     let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
-    let mut found = chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?;
+    // What the run found holds, as long as nobody asks for another way to find it.
+    let as_the_run = |run: &StoredRun| source.is_none() && phenotypes.arteries == run.options.infer.phenotypes.arteries;
+    let stored = input.run.as_ref().filter(|run| as_the_run(run)).and_then(|run| run.named.clone());
+    let mut found = match stored {
+        Some(found) => found,
+        None => chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?,
+    };
     if source.is_none() {
         check_landmarks(input, &found)?;
     }

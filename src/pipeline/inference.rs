@@ -268,6 +268,7 @@ impl Inference {
             let subject = stem(Path::new(&prepared.provenance.input));
             write_phenotype(folder, &subject, (&variant, &self.hypoplastic), Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
+            summary.named = found.by_geometry_record();
             summary.supply = supply_json(&prepared.graph, &self.supplies);
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;

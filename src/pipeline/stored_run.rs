@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::arteries::ArterySource;
+use super::arteries::{ArterySource, FoundArteries};
 use super::options::RunOptions;
 use crate::error::{Fault, Result};
 use crate::output::names::{GRAPH, LANDMARKS, RECORD};
@@ -23,6 +23,8 @@ pub(crate) struct StoredRun {
     pub(crate) given: Vec<usize>,
     /// The SHA-256 of its landmarks.
     pub(crate) landmarks: Option<String>,
+    /// Its arteries, where it found them by their geometry.
+    pub(crate) named: Option<FoundArteries>,
     sha256: String,
 }
 
@@ -33,6 +35,9 @@ struct Record {
     parameters: Value,
     boundary_conditions: Vec<StoredCondition>,
     graph: Option<Graph>,
+    /// Not in the records of early versions.
+    #[serde(default)]
+    named: Option<FoundArteries>,
 }
 
 #[derive(Deserialize)]
@@ -77,6 +82,7 @@ impl StoredRun {
             samples,
             given: record.boundary_conditions.iter().filter(|c| !c.found).map(|c| c.node).collect(),
             landmarks: record.parameters["landmarks"]["sha256"].as_str().map(str::to_owned),
+            named: record.named,
             sha256: record.graph.map(|graph| graph.sha256).unwrap_or_default(),
         })
     }

@@ -114,7 +114,7 @@ fn describe(column: &str) -> Option<Value> {
         return Some(count(&format!("The share of the blood of {territory} that comes by {feeder}, on average.")));
     }
     if let Some(territory) = column.strip_suffix("_arrival_ms").filter(|name| is_territory(name)) {
-        let about = format!("Mean time since the blood of {territory} entered, on average.");
+        let about = format!("Mean time since the blood of {territory} entered, the median over the plausible topologies.");
         return Some(json!({ "Description": about, "Units": "ms" }));
     }
     let (territory, feeder) = column.split_once("_without_").filter(|(_, feeder)| is_feeder(feeder))?;

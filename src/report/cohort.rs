@@ -262,7 +262,7 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         for feeder in FEEDERS.map(|artery| artery.to_string()) {
             figures.push((format!("{territory}_from_{feeder}").into(), number(&supply["shares"][&feeder]["mean"])));
         }
-        figures.push((format!("{territory}_arrival_ms").into(), number(&supply["arrival_ms"]["mean"])));
+        figures.push((format!("{territory}_arrival_ms").into(), number(&supply["arrival_ms"]["median"])));
     }
     figures
 }

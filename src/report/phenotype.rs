@@ -57,7 +57,9 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
         let [a, b] = network.ends(d.vessel);
         json!({
             "edge": d.vessel, "node_a": a, "node_b": b, "id_a": network.node(a).id, "id_b": network.node(b).id,
-            "probability": d.probability, "variant_with": d.with, "variant_without": d.without,
+            // P as edges.csv has it, and how much of the weight of the topologies has the candidate.
+            "probability": network.vessel(d.vessel).evidence.as_ref().map(|evidence| evidence.probability),
+            "share": d.share_with, "variant_with": d.with, "variant_without": d.without,
         })
     };
     let segments: serde_json::Map<String, Value> =

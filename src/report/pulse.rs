@@ -63,7 +63,6 @@ pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
         let pressures: Vec<Option<Indices>> =
             pulse.vessels.iter().map(|v| v.pressure.as_ref().map(|p| Indices::of(p, period, 0.0))).collect();
         let shears: Vec<[f64; 3]> = rows.clone().map(|row| shear(pulses, pulse, row)).collect();
-        let foot = pulse.node_indices(pulses.first.node).map_or(f64::NAN, |first| first.foot);
         let speed = |row: usize, of: &dyn Fn(&crate::simulation::pulse::womersley::Segment) -> f64| {
             pulse.walls[row].halves[0].first().map_or(f64::NAN, of)
         };
@@ -84,7 +83,7 @@ pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
         push("pressure_max_mmHg", &|row| pressure(row, &|p| mmhg(p.max)));
         push("pressure_min_mmHg", &|row| pressure(row, &|p| mmhg(p.min)));
         push("pressure_delay_ms", &|row| pressure(row, &|p| milliseconds(pulses.delay(p.phase, period))));
-        push("pulse_arrival_ms", &|row| pressure(row, &|p| milliseconds(behind(p.foot, foot, period))));
+        push("pulse_arrival_ms", &|row| milliseconds(pulse.arrivals.vessels[row] - pulse.arrivals.first));
         push("wave_speed_m_per_s", &|row| speed(row, &|s| s.wave_speed(&pulses.fluid)));
         push("phase_speed_m_per_s", &|row| speed(row, &|s| s.phase_speed(&pulses.fluid, frequency)));
         push("womersley", &|row| speed(row, &|s| womersley_number(&pulses.fluid, frequency, s.radius)));
@@ -113,7 +112,6 @@ pub fn pulse_node_columns(pulses: &Pulses) -> Vec<Column> {
     let mut columns = Vec::new();
     for (pulse, suffix) in pulses.states() {
         let found: Vec<Option<Indices>> = (0..pulse.pressure.len()).map(|node| pulse.node_indices(node)).collect();
-        let foot = found[pulses.first.node].map_or(f64::NAN, |first| first.foot);
         let mut push = |name: &str, of: &dyn Fn(&Indices) -> f64| {
             columns.push(Column::real(format!("{name}{suffix}"), found.iter().map(|p| p.as_ref().map_or(f64::NAN, of))));
         };
@@ -121,8 +119,12 @@ pub fn pulse_node_columns(pulses: &Pulses) -> Vec<Column> {
         push("pressure_max_mmHg", &|p| mmhg(p.max));
         push("pressure_min_mmHg", &|p| mmhg(p.min));
         push("delay_ms", &|p| milliseconds(pulses.delay(p.phase, pulse.period)));
-        push("foot_ms", &|p| milliseconds(p.foot));
-        push("pulse_arrival_ms", &|p| milliseconds(behind(p.foot, foot, pulse.period)));
+        let arrivals = &pulse.arrivals;
+        let mut push = |name: &str, of: &dyn Fn(f64) -> f64| {
+            columns.push(Column::real(format!("{name}{suffix}"), arrivals.nodes.iter().map(|foot| milliseconds(of(*foot)))));
+        };
+        push("foot_ms", &|foot| foot.rem_euclid(pulse.period));
+        push("pulse_arrival_ms", &|foot| foot - arrivals.first);
     }
     columns
 }

@@ -59,6 +59,9 @@ pub struct Summary {
     /// Who feeds each territory of a Circle of Willis.
     #[serde(skip_serializing_if = "Value::is_null")]
     pub supply: Value,
+    /// Where the arteries of a circle are by geometry, for a later command to go on from.
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pub named: Value,
     notes: Vec<String>,
     /// What differs between two runs of one command.
     pub time: Value,
@@ -262,6 +265,7 @@ impl Summary {
             graph: Value::Null,
             phenotype: Value::Null,
             supply: Value::Null,
+            named: Value::Null,
             notes: provenance.notes.clone(),
             time: Value::Null,
         }

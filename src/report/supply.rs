@@ -22,14 +22,14 @@ pub fn supply_columns(network: &Network, supplies: &[Supply]) -> Vec<Column> {
     let real = |name: &'static str, of: &dyn Fn(&Supply, usize) -> f64| Column::real(name, rows().map(|(s, f)| of(s, f)));
     let spread = |names: [&'static str; 3], of: &dyn Fn(&Supply, usize) -> Spread| {
         [
-            real(names[0], &|s, f| of(s, f).mean),
+            real(names[0], &|s, f| of(s, f).middle),
             real(names[1], &|s, f| of(s, f).interval[0]),
             real(names[2], &|s, f| of(s, f).interval[1]),
         ]
     };
     let arrival = |supply: &Supply, _: usize| {
-        let Spread { mean, interval } = supply.arrival;
-        Spread { mean: milliseconds(mean), interval: interval.map(milliseconds) }
+        let Spread { middle, interval } = supply.arrival;
+        Spread { middle: milliseconds(middle), interval: interval.map(milliseconds) }
     };
     let mut columns = vec![
         text("kind", &|s, _| if matches!(s.destination, Destination::Outlet(_)) { "outlet" } else { "territory" }.to_owned()),
@@ -42,14 +42,13 @@ pub fn supply_columns(network: &Network, supplies: &[Supply]) -> Vec<Column> {
     columns
 }
 
-/// For each territory the shares of its blood by feeder, and the mean time since it entered in ms, each with its mean and interval.
+/// For each territory the shares of its blood by feeder, with their means, and the mean time since it entered in ms, with its median; each with its interval.
 pub fn supply_json(network: &Network, supplies: &[Supply]) -> Value {
-    let spread =
-        |spread: &Spread, unit: fn(f64) -> f64| json!({ "mean": unit(spread.mean), "interval_90": spread.interval.map(unit) });
+    let spread = |middle: &str, spread: &Spread, unit: fn(f64) -> f64| json!({ middle: unit(spread.middle), "interval_90": spread.interval.map(unit) });
     let each = |supply: &Supply| {
-        let shares = FEEDERS.iter().zip(&supply.shares).map(|(feeder, share)| (feeder.to_string(), spread(share, |x| x)));
+        let shares = FEEDERS.iter().zip(&supply.shares).map(|(feeder, share)| (feeder.to_string(), spread("mean", share, |x| x)));
         let shares: Map<String, Value> = shares.collect();
-        let arrival = spread(&supply.arrival, milliseconds);
+        let arrival = spread("median", &supply.arrival, milliseconds);
         (name(network, supply.destination), json!({ "p_fed": supply.fed, "shares": shares, "arrival_ms": arrival }))
     };
     let territories = supplies.iter().filter(|supply| matches!(supply.destination, Destination::Territory(_)));

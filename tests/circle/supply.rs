@@ -27,10 +27,10 @@ fn a_fetal_artery_is_fed_by_the_carotid() {
         };
         let is_it = |destination: &Destination| matches!(destination, Destination::Outlet(node) if label(*node) == "L-P2");
         let outlet = phenotype.supplies.iter().find(|supply| is_it(&supply.destination)).expect("the outlet");
-        let shares = outlet.shares.map(|share| share.mean);
+        let shares = outlet.shares.map(|share| share.middle);
         assert!((shares[0] - share).abs() < 1e-6, "{name}: {shares:?}");
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {shares:?}");
-        assert!((1e3 * outlet.arrival.mean - arrival).abs() < 0.01, "{name}: {}", outlet.arrival.mean);
+        assert!((1e3 * outlet.arrival.middle - arrival).abs() < 0.01, "{name}: {}", outlet.arrival.middle);
         assert_eq!(outlet.shares[0].interval, [shares[0]; 2], "there is one topology");
         assert!((outlet.fed - 1.0).abs() < 1e-12);
         // The territory is where the artery begins: the same blood, earlier.
@@ -39,6 +39,6 @@ fn a_fetal_artery_is_fed_by_the_carotid() {
             .iter()
             .find(|supply| matches!(supply.destination, Destination::Territory(artery) if artery.to_string() == "L-P2"));
         let territory = territory.expect("the territory");
-        assert!((territory.shares[0].mean - share).abs() < 1e-6 && territory.arrival.mean < outlet.arrival.mean, "{name}");
+        assert!((territory.shares[0].middle - share).abs() < 1e-6 && territory.arrival.middle < outlet.arrival.middle, "{name}");
     }
 }

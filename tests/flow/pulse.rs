@@ -7,6 +7,7 @@ use willis::internals::flow::WallLaw;
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Vessel, Wall, Windkessel};
 use willis::internals::perturbation::{Stenosis, StretchPlace};
+use willis::internals::simulation::pulse::arrival::rises;
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::indices::{Indices, behind};
 use willis::internals::simulation::pulse::womersley::{Fluid, Segment, viscous};
@@ -405,14 +406,85 @@ fn indices_of_a_cosine() {
     assert!((found.reversed_share - against / (2.0 + 2.0 * against)).abs() < 1e-4, "{}", found.reversed_share);
     assert!((found.reversed - against * 0.8).abs() < 1e-4);
     // The steepest rise is a quarter in; its tangent, 3ω, meets -1 after 3/(3ω) less.
-    assert!((found.foot - (0.2 - 0.8 / TAU)).abs() < 1e-9, "{}", found.foot);
+    let [rise] = rises(&[c(2.0, 0.0), c(-3.0, 0.0)], 0.8)[..] else { panic!("one rise") };
+    assert!((rise.foot - (0.2 - 0.8 / TAU)).abs() < 1e-9, "{rise:?}");
+    assert!(rises(&[c(2.0, 0.0), Complex64::ZERO], 0.8).is_empty());
     assert_eq!(samples(&[c(2.0, 0.0), c(-3.0, 0.0)], 4).map_or_round(), [-1, 2, 5, 2]);
     let back = Indices::of(&[c(-2.0, 0.0), c(3.0, 0.0)], 0.8, 0.0);
-    assert!(
-        (back.resistive - 1.2).abs() < 1e-9
-            && (back.foot - found.foot).abs() < 1e-9
-            && behind(back.phase, found.phase, 0.8).abs() < 1e-12
-    );
+    assert!((back.resistive - 1.2).abs() < 1e-9 && behind(back.phase, found.phase, 0.8).abs() < 1e-12);
+}
+
+/// A tube without friction that ends in its own wave impedance ρc/A sends nothing back: what enters is everywhere later by x/c, whatever its
+/// shape is and whenever its cycle begins, so that its foot is as well.
+#[test]
+fn in_a_matched_tube_the_pulse_arrives_after_length_over_speed() {
+    let (speed, area) = (6.0, PI * 4e-6);
+    let fluid = Fluid { viscosity: 1e-12, friction: Friction::Parabolic, ..BLOOD };
+    let lengths = [30.0, 250.0, 7.0, 600.0];
+    let tubes = network(5, lengths.iter().enumerate().map(|(k, mm)| ([k, k + 1], tube(*mm, 2.0))));
+    let ends = [(0, Condition::Pressure(100.0 * MMHG)), (4, outlet(1060.0 * speed / area))];
+    let shapes: [(&[f64], &[f64]); 4] = [
+        (&[0.0, 0.15, 0.35, 0.42, 0.9], &[80.0, 122.0, 102.0, 104.0, 80.0]),
+        (&[0.0, 0.05, 0.3, 0.35, 0.9], &[80.0, 120.0, 90.0, 110.0, 80.0]),
+        (&[0.0, 0.1, 0.2, 0.25, 0.9], &[70.0, 95.0, 96.0, 130.0, 70.0]),
+        (&[0.0, 0.45, 0.9], &[80.0, 120.0, 80.0]),
+    ];
+    for (shape, (times, mmhg)) in shapes.into_iter().enumerate() {
+        for offset in [0.0, 0.2, 0.45, 0.6, 0.88] {
+            for harmonics in [1, 8, 40] {
+                let pascals: Vec<f64> = mmhg.iter().map(|p| p * MMHG).collect();
+                let wave = coefficients(&waveform(times, &pascals), 0.9, harmonics);
+                let late = |n: usize| Complex64::cis(-TAU * n as f64 * offset / 0.9);
+                let wave: Vec<Complex64> = wave.iter().enumerate().map(|(n, c)| c * late(n)).collect();
+                let case = Case {
+                    law: WallLaw::Speed(speed),
+                    fluid,
+                    period: 0.9,
+                    time_constant: None,
+                    ..Case::new(&tubes, &ends, vec![pressure_wave(0, &wave)])
+                };
+                let found = case.solve().arrivals;
+                let mut x = 0.0;
+                for (row, mm) in lengths.iter().enumerate() {
+                    for (place, foot) in [(x + mm / 2e3, found.vessels[row]), (x + mm / 1e3, found.nodes[row + 1])] {
+                        let off = foot - found.first - place / speed;
+                        assert!(off.abs() < 1e-6, "shape {shape}, {harmonics} harmonics, {offset} s: {off} s off at {place} m");
+                    }
+                    x += mm / 1e3;
+                }
+                assert_eq!(found.nodes[0], found.first);
+            }
+        }
+    }
+}
+
+/// Whatever comes back, blood pressure rises at no place before it does at the place upstream; nothing rises where pressure is held, nor beyond.
+#[test]
+fn no_pulse_is_before_the_one_upstream() {
+    let pascals: Vec<f64> = [80.0, 122.0, 102.0, 104.0, 80.0].map(|p| p * MMHG).to_vec();
+    let wave = coefficients(&waveform(&[0.0, 0.15, 0.35, 0.42, 0.9], &pascals), 0.9, 40);
+    let mut draw = Draw::new(8);
+    for round in 0..40 {
+        let pieces = 2 + draw.below(5);
+        let mut line =
+            network(pieces + 2, (0..pieces).map(|k| ([k, k + 1], tube(draw.within(5.0, 200.0), draw.within(0.4, 3.0)))));
+        line.add_vessel([pieces, pieces + 1], tube(20.0, 1.0));
+        let end = if round % 2 == 0 { Condition::Pressure(0.0) } else { outlet(draw.within(1e8, 5e10)) };
+        let conditions = [(0, Condition::Pressure(100.0 * MMHG)), (pieces, end)];
+        let drive =
+            if round % 3 == 0 { flow(0, &wave.iter().map(|c| c * 1e-10).collect::<Vec<_>>()) } else { pressure_wave(0, &wave) };
+        let found = Case { period: 0.9, ..Case::new(&line, &conditions, vec![drive]) }.solve().arrivals;
+        let mut before = found.first;
+        for (row, (vessel, node)) in found.vessels.iter().zip(&found.nodes[1..]).enumerate().take(pieces) {
+            assert!(*vessel >= before, "round {round}, vessel {row}: {vessel} after {before}");
+            if row + 1 < pieces || round % 2 == 1 {
+                assert!(*node >= *vessel && *node < found.first + 0.9, "round {round}, node {}: {node} after {vessel}", row + 1);
+                before = *node;
+            } else {
+                assert!(node.is_nan() && found.vessels[pieces].is_nan(), "round {round}: {node}");
+            }
+        }
+    }
 }
 
 trait Rounded {

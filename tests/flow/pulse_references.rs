@@ -290,10 +290,7 @@ fn nothing_arrives_before_it_leaves() {
     let line = network(6, (0..5).map(|k| ([k, k + 1], tube(60.0, 2.0 - 0.2 * k as f64))));
     let conditions = [(0, Condition::Pressure(c[0].re)), (5, Condition::Resistance { resistance: 5e9, venous: 0.0 })];
     let pulse = Case { period: wave.own_period(), ..Case::new(&line, &conditions, vec![pressure_wave(0, &c)]) }.solve();
-    let foot = |node: usize| {
-        let pressure = pulse.pressure[node].as_ref().expect("a pressure");
-        willis::internals::simulation::pulse::indices::Indices::of(pressure, pulse.period, 0.0).foot
-    };
+    let foot = |node: usize| pulse.arrivals.nodes[node];
     for node in 1..6 {
         assert!(foot(node) > foot(node - 1), "{node}: {} s after {} s", foot(node), foot(node - 1));
     }
@@ -315,4 +312,51 @@ fn typical_shapes_are_those_of_their_model() {
             assert!((known - found).norm() < 1e-4, "{label}, harmonic {n}: {known} for {found}");
         }
     }
+}
+
+/// On the circles that ship and on the phantom, with any wave at the inlets and with an artery lost: no pulse before that of the earliest inlet,
+/// and figures within their bounds.
+#[test]
+fn figures_of_circles_are_possible() {
+    let here = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis"));
+    let scratch = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = scratch.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path.to_str().expect("UTF-8").to_owned()
+    };
+    let pressure = write("p.csv", "time_s,pressure_mmHg\n0,80\n0.15,122\n0.35,102\n0.42,104\n0.9,80\n");
+    let flow = write("q.csv", "time_s,flow_mL_per_min\n0,150\n0.1,400\n0.25,250\n0.3,280\n0.9,150\n");
+    let mut circles = 0;
+    for path in std::fs::read_dir(here).expect("circles").map(|entry| entry.expect("a file").path()) {
+        circles += 1;
+        for waveform in [pressure.clone(), flow.clone(), "typical".to_owned()] {
+            let name = format!("{} {waveform}", path.display());
+            let (network, pulses) = solve(&path, PulseOptions { waveforms: vec![waveform], ..PulseOptions::default() }, 3.5e-3);
+            let arrivals = &pulses.unperturbed.arrivals;
+            let inlets = (0..network.node_count()).filter(|node| network.node(*node).role == Some(Role::Inlet));
+            let earliest = inlets.map(|node| arrivals.nodes[node]).fold(f64::INFINITY, f64::min);
+            assert_eq!(earliest, arrivals.first, "{name}");
+            for foot in arrivals.nodes.iter().chain(&arrivals.vessels) {
+                assert!((0.0..0.3).contains(&(foot - earliest)), "{name}: {foot} s beside {earliest} s");
+            }
+            for column in willis::internals::report::pulse_vessel_columns(&pulses) {
+                let willis::internals::io::Values::Real(values) = &column.values else { continue };
+                let (low, high) = match column.name.as_ref() {
+                    "reversed_share" | "oscillatory_shear_index" => (0.0, 0.5),
+                    "pulsatility_index"
+                    | "resistive_index"
+                    | "reversed_volume_ratio"
+                    | "pulse_arrival_ms"
+                    | "wall_shear_mean_Pa" => (0.0, f64::INFINITY),
+                    _ => continue,
+                };
+                // Without a mean there is no index.
+                let possible = |x: &&f64| !(x.is_nan() || (low..=high).contains(*x));
+                let wrong = values.iter().find(possible);
+                assert!(wrong.is_none(), "{name}: {} {wrong:?}", column.name);
+            }
+        }
+    }
+    assert!(circles >= 11, "{circles} circles");
 }

@@ -24,6 +24,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         warnings.insert(0, warning);
     }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
+    // For a later command, not for a reader.
+    take(&mut record, "named");
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
     // The page draws the positions.
     let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);

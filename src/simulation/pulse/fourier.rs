@@ -55,6 +55,11 @@ pub fn samples(coefficients: &[Complex64], count: usize) -> Vec<f64> {
     (0..count).map(value).collect()
 }
 
+/// The value of a signal of period T (s) at a time (s).
+pub fn at(coefficients: &[Complex64], time: f64, period: f64) -> f64 {
+    coefficients.iter().enumerate().map(|(n, c)| (c * Complex64::cis(TAU * n as f64 * time / period)).re).sum()
+}
+
 /// The coefficients of the derivative of a signal of period T, per s.
 pub fn derivative(coefficients: &[Complex64], period: f64) -> Vec<Complex64> {
     coefficients.iter().enumerate().map(|(n, c)| c * Complex64::new(0.0, TAU * n as f64 / period)).collect()

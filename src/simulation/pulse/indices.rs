@@ -1,10 +1,10 @@
-//! The figures by which the trade describes a waveform: pulsatility, resistance, reversed share, delay, foot.
+//! The figures by which the trade describes a waveform: pulsatility, resistance, reversed share, delay.
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::fourier::{derivative, samples};
+use super::fourier::samples;
 
 /// Even times of a period at which a waveform is looked at.
 const TIMES: usize = 1000;
@@ -28,8 +28,6 @@ pub struct Indices {
     pub reversed: f64,
     /// The phase of the first harmonic along the mean as a time, s, in (-T/2, T/2] when taken from that of a reference.
     pub phase: f64,
-    /// Where the tangent at the steepest rise meets the minimum before it, s, in [0, T).
-    pub foot: f64,
 }
 
 impl Indices {
@@ -38,15 +36,9 @@ impl Indices {
         let mean = coefficients[0].re;
         let forward = if mean < 0.0 { -1.0 } else { 1.0 };
         let values = samples(coefficients, TIMES);
-        let rise = samples(&derivative(coefficients, period), TIMES);
-        let along = |values: &[f64], k: usize| forward * values[k % TIMES];
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
         let against: f64 = values.iter().map(|x| (-forward * x).max(0.0)).sum();
         let all: f64 = values.iter().map(|x| x.abs()).sum();
-        let steepest = (0..TIMES).fold(0, |best, k| if along(&rise, k) > along(&rise, best) { k } else { best });
-        let slope = along(&rise, steepest);
-        let before = (0..TIMES / 2).map(|back| along(&values, steepest + TIMES - back)).fold(f64::INFINITY, f64::min);
-        let foot = (steepest as f64 / TIMES as f64 * period - (along(&values, steepest) - before) / slope).rem_euclid(period);
         let first = coefficients.get(1).map_or(0.0, |c| -(c * forward).arg() / TAU * period);
         let top = if forward > 0.0 { high } else { -low };
         let defined = mean.abs() > rounding;
@@ -60,7 +52,6 @@ impl Indices {
             reversed_share: only(if all > 0.0 { against / all } else { 0.0 }),
             reversed: only(against / TIMES as f64 * period),
             phase: only(first),
-            foot: if slope > 0.0 { foot } else { f64::NAN },
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Signals are f(t) = Re Σ c_n e^{iω_n t}, ω_n = 2πn/T. Each vessel is a two-port, nodes conserve flow: Σ Q into vessels + y_t P = injected,
 //! a complex symmetric system. The theory is linear: no convective acceleration, no wall that widens in the cycle, no loss behind a stenosis.
 
+pub mod arrival;
 pub mod elimination;
 pub mod fourier;
 pub mod indices;
@@ -24,6 +25,7 @@ use crate::network::waveform::Quantity;
 use crate::network::{Condition, Network};
 use crate::support::elimination::Elimination;
 use crate::support::parallel::in_order;
+use arrival::Arrivals;
 use elimination::Equations;
 use two_port::Halved;
 use womersley::{Fluid, Segment};
@@ -85,6 +87,8 @@ pub struct Pulse {
     pub vessels: Vec<VesselPulse>,
     /// By row, what the vessel is made of.
     pub walls: Vec<Walled>,
+    /// When the wave arrives.
+    pub arrivals: Arrivals,
 }
 
 /// The pulse of a simulation.
@@ -137,13 +141,12 @@ impl Pulse {
                 pressure: middle.map(|mean| series(mean, &|h| h.vessels[row][3])),
             }
         };
-        Ok(Self {
-            period: setting.period,
-            harmonics: setting.harmonics,
-            pressure: pressure.collect(),
-            vessels: (0..ends.len()).map(vessel).collect(),
-            walls: setting.vessels.to_vec(),
-        })
+        let pressure: Vec<Option<Vec<Complex64>>> = pressure.collect();
+        let vessels: Vec<VesselPulse> = (0..ends.len()).map(vessel).collect();
+        let middle: Vec<Option<&[Complex64]>> = vessels.iter().map(|vessel| vessel.pressure.as_deref()).collect();
+        let arrivals = Arrivals::follow(&ends, setting, &pressure, &middle);
+        let (period, harmonics, walls) = (setting.period, setting.harmonics, setting.vessels.to_vec());
+        Ok(Self { period, harmonics, pressure, vessels, walls, arrivals })
     }
 
     /// The largest amplitude of any flow in the middle of a vessel, m³/s: what is less than a share of it is rounding.

@@ -114,7 +114,8 @@ function variantList(phenotype, flies) {
       const name = `connection ${d.edge} (${d.id_a} to ${d.id_b})`;
       const go = flies ? make("button", { type: "button", text: name }) : make("span", { text: name });
       if (flies) go.addEventListener("click", () => flies(d.edge));
-      return make("li", {}, go, `, ${isChance(d.probability)}: the variant has P = ${chance(d.variant_with)} with it and ${chance(d.variant_without)} without it`);
+      const own = d.probability === null ? "" : `, ${isChance(d.probability)}`;
+      return make("li", {}, go, `${own}: in ${chance(d.share)} of the plausible topologies; ${chance(d.variant_with)} of those with it have the variant, ${chance(d.variant_without)} of those without it`);
     };
     parts.push(make("h3", { text: "What would decide" }), make("ol", { class: "variants" }, ...deciding.map(item)));
   }

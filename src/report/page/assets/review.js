@@ -90,7 +90,9 @@ class Review {
         bends.map(b => Number.isNaN(b) ? "–" : Math.round(b)).join(", "), radii.map(r => Number.isNaN(r) ? "–" : shown(r, 2)).join(", "), threshold.state(other).split(",")[0]];
       return make("tr", { "aria-current": other === row ? "true" : null }, make("th", { scope: "row" }, go), ...cells.map(text => make("td", { text })));
     };
+    const sum = all.reduce((sum, other) => sum + (threshold.chance(other) || 0), 0);
+    const note = sum > 1 ? [make("p", { class: "quiet", text: "These P add up to more than 1: each says how often a connection like it is right, by itself." })] : [];
     return make("div", { class: "fit", tabindex: "0", role: "region", "aria-label": "Alternatives" }, make("table", { class: "alternatives" }, make("caption", { text: all.length > 1 ? "This connection and its alternatives; bends and radii are those at either end" : "This connection; it has no alternative" }),
-      make("thead", {}, make("tr", {}, ...heads.map(text => make(text ? "th" : "td", { scope: text ? "col" : null, text })))), make("tbody", {}, ...all.map(line))));
+      make("thead", {}, make("tr", {}, ...heads.map(text => make(text ? "th" : "td", { scope: text ? "col" : null, text })))), make("tbody", {}, ...all.map(line))), ...note);
   }
 }
