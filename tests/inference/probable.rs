@@ -65,8 +65,8 @@ fn the_most_probable_forest_is_the_best_of_all_forests_and_every_row_says_why_it
         let mut network = fragments(parts);
         let mut arcs = Vec::new();
         let alone: Vec<f64> = (0..parts).map(|_| draw()).collect();
-        for a in 0..parts {
-            network.node_mut(2 * a).root_score = Some(alone[a]);
+        for (a, score) in alone.iter().enumerate() {
+            network.node_mut(2 * a).root_score = Some(*score);
             for b in a + 1..parts {
                 if draw() < 0.8 {
                     let attached = [0.5 * draw(), 0.5 * draw()];
