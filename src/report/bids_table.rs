@@ -86,6 +86,8 @@ fn describe(column: &str) -> Option<Value> {
         "variant" => text("The variant of the Circle of Willis."),
         "completeness" => text("Which parts of the Circle of Willis are closed."),
         "p_variant" => count("The probability of the variant."),
+        "needs_person" => text("Why a person should look; empty where nothing that is open could change the answer."),
+        "hypoplastic" => text("The segments of the Circle of Willis that are there and thin."),
         "margin" => count("The probability of the variant minus that of the next."),
         _ => Value::Null,
     };
