@@ -9,7 +9,7 @@ use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
 use willis::internals::io::{Content, ReadOptions, read};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
-use willis::internals::sampling::{SamplingOptions, Solver, Uncertain, key};
+use willis::internals::sampling::{Coins, SamplingOptions, Solver, Uncertain};
 use willis::internals::support::simd::Scalar;
 
 use crate::Result;
@@ -71,6 +71,8 @@ impl Case {
 impl Pieces {
     /// The forest keys of the first `samples` samples, vessel by vessel; zero where a vessel is not diffused.
     pub fn keys(&self, solver: &StarMesh, samples: usize) -> Vec<Vec<u64>> {
+        let coins = Coins::new(self.factor.len(), 0);
+        let coin = coins.of_block(0);
         let (mut masks, mut work) = (Vec::new(), solver.workspace::<1>());
         let sample = |sample: usize| {
             if sample.is_multiple_of(64) {
@@ -84,7 +86,7 @@ impl Pieces {
                 if flows { (a - b) * (a - b) * self.factor[vessel] } else { 0.0 }
             };
             let keys = (0..self.factor.len()).map(|vessel| match resilience(vessel) {
-                rho if rho > 0.0 => key(rho, vessel),
+                rho if rho > 0.0 => coins.key(rho, vessel, coin[sample % coin.len()]),
                 _ => 0,
             });
             keys.collect()

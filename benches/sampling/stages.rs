@@ -4,7 +4,7 @@
 
 use willis::internals::flow::batch::star_mesh;
 use willis::internals::flow::batch::star_mesh::StarMesh;
-use willis::internals::sampling::{ForestProgram, InForest};
+use willis::internals::sampling::{Coins, ForestProgram, InForest};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;
@@ -54,6 +54,7 @@ pub fn forest(program: &ForestProgram, keys: &[Vec<u64>], budget: f64) -> f64 {
 
 struct Grow<'a, const B: usize> {
     program: &'a ForestProgram,
+    coins: &'a Coins,
     keys: &'a [Lanes<B>],
     widest: &'a mut [Lanes<B>],
     taken: &'a mut [InForest<B>],
@@ -68,16 +69,17 @@ impl<const B: usize> Kernel for Grow<'_, B> {
         for (key_slot, keys) in self.program.key_slots().iter().zip(self.keys) {
             key_slot.put(simd, keys, self.widest);
         }
-        self.program.grow(simd, self.widest, self.taken);
+        self.program.grow(simd, self.coins, self.widest, self.taken);
     }
 }
 
 fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &ForestProgram, samples: &[Vec<u64>], budget: f64) -> f64 {
     let vessels = samples[0].len();
     let keys: Vec<Lanes<B>> = (0..vessels).map(|v| Lanes(std::array::from_fn(|lane| f64::from_bits(samples[lane][v])))).collect();
+    let coins = Coins::new(vessels, 0);
     let (mut widest, mut taken) = (vec![Lanes::ZERO; program.rays()], vec![[0; B]; vessels + 1]);
     let time = per_call(budget, || {
-        instructions.run(Grow { program, keys: &keys, widest: &mut widest, taken: &mut taken });
+        instructions.run(Grow { program, coins: &coins, keys: &keys, widest: &mut widest, taken: &mut taken });
         std::hint::black_box(&taken);
     });
     time / B as f64

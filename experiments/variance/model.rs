@@ -9,11 +9,13 @@ use willis::internals::flow::resilience::{is_diffused, resilience_per_square_dro
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
-use willis::internals::sampling::{Forest, SamplingOptions, Uncertain, infer, key};
+use willis::internals::sampling::{Coins, Forest, SamplingOptions, Uncertain, infer};
 use willis::internals::support::simd::Scalar;
 
 /// Samples solved side by side.
 const LANES: usize = 8;
+/// The seed of the block by which a model is compared with the library.
+const SEED: u64 = 3;
 
 pub struct Model {
     pub name: String,
@@ -24,6 +26,8 @@ pub struct Model {
     circuit: Circuit,
     program: StarMesh,
     per_square_drop: Vec<f64>,
+    /// What decides between vessels of equal resilience.
+    coins: Coins,
 }
 
 /// The memory of one worker.
@@ -57,6 +61,7 @@ impl Model {
             per_square_drop: vessels().map(|(v, c)| resilience_per_square_drop(*c, v.volume())).collect(),
             circuit: circuit.clone(),
             program,
+            coins: Coins::new(network.vessel_count(), SEED),
         };
         model.check_against_library(network, &boundary, epsilon)?;
         Ok(model)
@@ -70,6 +75,7 @@ impl Model {
     /// sample's forest.
     pub fn solve(&self, work: &mut Work, mut take: impl FnMut(usize, usize, f64)) {
         let stranded = stranded(&self.circuit, &work.masks, 64);
+        let coin = self.coins.of_block(0);
         let solver = work.solver.get_or_insert_with(|| self.program.workspace());
         for first in (0..64).step_by(LANES) {
             self.program.solve(Scalar::new(), &work.masks, first, &stranded, solver);
@@ -87,10 +93,11 @@ impl Model {
             for lane in 0..LANES {
                 work.forest.clear();
                 for (vessel, resilience) in work.resilience.iter().enumerate().filter(|(_, r)| r[lane] > 0.0) {
-                    work.forest.add(key(resilience[lane], vessel));
+                    work.forest.add(self.coins.key(resilience[lane], vessel, coin[first + lane]));
                 }
                 let resilience = &work.resilience;
-                work.forest.grow(self.circuit.node_count(), &self.circuit.ends, |vessel| {
+                let row = |key| self.coins.vessel(key);
+                work.forest.grow(self.circuit.node_count(), &self.circuit.ends, row, |vessel| {
                     take(first + lane, vessel, resilience[vessel][lane]);
                 });
             }
@@ -99,10 +106,11 @@ impl Model {
 
     /// One block here is one block there, but for the order of the sums: the experiment measures what the program does.
     fn check_against_library(&self, network: &Network, boundary: &Boundary, epsilon: f64) -> Result<()> {
-        let params = SamplingOptions { epsilon, samples: 64, seed: 3, uncertain: Uncertain::All, ..SamplingOptions::default() };
+        let params =
+            SamplingOptions { epsilon, samples: 64, seed: SEED, uncertain: Uncertain::All, ..SamplingOptions::default() };
         let (there, _) = infer(network, boundary, &params, &mut |_: u64, _: u64| true)?;
         let (mut work, mut here) = (Work::default(), vec![(0.0, 0.0); self.vessels()]);
-        Occlusion::new(self.keep.iter().copied()).draw(3, 0, &mut work.masks);
+        Occlusion::new(self.keep.iter().copied()).draw(SEED, 0, &mut work.masks);
         self.solve(&mut work, |_, vessel, contribution| {
             here[vessel].0 += contribution;
             here[vessel].1 += 1.0 / 64.0;

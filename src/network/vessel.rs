@@ -33,6 +33,7 @@ impl Evidence {
     }
 
     /// The same evidence with its probability divided between the ends as these figures are; none of them negative.
+    #[must_use]
     pub fn divided(self, between: [f64; 2]) -> Self {
         let whole = between[0] + between[1];
         let attached = if whole > 0.0 { between.map(|part| self.probability * (part / whole)) } else { [0.0; 2] };

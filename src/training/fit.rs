@@ -11,10 +11,10 @@ use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
 use crate::candidates::model::loop_closures::{Closure, closures};
 use crate::candidates::model::posterior::{attachment_scores, root_scores};
-use crate::support::calibration::Calibration;
 use crate::candidates::model::weights::{Pass, Provenance, Weights};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
+use crate::support::calibration::Calibration;
 use crate::support::in_order;
 
 /// Pairs no more probable than this are left out of calibration and scores.

@@ -1,5 +1,6 @@
 //! Every real extraction at hand runs to an answer with no option but its unit. Skipped where the data is absent.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -92,7 +93,7 @@ fn a_piece_far_away_moves_no_role() {
         let mut swc = fs::read_to_string(here.path().join("alone.swc")).expect("SWC");
         for step in 0..20_usize {
             let parent = if step == 0 { "-1".to_owned() } else { (900_000 + step - 1).to_string() };
-            swc += &format!("{} 0 {} 0 -500 5 {parent}\n", 900_000 + step, 1000 + step);
+            writeln!(swc, "{} 0 {} 0 -500 5 {parent}", 900_000 + step, 1000 + step).expect("written");
         }
         fs::write(here.path().join("with.swc"), swc).expect("written");
         for command in [&["infer", "-n", "64"][..], &["simulate"]] {

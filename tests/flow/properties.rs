@@ -15,7 +15,7 @@ use willis::internals::flow::pressures::pressures;
 use willis::internals::flow::{Boundary, Circuit};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Condition, Network, Origin, RadiusRule, contract};
-use willis::internals::sampling::{Forest, SamplingOptions, Solver, Uncertain, infer, key};
+use willis::internals::sampling::{Coins, Forest, SamplingOptions, Solver, Uncertain, infer};
 use willis::internals::support::geometry::{Point, distance};
 
 /// A random tree of points in a box of 20 mm, each linked to an earlier one, with radii, m; and further links.
@@ -245,13 +245,15 @@ proptest! {
         }
     }
 
-    /// The forest is petgraph's minimum spanning forest of the order of resilience, then row; under ties too, for then the order
+    /// The forest is petgraph's minimum spanning forest of the order of resilience, then coin; under ties too, for then the order
     /// still has no two alike.
     #[test]
     fn the_forest_is_that_of_petgraph(nodes in 2..20_usize, drawn in vec((any::<usize>(), any::<usize>(), 1..5_u32), 1..50)) {
         let ends: Vec<[usize; 2]> = drawn.iter().map(|(a, b, _)| [a % nodes, b % nodes]).collect();
         let mut order: Vec<usize> = (0..ends.len()).collect();
-        order.sort_by_key(|row| (std::cmp::Reverse(drawn[*row].2), *row));
+        let coins = Coins::new(drawn.len(), 0);
+        let coin = coins.of_block(0)[nodes];
+        order.sort_by_key(|row| (std::cmp::Reverse((drawn[*row].2, coins.toss(coins.of_vessel(*row), coin))), *row));
         let mut graph = UnGraph::<(), usize>::new_undirected();
         let at: Vec<_> = (0..nodes).map(|_| graph.add_node(())).collect();
         order.iter().enumerate().for_each(|(place, row)| {
@@ -262,9 +264,9 @@ proptest! {
             .collect();
         let mut forest = Forest::default();
         forest.clear();
-        drawn.iter().enumerate().for_each(|(row, (_, _, resilience))| forest.add(key(f64::from(*resilience), row)));
+        drawn.iter().enumerate().for_each(|(row, (_, _, resilience))| forest.add(coins.key(f64::from(*resilience), row, coin)));
         let mut taken = Vec::new();
-        forest.grow(nodes, &ends, |row| taken.push(row));
+        forest.grow(nodes, &ends, |key| coins.vessel(key), |row| taken.push(row));
         prop_assert!(taken.windows(2).all(|pair| drawn[pair[0]].2 >= drawn[pair[1]].2));
         prop_assert_eq!(taken.into_iter().collect::<BTreeSet<_>>(), expected);
     }
