@@ -119,7 +119,9 @@ impl Arrivals {
         }
         let first = starts.iter().map(|(_, foot)| *foot).fold(f64::NAN, f64::min);
         let mut is_start = vec![false; places];
-        starts.iter().for_each(|(node, _)| is_start[*node] = true);
+        for (node, _) in &starts {
+            is_start[*node] = true;
+        }
 
         let mut steps: Vec<Vec<(usize, f64)>> = vec![Vec::new(); places];
         for (row, [a, b]) in ends.iter().enumerate().filter(|(row, _)| middle[*row].is_some()) {
