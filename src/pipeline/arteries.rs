@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
 use crate::circle_of_willis::{
-    Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Supply, Variant, artery_of_label,
-    collaterals, hypoplastic, identify_landmarks, in_axes_of, segment_diameters, supplies,
+    Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Variant, artery_of_label, collaterals,
+    hypoplastic, identify_landmarks, in_axes_of, segment_diameters,
 };
 use crate::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
 use crate::error::{Fault, Result};
@@ -240,20 +240,11 @@ impl FoundArteries {
         Ok((topologies, how))
     }
 
-    /// Who feeds what, and how late, over topologies given as the vessels that they keep with their weights; otherwise as
-    /// [`Self::collaterals`].
-    pub(crate) fn supplies(
-        &self,
-        network: &Network,
-        topologies: &[(Vec<bool>, f64)],
-        outlets: FoundOutlets,
-        viscosity: f64,
-    ) -> Result<Vec<Supply>> {
+    /// The conditions of a network whose arteries these are, where no run has any; outlets that are not stated are `outlets`.
+    pub(crate) fn boundary(&self, network: &Network, outlets: FoundOutlets) -> Result<Boundary> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
-        let known = self.known_inlets(&network);
-        let boundary = Boundary::resolve_knowing(&network, &stated(&network), outlets, &known)?;
-        Ok(supplies(&self.circle, &network, topologies, &boundary, viscosity))
+        Boundary::resolve_knowing(&network, &stated(&network), outlets, &self.known_inlets(&network))
     }
 
     /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in
@@ -266,10 +257,9 @@ impl FoundArteries {
         viscosity: f64,
     ) -> Result<Vec<Collateral>> {
         let mut network = network.clone();
-        self.state_inlets(&mut network);
         self.name_outlets(&mut network);
-        let known = self.known_inlets(&network);
-        let boundary = Boundary::resolve_knowing(&network, &stated(&network), outlets, &known)?;
+        let boundary = self.boundary(&network, outlets)?;
+        self.state_inlets(&mut network);
         let boundary = boundary.held(&network, |row| kept[row]);
         collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
     }

@@ -8,7 +8,7 @@ use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
 use super::stored_run::StoredRun;
 use super::{ArterySource, InferOptions, Input, Silent, prepare};
-use crate::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels};
+use crate::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use crate::decision::{Keep, decide, has_evidence};
 use crate::error::{Fault, Result};
 use crate::flow::boundary_conditions::stated;
@@ -91,7 +91,7 @@ pub fn classify(
         found = found.with_names(network, phenotypes)?;
     }
     let mut notes = found.notes.clone();
-    let (topologies, variant, posterior) = if let Some(run) = &input.run {
+    let (topologies, variant, posterior, boundary) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = if has_evidence(network) {
@@ -103,18 +103,20 @@ pub fn classify(
         let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref())?;
         let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
-        (topologies.weighted, posterior.best(), Some(posterior))
+        (topologies.weighted, posterior.best(), Some(posterior), Some(boundary))
     } else {
         let (kept, note) = present_vessels(network);
         notes.extend(note.map(str::to_owned));
         let variant = found.circle.variant(network, |row| kept[row]);
-        (vec![(kept, 1.0)], variant, None)
+        // Vessels that no blood can flow through have a variant all the same.
+        (vec![(kept, 1.0)], variant, None, found.boundary(network, input.usual_outlets()).ok())
     };
     let (outlets, viscosity) = match &input.run {
         Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
         None => (input.usual_outlets(), BLOOD_VISCOSITY),
     };
-    Ok(phenotype(input, network, Answer { found, topologies, variant, posterior, notes }, (outlets, viscosity), phenotypes))
+    let answer = Answer { found, topologies, variant, posterior, boundary, notes };
+    Ok(phenotype(input, network, answer, (outlets, viscosity), phenotypes))
 }
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
@@ -135,7 +137,8 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let mut notes = found.notes.clone();
     notes.push(how);
     let (topologies, variant) = (topologies.weighted, posterior.best());
-    let answer = Answer { found, topologies, variant, posterior: Some(posterior), notes };
+    let boundary = Some(prepared.boundary.clone());
+    let answer = Answer { found, topologies, variant, posterior: Some(posterior), boundary, notes };
     Ok(phenotype(input, network, answer, (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY), phenotypes))
 }
 
@@ -146,6 +149,8 @@ struct Answer {
     topologies: Vec<(Vec<bool>, f64)>,
     variant: Variant,
     posterior: Option<Posterior>,
+    /// Where blood enters and leaves, where any can flow.
+    boundary: Option<Boundary>,
     notes: Vec<String>,
 }
 
@@ -157,7 +162,7 @@ fn phenotype(
     (outlets, viscosity): (FoundOutlets, f64),
     phenotypes: &PhenotypeOptions,
 ) -> Phenotype {
-    let Answer { found, topologies, variant, posterior, mut notes } = answer;
+    let Answer { found, topologies, variant, posterior, boundary, mut notes } = answer;
     let kept = match &posterior {
         Some(posterior) => posterior.topology.clone(),
         None => topologies.first().map_or_else(Vec::new, |(kept, _)| kept.clone()),
@@ -166,7 +171,8 @@ fn phenotype(
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()
     });
-    let supplies = found.supplies(network, &topologies, outlets, viscosity).unwrap_or_default();
+    let who_feeds = |boundary: &Boundary| supplies(&found.circle, network, &topologies, boundary, viscosity);
+    let supplies = boundary.as_ref().map_or_else(Vec::new, who_feeds);
     let counted = kept.iter().filter(|kept| **kept).count();
     let hypoplastic = found.hypoplastic(network, &variant, &kept, phenotypes);
     let json = phenotype_json(network, &variant, &hypoplastic, posterior.as_ref());

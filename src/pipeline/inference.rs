@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::shard::Solver;
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
-use crate::circle_of_willis::{Artery, Posterior, Supply};
+use crate::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use crate::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
@@ -76,8 +76,7 @@ impl Prepared {
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
             hypoplastic = found.hypoplastic(&self.graph, &said.best(), &said.topology, phenotypes);
             posterior = Some((said, how));
-            let viscosity = options.viscosity;
-            supplies = found.supplies(&self.graph, &topologies.weighted, self.outlets, viscosity).unwrap_or_default();
+            supplies = who_feeds(&found.circle, &self.graph, &topologies.weighted, &self.boundary, options.viscosity);
         }
         let (prepared, sampling) = (self.clone(), options.clone());
         Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, hypoplastic, supplies, time })

@@ -234,6 +234,8 @@ fn a_folder_of_infer_is_asked_again() {
     let [seen, same, never] = ["seen", "same", "never"].map(|run| json(&here.path().join(run).join("phenotype.json")));
     // One way to a figure, one figure.
     assert_eq!(seen, same);
+    let supplies = ["seen", "same"].map(|folder| fs::read_to_string(here.path().join(folder).join("supply.csv")).unwrap());
+    assert_eq!(supplies[0], supplies[1]);
     figures_agree(&here.path().join("seen"), &seen);
     let there = |run: &serde_json::Value| run["probabilities"]["segments"]["L-PComm"].as_f64().unwrap();
     assert!(there(&seen) > there(&never) + 0.05, "{} {}", there(&seen), there(&never));

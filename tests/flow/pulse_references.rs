@@ -314,8 +314,8 @@ fn typical_shapes_are_those_of_their_model() {
     }
 }
 
-/// On the circles that ship and on the phantom, with any wave at the inlets and with an artery lost: no pulse before that of the earliest inlet,
-/// and figures within their bounds.
+/// On the circles that ship, whole and without arteries, with a pressure, a flow and the typical flows at the inlets: no pulse before that of the
+/// earliest inlet, at each node but the inlets one that took time from a node beside it, and figures within their bounds.
 #[test]
 fn figures_of_circles_are_possible() {
     let here = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis"));
@@ -339,6 +339,11 @@ fn figures_of_circles_are_possible() {
             assert_eq!(earliest, arrivals.first, "{name}");
             for foot in arrivals.nodes.iter().chain(&arrivals.vessels) {
                 assert!((0.0..0.3).contains(&(foot - earliest)), "{name}: {foot} s beside {earliest} s");
+            }
+            for node in (0..network.node_count()).filter(|node| network.node(*node).role != Some(Role::Inlet)) {
+                let beside = network.vessels().map(|(ends, _)| ends).filter(|ends| ends.contains(&node)).flatten();
+                let first = beside.map(|node| arrivals.nodes[node]).fold(f64::INFINITY, f64::min);
+                assert!(arrivals.nodes[node] > first, "{name}: node {node}: {} s, not after {first} s", arrivals.nodes[node]);
             }
             for column in willis::internals::report::pulse_vessel_columns(&pulses) {
                 let willis::internals::io::Values::Real(values) = &column.values else { continue };

@@ -1,5 +1,7 @@
 //! When the pulse arrives: the feet of the pressure waves by intersecting tangents, followed from the inlets along the vessels.
 
+use std::cell::Cell;
+
 use num_complex::Complex64;
 
 use super::fourier::{at, derivative, samples};
@@ -13,6 +15,9 @@ const TIMES: usize = 1000;
 const STEEP: f64 = 0.5;
 /// What is below this share of the largest amplitude is rounding, and no wave.
 const ROUNDING: f64 = 1e-9;
+
+/// By at most this share of the period a reflection brings a foot before the one upstream; what rises earlier still is another wave.
+const EARLY: f64 = 0.01;
 
 /// A rise of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +68,14 @@ pub fn rises(coefficients: &[Complex64], period: f64) -> Vec<Rise> {
     (0..TIMES).filter(is_top).map(rise).collect()
 }
 
+/// By how much the foot at a place is behind that upstream, s, where a wave of speed c₀ takes the time `travel`: of the `rises` there the one
+/// nearest to where the wave is expected, but none before it left. At least zero; `travel` where there is none.
+fn delay(rises: &[Rise], upstream: f64, travel: f64, period: f64) -> f64 {
+    let late = rises.iter().map(|rise| travel + behind(rise.foot, upstream + travel, period));
+    let nearest = late.filter(|late| *late >= -EARLY * period).min_by(|a, b| (a - travel).abs().total_cmp(&(b - travel).abs()));
+    nearest.map_or(travel, |late| late.max(0.0))
+}
+
 /// When the wave arrives, s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrivals {
@@ -77,8 +90,8 @@ pub struct Arrivals {
 impl Arrivals {
     /// Follows the wave from each drive with the speed c₀ of the vessels between `ends`, over pressures of nodes and of the middles of vessels.
     ///
-    /// A signal may have several rises, its own and those that come back. The foot is that which lies nearest to where the wave from upstream is
-    /// expected, and never before the one upstream: what seems to come before has been brought forward by a reflection, and counts as at once.
+    /// A signal may have several rises: its own, those of other inlets, and those that come back. The foot is that which lies nearest to where
+    /// the wave from upstream is expected, and not before the one upstream; upstream is where the wave comes from first.
     pub fn follow(
         ends: &[[usize; 2]],
         setting: &Setting<'_>,
@@ -98,12 +111,17 @@ impl Arrivals {
         };
         let mut starts: Vec<(usize, f64)> = setting.drives.iter().filter_map(own).collect();
         let reference = starts.first().map_or(f64::NAN, |(_, foot)| foot.rem_euclid(period));
-        for (_, foot) in &mut starts {
-            *foot = reference + behind(*foot, reference, period);
+        let risen: Vec<Vec<Rise>> = (0..places).map(|place| moves(place).map_or_else(Vec::new, |s| rises(s, period))).collect();
+        for (node, foot) in &mut starts {
+            let driven = reference + behind(*foot, reference, period);
+            let late = risen[*node].iter().map(|rise| behind(rise.foot, driven, period));
+            *foot = driven + late.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
         }
-        let begin = starts.iter().map(|(_, foot)| *foot).fold(f64::INFINITY, f64::min);
-        let mut start: Vec<Option<f64>> = vec![None; places];
-        starts.iter().for_each(|(node, foot)| start[*node] = Some(*foot));
+        let first = starts.iter().map(|(_, foot)| *foot).fold(f64::NAN, f64::min);
+        let mut is_start = vec![false; places];
+        for (node, _) in &starts {
+            is_start[*node] = true;
+        }
 
         let mut steps: Vec<Vec<(usize, f64)>> = vec![Vec::new(); places];
         for (row, [a, b]) in ends.iter().enumerate().filter(|(row, _)| middle[*row].is_some()) {
@@ -113,32 +131,24 @@ impl Arrivals {
                 steps[nodes + row].push((node, time));
             }
         }
-        // From one place before all inlets, to each of them in the time by which its wave begins later. A wave does not pass what keeps still.
+        // From one place before all inlets, to each of them in the time by which its wave begins later, and on from foot to foot, so that
+        // a place has the wave that comes first. A wave does not pass what keeps still.
+        let foot = Cell::new(first);
         let edges = |place: usize| {
-            let from_start = starts.iter().filter(move |_| place == places).map(|(node, foot)| (*node, *node, foot - begin));
-            let on = steps.get(place).filter(|_| place < places && moves(place).is_some()).into_iter().flatten();
-            from_start.chain(on.filter(|(next, _)| start[*next].is_none()).map(|(next, time)| (*next, *next, *time)))
+            let (foot, risen, is_start) = (foot.get(), &risen, &is_start);
+            let from_start = starts.iter().filter(move |_| place == places).map(move |(node, foot)| (*node, *node, foot - first));
+            let on = steps.get(place).filter(|_| place < places).into_iter().flatten();
+            let on = on.filter(move |(next, _)| !is_start[*next] && !risen[*next].is_empty());
+            from_start.chain(on.map(move |(next, time)| (*next, *next, delay(&risen[*next], foot, *time, period))))
         };
-        let mut paths = ShortestPaths::new(places + 1);
-        let mut order = Vec::new();
-        paths.search(&[places], f64::INFINITY, edges, |times, place| {
-            order.push((place, times[place]));
+        let mut feet = vec![f64::NAN; places];
+        ShortestPaths::new(places + 1).search(&[places], f64::INFINITY, edges, |times, place| {
+            foot.set(first + times[place]);
+            if let Some(own) = feet.get_mut(place) {
+                *own = foot.get();
+            }
             true
         });
-        let mut feet = vec![f64::NAN; places];
-        for (place, time) in order {
-            let Some((before, _)) = paths.previous(place) else { continue };
-            let Some(signal) = moves(place) else { continue };
-            let (upstream, travel) = match start[place] {
-                Some(foot) => (foot, 0.0),
-                None => (feet[before], time - paths.lengths()[before]),
-            };
-            let expected = upstream + travel;
-            let late = rises(signal, period).into_iter().map(|rise| behind(rise.foot, expected, period));
-            let nearest = late.min_by(|a, b| a.abs().total_cmp(&b.abs()));
-            feet[place] = nearest.map_or(upstream, |late| upstream.max(expected + late));
-        }
-        let first = starts.iter().map(|(node, _)| feet[*node]).fold(f64::NAN, f64::min);
         let vessels = feet.split_off(nodes);
         Self { first, nodes: feet, vessels }
     }

@@ -18,26 +18,17 @@ const SMALL: f64 = 1e-4;
 /// Above this Re x e^{-x} is nothing beside 1.
 const LARGE: f64 = 40.0;
 
-/// x/sinh x.
-fn over_sinh(x: Complex64) -> Complex64 {
-    if x.norm() < SMALL {
-        Complex64::ONE - x * x / 6.0
-    } else if x.re > LARGE {
-        x * 2.0 * (-x).exp()
-    } else {
-        x / x.sinh()
-    }
-}
-
-/// tanh(x/2)/(x/2).
-fn tanh_over(x: Complex64) -> Complex64 {
+/// x/sinh x and tanh(x/2)/(x/2). Both are made of sinh x/2 and cosh x/2, so that near x = πi, where a line without friction is half a wave and
+/// both are infinite, their ratio keeps its digits: one over 1 + cosh x.
+fn over_sinh_and_tanh_over(x: Complex64) -> [Complex64; 2] {
     let half = x / 2.0;
     if x.norm() < SMALL {
-        Complex64::ONE - x * x / 12.0
+        [Complex64::ONE - x * x / 6.0, Complex64::ONE - x * x / 12.0]
     } else if x.re > LARGE {
-        half.inv()
+        [x * 2.0 * (-x).exp(), half.inv()]
     } else {
-        half.tanh() / half
+        let (sinh, cosh) = (half.sinh(), half.cosh());
+        [half / (sinh * cosh), sinh / (cosh * half)]
     }
 }
 
@@ -50,7 +41,8 @@ impl TwoPort {
     pub fn of_line((z, y): (Complex64, Complex64), length: f64) -> Self {
         let (z, y) = (z * length, y * length);
         let x = (z * y).sqrt();
-        Self { series: over_sinh(x) / z, shunts: [y / 2.0 * tanh_over(x); 2] }
+        let [series, shunt] = over_sinh_and_tanh_over(x);
+        Self { series: series / z, shunts: [y / 2.0 * shunt; 2] }
     }
 
     /// This one with another behind it. The node between is eliminated, so nothing is subtracted.
