@@ -1,4 +1,4 @@
-//! What earlier versions wrote is read: runs, shards, weights, checkpoints. `tests/compatibility/` holds a folder of each version, which
+//! What earlier versions wrote is read: runs, shards, weights. `tests/compatibility/` holds a folder of each version, which
 //! `tests/compatibility/make.sh` made; the truth is what that version made of it.
 
 use std::fs;
@@ -44,22 +44,6 @@ fn shards_of_every_version_are_merged_to_the_same_figures() {
         // The columns whose meaning no version may change.
         let of = |table: &str| columns(table, &["node_a", "node_b", "origin", "likelihood", "frequency", "kept"]);
         assert_eq!(of(&read(here.path().join("merged/edges.csv"))), of(&read(version.join("edges.csv"))), "{version:?}");
-    }
-}
-
-#[test]
-fn a_killed_run_of_every_version_is_gone_on_with() {
-    for version in versions() {
-        let here = folder();
-        fs::copy(version.join("grid.csv"), here.path().join("grid.csv")).expect("copied");
-        fs::create_dir(here.path().join(".willis-out")).expect("made");
-        for file in fs::read_dir(version.join("checkpoint")).expect("a folder").map(|entry| entry.expect("an entry")) {
-            fs::copy(file.path(), here.path().join(".willis-out").join(file.file_name())).expect("copied");
-        }
-        let run =
-            "infer grid.csv --inlet 0=100mmHg --outlet 11=0mmHg --seed 3 --threads 1 --dpi 36 -n 40000000 --checkpoint=1 -o out";
-        let said = done(here.path(), &run.split(' ').collect::<Vec<_>>());
-        assert!(said.contains("resumed"), "{version:?}: {said}");
     }
 }
 

@@ -26,16 +26,6 @@ rm -rf merged
 mv merged/edges.csv edges.csv
 rm -r merged
 
-# A run that is killed once it has a checkpoint.
-rm -rf .willis-out checkpoint
-# shellcheck disable=SC2086
-"$willis" infer $run -n 40000000 --checkpoint=1 -o out &
-until ls .willis-out/checkpoint-*.json > /dev/null 2>&1; do sleep 0.1; done
-kill -KILL $!
-mkdir checkpoint
-mv .willis-out/checkpoint-* checkpoint
-rm -rf .willis-out
-
 rm -rf run whole
 cp "$root/data/broken-circle-of-willis.swc" circle.swc
 cp "$root/data/broken-circle-of-willis.landmarks.csv" circle.landmarks.csv
