@@ -126,7 +126,7 @@ fn centerlines_are_modulated_without_candidates() {
     let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
     assert_eq!(record["counts"]["vessels"], 3);
     // Arteries go on where their tracing ends.
-    assert!(record["parameters"]["outlets_found"]["murray"].is_object());
+    assert_eq!(record["parameters"]["outlets_found"]["murray_mL_per_min"], 700.0);
     assert_eq!(names(&here.path().join("out")), FILES[..10]);
 }
 

@@ -65,10 +65,10 @@ fn all(by_hand: &[f64]) -> Vec<Option<f64>> {
     by_hand.iter().copied().map(Some).collect()
 }
 
-/// One sample of the open network, by all solvers, which must agree in the forest.
+/// The expected forest of the open network, by all solvers, which must agree.
 fn whole(network: &Network, conditions: &[(usize, Condition)]) -> Likelihood {
-    let of =
-        |solver| run(network, conditions, &SamplingOptions { epsilon: 0.0, samples: 1, solver, ..SamplingOptions::default() });
+    let exact = SamplingOptions { epsilon: 0.0, samples: 1, exact: true, ..SamplingOptions::default() };
+    let of = |solver| run(network, conditions, &SamplingOptions { solver, ..exact.clone() });
     let [lanes, reference, gradients] = [Solver::Lanes, Solver::Reference, Solver::Gradients].map(of);
     assert_eq!(lanes.frequency, reference.frequency);
     assert_eq!(lanes.frequency, gradients.frequency);
@@ -77,15 +77,21 @@ fn whole(network: &Network, conditions: &[(usize, Condition)]) -> Likelihood {
 
 /// The forest is these vessels, each with ρ = ΔP·Q/(π r² l) = R Q²/(π r² l) for its flow by hand (mmHg/Ω).
 fn check_forest(network: &Network, conditions: &[(usize, Condition)], flows: &[(usize, f64)]) {
+    let whole: Vec<_> = flows.iter().map(|(row, flow)| (*row, *flow, 1.0)).collect();
+    check_shares(network, conditions, &whole);
+}
+
+/// The same where vessels are equal: each is in this share of the forests, over all orders of the equal ones.
+fn check_shares(network: &Network, conditions: &[(usize, Condition)], flows: &[(usize, f64, f64)]) {
     let result = whole(network, conditions);
     for row in 0..network.vessel_count() {
-        let by_hand = flows.iter().find(|(r, _)| *r == row).map_or(0.0, |(_, q)| {
+        let (by_hand, share) = flows.iter().find(|(r, ..)| *r == row).map_or((0.0, 0.0), |(_, q, share)| {
             let q = q * MMHG / OHM;
-            OHM * q * q / (PI * 1e-6 * 0.01)
+            (share * OHM * q * q / (PI * 1e-6 * 0.01), *share)
         });
         let got = result.likelihood[row];
         assert!((got - by_hand).abs() <= 1e-11 * by_hand, "vessel {row}: {got} for {by_hand}");
-        assert_eq!(result.frequency[row], f64::from(u8::from(by_hand > 0.0)), "vessel {row}");
+        assert!((result.frequency[row] - share).abs() < 1e-14, "vessel {row}: {} for {share}", result.frequency[row]);
     }
 }
 
@@ -108,24 +114,25 @@ fn parallel_vessels() {
     check_forest(&circuit, &conditions, &[(0, 75.0), (2, 100.0)]);
 }
 
-/// Two equal vessels side by side tie: the first stays. R = 1/2 + 1/2, Q = 100, P1 = 50, 50 through each.
+/// Two equal vessels side by side tie: either stays in half of the forests. R = 1/2 + 1/2, Q = 100, P1 = 50, 50 through each.
 #[test]
-fn equal_parallel_vessels_tie_to_the_first() {
+fn of_equal_parallel_vessels_either_stays() {
     let circuit = resistors(3, &[(0, 1, 1.0), (0, 1, 1.0), (1, 2, 0.5)]);
     let conditions = [(0, pressure(100.0)), (2, pressure(0.0))];
     check(&circuit, &conditions, &all(&[100.0, 50.0, 0.0]));
-    check_forest(&circuit, &conditions, &[(0, 50.0), (2, 100.0)]);
+    check_shares(&circuit, &conditions, &[(0, 50.0, 0.5), (1, 50.0, 0.5), (2, 100.0, 1.0)]);
 }
 
 /// Wheatstone's bridge, S-A 1Ω, S-B 2Ω, A-T 2Ω, B-T 1Ω, A-B 1Ω.
 /// At A: 100 - A = A/2 + A - B. At B: (100 - B)/2 + A - B = B. So A = 5B/2 - 50 and 21B/4 = 225: B = 300/7, A = 400/7.
-/// Flows in 100/7: S-A 3, S-B 2, A-T 2, B-T 3, A-B 1. Forest of the squares: S-A, B-T, then S-B before A-T, its equal.
+/// Flows in 100/7: S-A 3, S-B 2, A-T 2, B-T 3, A-B 1. Forest of the squares: S-A, B-T, then S-B or A-T, its equal.
 #[test]
 fn wheatstone_bridge() {
     let circuit = resistors(4, &[(0, 1, 1.0), (0, 2, 2.0), (1, 3, 2.0), (2, 3, 1.0), (1, 2, 1.0)]);
     let conditions = [(0, pressure(100.0)), (3, pressure(0.0))];
     check(&circuit, &conditions, &all(&[100.0, 400.0 / 7.0, 300.0 / 7.0, 0.0]));
-    check_forest(&circuit, &conditions, &[(0, 300.0 / 7.0), (3, 300.0 / 7.0), (1, 200.0 / 7.0)]);
+    let most = [(0, 300.0 / 7.0, 1.0), (3, 300.0 / 7.0, 1.0)];
+    check_shares(&circuit, &conditions, &[most[0], most[1], (1, 200.0 / 7.0, 0.5), (2, 200.0 / 7.0, 0.5)]);
 }
 
 /// Balanced: S-A 1Ω, A-T 3Ω beside S-B 2Ω, B-T 6Ω; A = B = 75, so A-B carries nothing and is no part of any forest, though
@@ -137,7 +144,8 @@ fn balanced_bridge() {
         let circuit = resistors(4, &[(0, 1, ohms[0]), (0, 2, ohms[1]), (1, 3, ohms[2]), (2, 3, ohms[3]), (1, 2, ohms[4])]);
         let conditions = [(0, pressure(100.0)), (3, pressure(0.0))];
         check(&circuit, &conditions, &all(&[100.0, 75.0, 75.0, 0.0]));
-        check_forest(&circuit, &conditions, &[(0, 25.0 / scale), (2, 25.0 / scale), (1, 12.5 / scale)]);
+        let equal = [(1, 12.5 / scale, 0.5), (3, 12.5 / scale, 0.5)];
+        check_shares(&circuit, &conditions, &[(0, 25.0 / scale, 1.0), (2, 25.0 / scale, 1.0), equal[0], equal[1]]);
     }
 }
 
@@ -279,12 +287,12 @@ fn between_fixed_pressures() {
     check_forest(&circuit, &conditions, &[(0, 20.0)]);
 }
 
-/// A ring of six equal vessels, 0-1-2-3 and 0-4-5-3, with 100/3 through each: all six tie, the highest row goes.
+/// A ring of six equal vessels, 0-1-2-3 and 0-4-5-3, with 100/3 through each: all six tie, and each is the one that goes in a sixth.
 #[test]
-fn a_ring_of_equal_vessels_loses_the_highest_row() {
+fn a_ring_of_equal_vessels_loses_each_alike() {
     let circuit = resistors(6, &[(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0), (0, 4, 1.0), (4, 5, 1.0), (5, 3, 1.0)]);
     let conditions = [(0, pressure(100.0)), (3, pressure(0.0))];
     let p = 100.0 / 3.0;
     check(&circuit, &conditions, &all(&[100.0, 2.0 * p, p, 0.0, 2.0 * p, p]));
-    check_forest(&circuit, &conditions, &[(0, p), (1, p), (2, p), (3, p), (4, p)]);
+    check_shares(&circuit, &conditions, &[0, 1, 2, 3, 4, 5].map(|row| (row, p, 5.0 / 6.0)));
 }

@@ -67,17 +67,18 @@ fn the_flow_of_a_chain_is_that_of_each_of_its_vessels() {
 }
 
 #[test]
-fn vessels_in_series_with_one_radius_tie_to_the_last_bit_and_the_higher_row_gives_way() {
+fn vessels_in_series_with_one_radius_tie_to_the_last_bit_and_any_of_them_gives_way() {
     let (network, boundary) = network();
-    let params = SamplingOptions { samples: 64, epsilon: 0.3, ..SamplingOptions::default() };
+    let params = SamplingOptions { samples: 640, epsilon: 0.3, ..SamplingOptions::default() };
     let (result, _) = infer(&network, &boundary, &params, &mut |_: u64, _: u64| true).expect("sampled");
-    // With the detour open the cycle 0-1-2-3 must lose a vessel: of the chain's three the last row, or the detour.
+    // With the detour open the cycle 0-1-2-3 must lose a vessel: one of the chain's three, by a fair coin. Were their ρ apart by a bit, it would
+    // always be the same one.
     let open = result.frequency[8];
     assert!(open > 0.4 && open < 1.0);
-    assert_eq!(result.likelihood[0].to_bits(), result.likelihood[1].to_bits());
-    assert_eq!(result.frequency[..2], [1.0, 1.0]);
-    let lost = 1.0 - result.frequency[2];
-    assert!(lost > 0.0 && (lost - open).abs() < 1e-12, "{lost} {open}");
+    let lost: Vec<f64> = result.frequency[..3].iter().map(|frequency| 1.0 - frequency).collect();
+    assert!((lost.iter().sum::<f64>() - open).abs() < 1e-12, "{lost:?} {open}");
+    let error = (open / 3.0 * (1.0 - open / 3.0) / 640.0).sqrt();
+    assert!(lost.iter().all(|lost| (lost - open / 3.0).abs() < 4.0 * error), "{lost:?} {open}");
     for still in [3, 4, 5, 6, 7, 9, 10] {
         assert_eq!(result.frequency[still], 0.0);
     }

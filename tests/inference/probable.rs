@@ -198,7 +198,7 @@ fn what_lies_near_the_cut_is_undecided_and_errors_are_expected() {
     network.add_vessel([3, 4], candidate(0.6, [0.6, 0.0]));
     network.add_vessel([1, 3], candidate(0.05, [0.05, 0.0]));
     // The last fragment hangs on the third, and nothing on it: it needs what its candidates leave of one, 0.65.
-    network.add_vessel([5, 6], candidate(0.35, [0.15, 0.2]));
+    network.add_vessel([5, 6], candidate(0.35, [0.05, 0.3]));
     let answer = decided(Keep::Probability(0.55), &network);
     assert_eq!((answer.threshold, &answer.kept[4..]), (Some(0.55), &[true, true, false, false][..]));
     assert_eq!(answer.undecided, [5], "0.35 is a fifth away");
