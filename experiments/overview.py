@@ -35,7 +35,7 @@ def median(values):
 
 stenosis = rows("controlled-stenosis")
 falls = lambda outlets: f"{sum(float(r['rho_G_ratio']) < 1 for r in stenosis if r['outlets'] == outlets)} of {sum(r['outlets'] == outlets for r in stenosis)} networks"
-modulation = [r for r in rows("resistance-modulation") if r["reading"] == "increment" and r["class"] == "0.3:0.5"]
+modulation = [r for r in rows("resistance-modulation") if r["reading"] == "increment" and r["u"] == "0.3:0.5"]
 ratio = lambda outlets, key: f"{median(float(r[key]) for r in modulation if r['outlets'] == outlets):.2f}"
 topologies = [r for r in rows("redundant-topologies") if r["extraction"] == "whole"]
 kept = lambda what: f"{100 * sum(int(r[what + '_above']) for r in topologies) / sum(int(r[what]) for r in topologies):.0f} %"

@@ -157,10 +157,12 @@ def train(
     passes: int = 3,
     save_folds: bool = False,
     images_onto: PathLike | None = None,
+    calibrate_onto: PathLike | None = None,
     force: bool = False,
 ) -> None:
     """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
-    given = {"model": model, "folds": folds, "l2": l2, "passes": passes, "save_folds": save_folds, "images_onto": images_onto, "force": force}
+    onto = {"images_onto": images_onto, "calibrate_onto": calibrate_onto}
+    given = {"model": model, "folds": folds, "l2": l2, "passes": passes, "save_folds": save_folds, **onto, "force": force}
     _willis.call(["train", *[os.fspath(case) for case in cases], "-o", os.fspath(output), *words(given, defaults_of(train))])
 
 

@@ -90,7 +90,7 @@ impl FreeEnds {
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
-    /// where there is none, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side ([`LEAST_OUT`]). With `spare`
+    /// where there is none, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side (`LEAST_OUT`). With `spare`
     /// every part, and the whole, keeps an end that can be an outlet.
     pub fn inlets(&self, known: &[usize], spare: bool) -> Vec<usize> {
         let known: Vec<usize> =
@@ -130,7 +130,7 @@ impl FreeEnds {
         out().map_or(others.is_empty(), |out| out >= *least)
     }
 
-    /// The ends that may be inlets, the likeliest first. Of all ends those count that do not lie in a small part of their own ([`LEAST_PART`]);
+    /// The ends that may be inlets, the likeliest first. Of all ends those count that do not lie in a small part of their own (`LEAST_PART`);
     /// of these the ones that probably are no ends of gaps; of these the ones where a vessel leaves the image; where up is known, the ones in the lower half; and of these the ones at least half as wide as the widest. A
     /// group without a member is passed over. Wide ends come before narrow ones; of equally wide ones the lower comes first, then the one
     /// farther from the middle of all, then by place along the axes; the number of a node decides only where two are at one place.

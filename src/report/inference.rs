@@ -335,7 +335,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         Column::real("frequency", result.frequency.iter().copied()),
         Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
         Column::real("needed", answer.needed.iter().copied()),
-        Column::text("instead", answer.instead.iter().map(|row| row.map_or_else(String::new, |row| row.to_string()))),
+        Column::real("instead", answer.instead.iter().map(|row| row.map_or(f64::NAN, |row| row as f64))),
         flag("above_median", &answer.above_median),
         flag("kept", &answer.kept),
     ]);
