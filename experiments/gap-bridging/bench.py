@@ -30,6 +30,8 @@ DRAWS = {MANY: ("insist-cow", ["--phenotype", "--ring", "--variants", "8"])}
 # What weights are trained on: each is one data set of `willis train`, and draws of their own, which are never judged.
 SOURCES = {"brains": ("brains",), "insist": ("circles", "rings")}
 TRAINING_SEEDS = (1, 2, 3)
+# Drawn arteries, to which the calibration is fitted too, by their seeds. In them what is joined is more often true than in patients.
+PHANTOMS = range(1001, 1961)
 # {subject: its fold}, from the weights of the folds: see command.held_out.
 FOLD_OF = {}
 
@@ -106,6 +108,22 @@ def training(work):
         broken([(root, data, seed) for data in SETS for seed, root in roots.items()])
         made.touch()
     return {seed: listed(root, SETS) for seed, root in roots.items()}
+
+
+def phantom(job):
+    """Makes a broken phantom, a case of one folder: (folder, seed)."""
+    folder, seed = job
+    folder.mkdir(parents=True)
+    common.willis("phantom", "cerebral", "--break", "--seed", seed, "-o", folder / "fragments.swc")
+    (folder / "fragments.truth.json").rename(folder / "truth.json")
+
+
+def phantoms(work):
+    """The folder of the phantoms to calibrate with, made unless a kept work folder holds them."""
+    root = work / "training" / "phantoms"
+    if not root.exists():
+        common.everywhere(phantom, [(root / "cerebral" / f"cerebral-{seed}", seed) for seed in PHANTOMS])
+    return root
 
 
 def many_rings(work, cases):

@@ -29,7 +29,10 @@ def train(work, name, which=lambda case: True, folds=bench.FOLDS):
     weights.parent.mkdir(exist_ok=True)
     # From within the tree, for the weights say by what command they were made.
     found = dict.fromkeys(sources[case.data] for case, _ in chosen)
-    common.willis("train", *found, "-o", weights, "--folds", folds, *(["--save-folds"] if folds else []), threads=os.cpu_count(), folder=tree)
+    phantoms = tree / "phantoms"
+    if not phantoms.exists():
+        phantoms.symlink_to(bench.phantoms(work))
+    common.willis("train", *found, "--calibrate-with", phantoms.name, "-o", weights, "--folds", folds, *(["--save-folds"] if folds else []), threads=os.cpu_count(), folder=tree)
     return weights
 
 

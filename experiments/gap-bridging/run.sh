@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Breaks real artery trees, fits willis and the other methods on two thirds of the subjects, and judges them on the rest:
 #
-#   willis train brains insist -o weights.toml --folds 3 --save-folds
+#   willis train brains insist --calibrate-with phantoms -o weights.toml --folds 3 --save-folds
 #   willis infer CASE/fragments.swc -o OUT --bc CASE/inlets.csv [--loops CASE/loops.csv] --prior weights.fold-k.toml
 #
 # Arguments: --seed N, --work FOLDER (kept, and gone on from), --only main|flow|hydraulics|robust|loops|draws. WILLIS_GAPBENCH names the folder of the

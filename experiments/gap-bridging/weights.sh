@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fits the weights that ship on three draws of the damage (seeds 1, 2, 3; what run.sh judges is another):
 #
-#   willis train brains insist -o src/candidates/model/weights.toml --folds 3 --save-folds
+#   willis train brains insist --calibrate-with phantoms -o src/candidates/model/weights.toml --folds 3 --save-folds
 #
 # Same draws, same bytes. Arguments: --work FOLDER (kept, and gone on from; run.sh goes on from it too). The environment is that of run.sh.
 set -euo pipefail

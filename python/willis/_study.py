@@ -158,10 +158,11 @@ def train(
     save_folds: bool = False,
     images_onto: PathLike | None = None,
     calibrate_onto: PathLike | None = None,
+    calibrate_with: Sequence[PathLike] | None = None,
     force: bool = False,
 ) -> None:
     """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
-    onto = {"images_onto": images_onto, "calibrate_onto": calibrate_onto}
+    onto = {"images_onto": images_onto, "calibrate_onto": calibrate_onto, "calibrate_with": Repeated(calibrate_with)}
     given = {"model": model, "folds": folds, "l2": l2, "passes": passes, "save_folds": save_folds, **onto, "force": force}
     _willis.call(["train", *[os.fspath(case) for case in cases], "-o", os.fspath(output), *words(given, defaults_of(train))])
 

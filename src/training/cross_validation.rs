@@ -26,7 +26,7 @@ pub struct CrossValidation {
 }
 
 /// Fits weights without each fold's subjects and judges them by those. `training` and `judged` are the same cases, measured for
-/// the one purpose and the other; `progress` is called after every pass with the number of the fold, counted from 1.
+/// the one purpose and the other; the cases in `calibrating` have a part in the calibration alone, and are judged too; `progress` is called after every pass with the number of the fold, counted from 1.
 ///
 /// # Errors
 ///
@@ -34,6 +34,7 @@ pub struct CrossValidation {
 pub fn cross_validate(
     training: &[&Example],
     judged: &[&Example],
+    calibrating: &[&Example],
     folds: usize,
     params: &TrainParams,
     progress: &mut dyn FnMut(usize, &Step),
@@ -45,8 +46,9 @@ pub fn cross_validate(
     let mut everything: Vec<(&Example, CaseScores)> = Vec::new();
     for fold in 0..folds {
         let inner: Vec<&Example> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
-        let mut weights = fit(&inner, params, &mut |step| progress(fold + 1, step))?;
-        let outer: Vec<&Example> = judged.iter().copied().filter(|e| outside(e, fold)).collect();
+        let calibrating_inner: Vec<&Example> = calibrating.iter().copied().filter(|e| !outside(e, fold)).collect();
+        let mut weights = fit(&inner, &calibrating_inner, params, &mut |step| progress(fold + 1, step))?;
+        let outer: Vec<&Example> = judged.iter().chain(calibrating).copied().filter(|e| outside(e, fold)).collect();
         let scores = in_order(&outer, |_, e| case_scores(e, &weights)).into_iter().collect::<Result<Vec<CaseScores>>>()?;
         let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         let held_out: Vec<String> = held_out.into_iter().cloned().collect();

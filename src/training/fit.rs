@@ -5,13 +5,13 @@ use std::borrow::Cow;
 use ndarray::Array2;
 
 use super::example::{Case, Example, share_of};
-use super::logistic::{calibrate, logistic};
+use super::logistic::{CALIBRATION_L2, Row, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
 use crate::candidates::model::loop_closures::{Closure, closures};
-use crate::candidates::model::posterior::{attachment_scores, root_scores};
-use crate::candidates::model::weights::{Pass, Provenance, Weights};
+use crate::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
+use crate::candidates::model::weights::{Pass, Provenance, Weights, input_features};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use crate::support::calibration::Calibration;
@@ -19,6 +19,8 @@ use crate::support::in_order;
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
+/// So many cases it takes to learn how calibration depends on the whole of one.
+const LEAST_CASES: usize = 50;
 /// Penalty of the standardised weights of closures.
 const CLOSURE_L2: f64 = 1e-3;
 
@@ -76,7 +78,7 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
     share_of(&["inlets", &case.subject, &case.name]) < share
 }
 
-/// Fits weights to measured cases; `progress` is called after every pass.
+/// Fits weights to measured cases, and their calibration to these and those in `calibrating`; `progress` is called after every pass.
 ///
 /// Pass k starts from the weights of the pass before and sees the features of its posterior. The same cases give the same bits
 /// at any number of threads.
@@ -84,7 +86,12 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
 /// # Errors
 ///
 /// Parameters out of range, no case, none with a true connection within reach.
-pub fn fit(examples: &[&Example], params: &TrainParams, progress: &mut dyn FnMut(&Step)) -> Result<Weights> {
+pub fn fit(
+    examples: &[&Example],
+    calibrating: &[&Example],
+    params: &TrainParams,
+    progress: &mut dyn FnMut(&Step),
+) -> Result<Weights> {
     params.validate()?;
     if !examples.iter().any(|e| e.allowed.contains(&true)) {
         return Err(Error::parameter("cases", examples.len(), "expected one at least with a true connection within reach"));
@@ -110,28 +117,42 @@ pub fn fit(examples: &[&Example], params: &TrainParams, progress: &mut dyn FnMut
         posteriors = next.into_iter().map(|p| p.map(|(m, f)| (f, m))).collect::<Result<_>>()?;
         passes.push(pass);
     }
-    let mut pairs = Vec::new();
-    for ((example, (_, marginals)), weight) in examples.iter().zip(&posteriors).zip(case_weights(examples)) {
-        let p = example.table.summed_by_pair(&marginals.edges);
-        let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
-        pairs.extend(listed.map(|(p, right)| (*p, right.is_some(), weight)));
-    }
-    let calibration = calibrate(&pairs);
-    let closure = fit_closures(examples, &passes[0], &posteriors, calibration);
     let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    Ok(Weights { passes, calibration: calibration.0, closure, provenance })
+    let mut weights = Weights { passes, calibration: [0.0, 1.0, 0.0], of_input: [0.0; 3], closure: Vec::new(), provenance };
+    let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
+    let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
+    let all: Vec<&Example> = examples.iter().chain(calibrating).copied().collect();
+    let found = calibrate(&all, posteriors.iter().map(|(_, marginals)| marginals).chain(&further));
+    (weights.calibration, weights.of_input) = found;
+    weights.closure = fit_closures(examples, &weights, &posteriors);
+    Ok(weights)
+}
+
+/// The calibration of some cases, with the marginals of their last pass, and how the whole of a case moves it: zeros for fewer than 50 cases.
+fn calibrate<'a>(examples: &[&Example], marginals: impl Iterator<Item = &'a Marginals>) -> ([f64; 3], [f64; 3]) {
+    let mut rows: Vec<Row> = Vec::new();
+    for ((example, marginals), weight) in examples.iter().zip(marginals).zip(case_weights(examples)) {
+        let of_input = input_features(marginals);
+        let asked = if examples.len() < LEAST_CASES { &[][..] } else { &of_input[..] };
+        let p = example.table.summed_by_pair(&marginals.edges);
+        let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
+        rows.extend(listed.map(|(p, right)| ([&Calibration::design(*p)[..], asked].concat(), right.is_some(), weight)));
+    }
+    let found = logistic(&rows, CALIBRATION_L2);
+    let three = |from: usize| [0, 1, 2].map(|k| found.get(from + k).copied().unwrap_or(0.0));
+    (three(0), three(3))
 }
 
 /// The weights of closures by logistic regression; none where no case has a right one within reach.
-fn fit_closures(examples: &[&Example], first: &Pass, posteriors: &[(Forests, Marginals)], calibration: Calibration) -> Vec<f64> {
+fn fit_closures(examples: &[&Example], weights: &Weights, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
     let of_case = in_order(examples, |at, e| {
         let (forests, marginals) = &posteriors[at];
-        let attached = attachment_scores(&e.table, marginals, calibration);
+        let attached = attachment_scores(&e.table, marginals, weights.calibration_of(marginals));
         let kept = arborescence(forests, &attached, &root_scores(&e.extraction, marginals));
-        let found = closures(&e.extraction, &e.table, first, marginals, &kept);
+        let found = closures(&e.extraction, &e.table, &weights.passes[0], marginals, &kept);
         let point = |c: &Closure| e.extraction.ends[c.candidate.end].point;
         found
             .iter()

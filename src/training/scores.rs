@@ -9,7 +9,6 @@ use crate::candidates::model::posterior::last_pass;
 use crate::candidates::model::weights::{HeldOutScores, Weights};
 use crate::error::Result;
 use crate::forest_posterior::log_likelihood;
-use crate::support::calibration::Calibration;
 
 /// Probabilities that leave doubt.
 const DOUBT: [f64; 2] = [0.05, 0.95];
@@ -33,7 +32,7 @@ pub struct CaseScores {
 /// Weights of other features.
 pub fn case_scores(example: &Example, weights: &Weights) -> Result<CaseScores> {
     let (forests, marginals) = last_pass(&example.extraction, &example.table, weights)?;
-    let calibration = Calibration(weights.calibration);
+    let calibration = weights.calibration_of(&marginals);
     let p = example.table.summed_by_pair(&marginals.edges);
     let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
     let ranked: Vec<(f64, Option<Match>)> = listed.map(|(p, right)| (calibration.apply(*p), *right)).collect();

@@ -33,7 +33,13 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         candidate: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
         root: fill(ROOT_FEATURES.iter().map(|(n, _)| *n).collect(), root),
     };
-    Weights { passes: vec![pass], calibration: [0.0, 1.0, 0.0], closure: Vec::new(), provenance: Provenance::default() }
+    Weights {
+        passes: vec![pass],
+        calibration: [0.0, 1.0, 0.0],
+        of_input: [0.0; 3],
+        closure: Vec::new(),
+        provenance: Provenance::default(),
+    }
 }
 
 /// Two fragments in a line: no hanging, one on the other, or the other way round, so Z = v² + v Σ w. A bridge weighs exp(-d/D) by
@@ -97,6 +103,7 @@ fn odd() -> Weights {
     Weights {
         passes: (0..3).map(pass).collect(),
         calibration: [0.1, 1.0 + f64::EPSILON, -1e-300],
+        of_input: [0.5, -0.25, 3.0],
         closure: (0..CLOSURE_FEATURES.len()).map(|i| 0.3 * i as f64 - 1.0).collect(),
         provenance: Provenance {
             cases: 3,

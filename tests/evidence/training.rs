@@ -132,7 +132,7 @@ fn a_circle_of_right_bridges_is_opened() {
     assert_eq!(hang.len(), 2, "{hang:?}");
     let (objective, ok) = (Vec::from([&example]), std::cell::Cell::new(false));
     let params = TrainParams { iterations: vec![200], ..TrainParams::default() };
-    fit(&objective, &params, &mut |step: &Step| ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0]))
+    fit(&objective, &[], &params, &mut |step: &Step| ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0]))
         .expect("weights");
     assert!(ok.get(), "a probability above one");
 }
@@ -156,7 +156,7 @@ fn what_was_learnt_holds_on_other_trees() {
     let params = TrainParams { iterations: vec![40], ..TrainParams::default() };
     let known: Vec<&Case> = cases[..8].iter().collect();
     let examples = Example::measure(&known, |case| !goes_without_inlets(case, params.without_inlets)).expect("positions");
-    let weights = fit(&examples.iter().collect::<Vec<_>>(), &params, &mut |_| ()).expect("weights");
+    let weights = fit(&examples.iter().collect::<Vec<_>>(), &[], &params, &mut |_| ()).expect("weights");
     assert_eq!((weights.provenance.cases, weights.provenance.subjects), (8, 8));
     let judged: Vec<Example> = cases[8..].iter().map(|c| Example::new(c, true).expect("bridges")).collect();
     let answers: Vec<_> = judged.iter().map(|e| case_scores(e, &weights).expect("features")).collect();
@@ -195,7 +195,7 @@ fn optimum_and_calibration_are_those_of_scipy() {
     let examples: Vec<&Example> = measured.iter().collect();
     let params = TrainParams { iterations: vec![3000], ..TrainParams::default() };
     let mut least = f64::NAN;
-    let weights = fit(&examples, &params, &mut |step| least = step.objective[1]).expect("weights");
+    let weights = fit(&examples, &[], &params, &mut |step| least = step.objective[1]).expect("weights");
     let put = |name: &str, text: String| fs::write(here.path().join(name), text).expect("a file");
     for (k, e) in examples.iter().enumerate() {
         let bridges = (0..e.table.candidates.len()).map(|row| {

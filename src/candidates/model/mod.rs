@@ -4,7 +4,7 @@
 //! features of [`super::features`], and `forest_posterior` makes probabilities of the weights. A later pass measures what the
 //! posterior of the pass before says of the surroundings of a candidate ([`FEEDBACK_FEATURES`](super::features::FEEDBACK_FEATURES)) and
 //! weighs that too. Last, the probability of a pair of points, summed over its two directions, is calibrated:
-//! P = σ(a + b l + c min(l, 0)), l = ln p/(1 - p).
+//! P = σ(a + b l + c min(l, 0) + d m + e s + f m s), l = ln p/(1 - p), m and s of the whole extraction ([`weights::input_features`]).
 
 pub mod feature_table;
 pub mod loop_closures;

@@ -39,7 +39,7 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
     weights.validate()?;
     let table = CandidateTable::new(extraction, candidates)?;
     let (forests, marginals) = last_pass(extraction, &table, weights)?;
-    let calibration = Calibration(weights.calibration);
+    let calibration = weights.calibration_of(&marginals);
     let of_pair: Vec<f64> = table.summed_by_pair(&marginals.edges).into_iter().map(|p| calibration.apply(p)).collect();
     let probability = table.pair.iter().map(|pair| of_pair[*pair]).collect();
     let root_scores = root_scores(extraction, &marginals);

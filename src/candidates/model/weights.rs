@@ -7,6 +7,8 @@ use crate::candidates::features::FEATURES;
 use crate::candidates::features::feedback::FEEDBACK_FEATURES;
 use crate::candidates::features::root_features::ROOT_FEATURES;
 use crate::error::{Error, Result};
+use crate::forest_posterior::Marginals;
+use crate::support::calibration::Calibration;
 
 /// The weights that come with the program.
 const SHIPPED: &str = include_str!("weights.toml");
@@ -39,12 +41,27 @@ impl Pass {
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
     pub passes: Vec<Pass>,
-    /// [`Calibration`](crate::support::calibration::Calibration) of the last pass.
+    /// [`Calibration`] of the last pass.
     pub calibration: [f64; 3],
+    /// How much the calibration is moved by the [`input_features`] of an extraction; zeros where too few cases were seen.
+    pub of_input: [f64; 3],
     /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case had any.
     pub closure: Vec<f64>,
     /// Where the weights come from.
     pub provenance: Provenance,
+}
+
+/// So many fragments count half as few.
+const FEW: f64 = 10.0;
+
+/// What the calibration asks of a whole extraction: m, s and m s, where m = ln((A + 1)/(n - A + 1)), A of the n fragments being attached
+/// to another one by the posterior, and s = 10/(n + 10).
+pub fn input_features(marginals: &Marginals) -> [f64; 3] {
+    let n = marginals.roots.len() as f64;
+    let attached: f64 = marginals.roots.iter().map(|root| 1.0 - root).sum();
+    let m = ((attached + 1.0) / (n - attached + 1.0)).ln();
+    let s = FEW / (n + FEW);
+    [m, s, m * s]
 }
 
 /// Where weights come from and how well they did on subjects that they were not fitted to.
@@ -118,6 +135,13 @@ impl Weights {
         Self::read(TUBES).map_err(|fault| fault.in_file("tubes.toml".as_ref()))
     }
 
+    /// The calibration of the pairs of an extraction with these marginals in the last pass.
+    pub fn calibration_of(&self, marginals: &Marginals) -> Calibration {
+        let moved: f64 = self.of_input.iter().zip(input_features(marginals)).map(|(weight, x)| weight * x).sum();
+        let [a, b, c] = self.calibration;
+        Calibration([a + moved, b, c])
+    }
+
     /// Checks numbers of weights and their ranges.
     ///
     /// # Errors
@@ -135,7 +159,7 @@ impl Weights {
         if !self.closure.is_empty() {
             check("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;
         }
-        if let Some(x) = self.calibration.iter().find(|x| is_wild(**x)) {
+        if let Some(x) = self.calibration.iter().chain(&self.of_input).find(|x| is_wild(**x)) {
             return Err(Error::parameter("calibration", x, format!("expected numbers from -{MOST_WEIGHT} to {MOST_WEIGHT}")));
         }
         Ok(())

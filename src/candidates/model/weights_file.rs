@@ -21,6 +21,8 @@ const HEADING: &str = "\
 #[serde(deny_unknown_fields)]
 struct File {
     calibration: [f64; 3],
+    #[serde(default)]
+    of_input: [f64; 3],
     pass: Vec<PassEntry>,
     closure: Option<BTreeMap<String, f64>>,
     #[serde(default)]
@@ -57,7 +59,7 @@ impl Weights {
         let closure =
             file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
         let provenance = Provenance { figures: file.figures, folds: file.fold, ..file.provenance };
-        let weights = Weights { passes, calibration: file.calibration, closure, provenance };
+        let weights = Weights { passes, calibration: file.calibration, of_input: file.of_input, closure, provenance };
         weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
         Ok(weights)
     }
@@ -68,14 +70,14 @@ impl Weights {
     ///
     /// Those of `out`.
     pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let [a, b, c] = self.calibration;
         let provenance = &self.provenance;
         write!(out, "{HEADING}")?;
         writeln!(
             out,
-            "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0)))), l = ln p/(1 - p), p the posterior of a link in the last pass."
+            "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0) + d m + e s + f m s))), l = ln p/(1 - p), p the posterior of a link in the last pass;\n\
+             # m = ln((A + 1)/(n - A + 1)), A of n fragments being attached by the posterior, and s = 10/(n + 10)."
         )?;
-        writeln!(out, "calibration = [{a:?}, {b:?}, {c:?}]")?;
+        writeln!(out, "calibration = {:?}\nof_input = {:?}", self.calibration, self.of_input)?;
         for (number, pass) in self.passes.iter().enumerate() {
             writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
             for (name, weight) in Pass::candidate_features(number).zip(&pass.candidate) {

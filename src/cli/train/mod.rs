@@ -58,6 +58,9 @@ pub struct TrainArgs {
     /// Calibrate MODEL.toml, a model of contacts, on cases that it was not fitted to, and change nothing else in it
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, conflicts_with_all = ["images_onto", "save_folds"])]
     calibrate_onto: Option<PathBuf>,
+    /// Cases of other damage, to which only the calibration is fitted, together with CASES
+    #[arg(long, value_name = "CASES", value_hint = clap::ValueHint::DirPath)]
+    calibrate_with: Vec<PathBuf>,
     /// Penalty of large weights
     #[arg(long, value_name = "L2", allow_negative_numbers = true, default_value_t = TrainParams::default().l2)]
     l2: f64,
@@ -84,6 +87,9 @@ impl TrainArgs {
         let output = Output { paths: self.outputs()?, force };
         output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
         let kind = if self.labels { Kind::Labels } else { self.model };
+        if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(kind, Kind::Tracing)) {
+            return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
+        }
         if let Some(path) = &self.calibrate_onto {
             if !matches!(kind, Kind::Contacts) {
                 return Err(Error::parameter("calibrate_onto", path.display(), "goes with --model contacts"));
@@ -107,6 +113,12 @@ impl TrainArgs {
         if self.folds > 0 {
             check_folds(&all, self.folds)?;
         }
+        let others = if self.calibrate_with.is_empty() { None } else { Some(read_cases(&self.calibrate_with, Model::Tracing)?) };
+        let others: Vec<Case> = others.map_or_else(Vec::new, |read| {
+            say_notes(terminal, &read.notes, "case");
+            read.cases
+        });
+        let calibrating = Example::measure(&others.iter().collect::<Vec<_>>(), |_| true)?;
         let judged = Example::measure(&all, |_| true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
         let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
@@ -114,15 +126,17 @@ impl TrainArgs {
         let mut rest = unfed.iter();
         let training: Vec<&Example> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
         say_cases(terminal, &judged);
+        say_cases(terminal, &calibrating);
+        let calibrating: Vec<&Example> = calibrating.iter().collect();
         terminal.say(
             "measured",
             format!("in {:.0} s; {} used without their inlets", began.elapsed().as_secs_f64(), plural(unfed.len(), "case")),
         );
-        let mut weights = fit(&training, params, &mut |step| say_step(terminal, "fitted", step))?;
+        let mut weights = fit(&training, &calibrating, params, &mut |step| say_step(terminal, "fitted", step))?;
         let mut validated = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
         if self.folds > 0 {
             let judged: Vec<&Example> = judged.iter().collect();
-            validated = cross_validate(&training, &judged, self.folds, params, &mut |fold, step| {
+            validated = cross_validate(&training, &judged, &calibrating, self.folds, params, &mut |fold, step| {
                 say_step(terminal, &format!("fold {fold}"), step);
             })?;
             validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
