@@ -17,10 +17,12 @@ use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
 use clusters::{Cluster, clusters};
+use features::Extraction;
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
 use kind::Kind;
+use model::Usual;
 use model::posterior::{Posterior, posterior};
 use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
@@ -142,7 +144,8 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
 /// Joins the fragments of the observed vessels by the candidates that the evidence allows.
 ///
 /// Every candidate has its [`Evidence`], its probability is its prior, and every node knows how probably its fragment is a root.
-/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them.
+/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them. Beside the graph, where most fragments
+/// are unlike those that the weights were fitted to, what to tell a person.
 ///
 /// # Errors
 ///
@@ -152,14 +155,21 @@ pub fn build_with_evidence(
     inlets: &[usize],
     options: &CandidateOptions,
     weights: &Weights,
-) -> Result<Network> {
+) -> Result<(Network, Option<String>)> {
     options.validate()?;
-    let (mut found, mut roots) = (Vec::new(), Vec::new());
+    let (mut found, mut roots, mut largest) = (Vec::new(), Vec::new(), None);
     for cluster in clusters(network, inlets) {
-        let (vessels, scores) = found_by_evidence(&cluster, options, weights)?;
+        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+        let e = resampled.extraction(&cluster.inlets)?;
+        let (vessels, scores) = found_by_evidence(&cluster, &resampled, &e, options, weights)?;
         found.extend(vessels);
         roots.extend(scores);
+        let fragments = e.fragments.len();
+        if largest.as_ref().is_none_or(|(most, _)| fragments > *most) {
+            largest = Some((fragments, Usual::new(&e)));
+        }
     }
+    let unlike = largest.and_then(|(_, here)| here?.unlike(weights.usual?));
     let (mut graph, node_at) = over_connected(network, found, options);
     for (place, score) in roots {
         let node = match place {
@@ -170,18 +180,22 @@ pub fn build_with_evidence(
             graph.node_mut(node).root_score = Some(score);
         }
     }
-    Ok(graph)
+    Ok((graph, unlike))
 }
 
 /// Places in the network, each with how probably its fragment is a root.
 type Roots = Vec<(NetworkPoint, f64)>;
 
 /// The candidates of a cluster that the evidence allows, and how probably the fragment of each place is a root.
-fn found_by_evidence(cluster: &Cluster, options: &CandidateOptions, weights: &Weights) -> Result<(Vec<NewVessel>, Roots)> {
-    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
-    let e = resampled.extraction(&cluster.inlets)?;
+fn found_by_evidence(
+    cluster: &Cluster,
+    resampled: &Resampled,
+    e: &Extraction,
+    options: &CandidateOptions,
+    weights: &Weights,
+) -> Result<(Vec<NewVessel>, Roots)> {
     let mut candidates = search(
-        &e,
+        e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
     )?;
     candidates.retain(|c| {
@@ -189,7 +203,7 @@ fn found_by_evidence(cluster: &Cluster, options: &CandidateOptions, weights: &We
         let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
         options.max_gap.is_none_or(|most| gap <= most) && may_end
     });
-    let posterior = posterior(&e, &candidates, weights)?;
+    let posterior = posterior(e, &candidates, weights)?;
     let mut found = probable(&posterior);
     let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
     found.extend(loops.map(|(candidate, p)| {
@@ -198,7 +212,7 @@ fn found_by_evidence(cluster: &Cluster, options: &CandidateOptions, weights: &We
     let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         let radii = [e.ends[candidate.end].radius, there];
-        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
+        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, e, resampled, cluster) }
     };
     let vessels = found.into_iter().map(new_vessel).collect();
     let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);

@@ -186,7 +186,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     let mut provenance = input.provenance;
     let looked = picture::Picture::load(options, &prior, &input.options, is_fragments)?;
     let (image, view) = looked.unzip();
-    let (graph, looked) = prior.graph(network, is_fragments, &given, &building, view)?;
+    let (graph, looked, unlike) = prior.graph(network, is_fragments, &given, &building, view)?;
     let unseen = looked.as_ref().and_then(|looked| looked.as_ref().err().copied());
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
     let said = image.as_ref().map(|image| image.remarks(unseen, scene, &prior)).unwrap_or_default();
@@ -216,7 +216,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Progress
     progress.step(Step::Boundary { graph: &graph, boundary: &boundary });
     provenance.notes.extend(unnamed);
     let nothing = !is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
-    let said = crowded.into_iter().chain(arteries.iter().flat_map(|found| found.notes.clone()));
+    let said = unlike.into_iter().chain(crowded).chain(arteries.iter().flat_map(|found| found.notes.clone()));
     for note in said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &given)) {
         progress.step(Step::Note(&note));
         provenance.notes.push(note);

@@ -206,7 +206,7 @@ impl LoadedPrior {
     }
 
     /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior. The image as it was
-    /// measured is told too, or why it says nothing.
+    /// measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
     pub(crate) fn graph(
         &self,
         network: Network,
@@ -214,13 +214,15 @@ impl LoadedPrior {
         given: &[Given],
         options: &CandidateOptions,
         view: Option<View>,
-    ) -> Result<(Network, Option<Looked>)> {
-        let mut looked = None;
+    ) -> Result<(Network, Option<Looked>, Option<String>)> {
+        let (mut looked, mut unlike) = (None, None);
         let mut graph = match self {
             _ if !is_fragments => network,
             Self::Evidence { weights, .. } => {
                 let inlets: Vec<usize> = given.iter().filter(|g| g.role == Role::Inlet).map(|g| g.node).collect();
-                build_with_evidence(&network, &inlets, options, weights)?
+                let (graph, note) = build_with_evidence(&network, &inlets, options, weights)?;
+                unlike = note;
+                graph
             }
             Self::Joins { model, .. } => {
                 let (graph, found) = build_joins(&network, options, model, view)?;
@@ -233,6 +235,6 @@ impl LoadedPrior {
             let read = if ending(&source.path) == "csv" { read_prior_csv } else { read_prior_npy };
             read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
         }
-        Ok((graph, looked))
+        Ok((graph, looked, unlike))
     }
 }

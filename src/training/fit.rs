@@ -9,6 +9,7 @@ use super::logistic::{CALIBRATION_L2, Row, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
+use crate::candidates::model::Usual;
 use crate::candidates::model::loop_closures::{Closure, closures};
 use crate::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
 use crate::candidates::model::weights::{Pass, Provenance, Weights, input_features};
@@ -19,7 +20,7 @@ use crate::support::in_order;
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
-/// So many cases it takes to learn how calibration depends on the whole of one.
+/// So many cases it takes to learn how calibration depends on the whole of one, and what is usual.
 const LEAST_CASES: usize = 50;
 /// Penalty of the standardised weights of closures.
 const CLOSURE_L2: f64 = 1e-3;
@@ -121,12 +122,15 @@ pub fn fit(
     subjects.sort_unstable();
     subjects.dedup();
     let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    let mut weights = Weights { passes, calibration: [0.0, 1.0, 0.0], of_input: [0.0; 3], closure: Vec::new(), provenance };
+    let mut weights =
+        Weights { passes, calibration: [0.0, 1.0, 0.0], of_input: [0.0; 3], usual: None, closure: Vec::new(), provenance };
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
     let all: Vec<&Example> = examples.iter().chain(calibrating).copied().collect();
     let found = calibrate(&all, posteriors.iter().map(|(_, marginals)| marginals).chain(&further));
     (weights.calibration, weights.of_input) = found;
+    let of_each = all.iter().filter_map(|e| Usual::new(&e.extraction));
+    weights.usual = of_each.reduce(Usual::with).filter(|_| all.len() >= LEAST_CASES);
     weights.closure = fit_closures(examples, &weights, &posteriors);
     Ok(weights)
 }

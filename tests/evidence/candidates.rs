@@ -385,7 +385,7 @@ fn a_lattice_of_fragments_is_refused_for_what_it_is() {
         network.add_vessel(ends, Vessel { path, ..Vessel::new(1e-3, 5e-4, Origin::Observed) });
     }
     let weights = Weights::shipped().unwrap();
-    let with = |options: &CandidateOptions| build_with_evidence(&network, &[], options, &weights);
+    let with = |options: &CandidateOptions| build_with_evidence(&network, &[], options, &weights).map(|(graph, _)| graph);
     let said = with(&CandidateOptions::default()).unwrap_err().to_string();
     assert!(said.starts_with("fragments 20000"), "{said}");
     assert!(said.contains("more than 500000000 pairs") && said.contains("`max_gap` below 5.000 mm"), "{said}");
@@ -393,8 +393,8 @@ fn a_lattice_of_fragments_is_refused_for_what_it_is() {
     assert!(joined.vessel_count() > 20_000 + 19_000);
 }
 
-/// What the book says of P ("What each P means"), on random fragments: P is the calibrated sum of the marginals of both directions between two
-/// points. The marginals of what excludes each other add up to 1 at the most, by the theory of forests: all ways of one fragment with its root
+/// What the book says of P ("What each P means"), on random fragments: P is the sum of the marginals of both directions between two
+/// points, calibrated by that sum and by the whole input. The marginals of what excludes each other add up to 1 at the most, by the theory of forests: all ways of one fragment with its root
 /// to 1, all between two fragments to 1, all together to the fragments less one. P is of each pair of points by itself, and adds up to more.
 #[test]
 fn what_each_p_means() {
@@ -420,12 +420,17 @@ fn what_each_p_means() {
             of_child[e.ends[candidate.end].fragment] += marginal;
         }
         let [a, b, c] = weights.calibration;
+        let [of_m, of_s, of_both] = weights.of_input;
+        let n = found.marginals.roots.len() as f64;
+        let attached = n - found.marginals.roots.iter().sum::<f64>();
+        let (m, s) = (((attached + 1.0) / (n - attached + 1.0)).ln(), 10.0 / (n + 10.0));
+        let of_input = of_m * m + of_s * s + of_both * m * s;
         let mut told = BTreeMap::new();
         for (candidate, p) in found.table.candidates.iter().zip(&found.probability) {
             let sum: f64 = of_points[&points(candidate)];
             let sum = sum.clamp(1e-12, 1.0 - 1e-12);
             let log_odds = (sum / (1.0 - sum)).ln();
-            let expected = 1.0 / (1.0 + (-(a + b * log_odds + c * log_odds.min(0.0))).exp());
+            let expected = 1.0 / (1.0 + (-(a + b * log_odds + c * log_odds.min(0.0) + of_input)).exp());
             assert!((p - expected).abs() < 1e-12, "{p} for {expected}");
             if told.insert(points(candidate), *p).is_none() {
                 *of_p.entry(sides(candidate)).or_insert(0.0) += p;

@@ -2,7 +2,7 @@
 
 use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
 use willis::internals::candidates::model::{
-    CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Provenance, Weights, posterior,
+    CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Provenance, Usual, Weights, posterior,
 };
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::network::centerlines::Centerlines;
@@ -37,6 +37,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         passes: vec![pass],
         calibration: [0.0, 1.0, 0.0],
         of_input: [0.0; 3],
+        usual: None,
         closure: Vec::new(),
         provenance: Provenance::default(),
     }
@@ -69,6 +70,15 @@ fn two_fragments_in_a_line_as_by_hand() {
     assert_eq!(again.marginals, found.marginals);
     for (p, q) in found.probability.iter().zip(&again.probability) {
         assert!((q / (1.0 - q) - 1_f64.exp() * (p / (1.0 - p)).powi(2)).abs() < 1e-9);
+    }
+    // A of the two fragments hang on the other one, and few are few: m = ln((A + 1)/(3 - A)), s = 10/12.
+    let moved = Weights { of_input: [0.5, -1.0, 2.0], ..calibrated };
+    let again = posterior(&extraction, &bridges, &moved).expect("weights");
+    let hanging = (total - 9.0) / total;
+    let (m, s) = (((hanging + 1.0) / (3.0 - hanging)).ln(), 10.0 / 12.0);
+    for (p, q) in found.probability.iter().zip(&again.probability) {
+        let odds = (1.0 + 0.5 * m - s + 2.0 * m * s).exp() * (p / (1.0 - p)).powi(2);
+        assert!((q / (1.0 - q) / odds - 1.0).abs() < 1e-9);
     }
 }
 
@@ -104,6 +114,12 @@ fn odd() -> Weights {
         passes: (0..3).map(pass).collect(),
         calibration: [0.1, 1.0 + f64::EPSILON, -1e-300],
         of_input: [0.5, -0.25, 3.0],
+        usual: Some(Usual {
+            fragments: [3.0, 250.0],
+            free_ends: [0.1, 1.0 / 3.0],
+            end_radius: [0.7, 2.0],
+            radius_variation: [0.0, 0.6],
+        }),
         closure: (0..CLOSURE_FEATURES.len()).map(|i| 0.3 * i as f64 - 1.0).collect(),
         provenance: Provenance {
             cases: 3,

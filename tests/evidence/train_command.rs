@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::command::{folder, stderr, willis};
+use crate::command::{data, folder, stderr, willis};
 use crate::refused::contents;
 use willis::internals::candidates::model::Weights;
 use willis::internals::training::fold_of;
@@ -60,6 +60,50 @@ fn weights_and_folds_are_written_and_the_threads_do_not_matter() {
     assert_eq!(held_out, ["t0", "t1", "t2"]);
     let again = willis(here.path(), &["train", "trees", "-o", "one/w.toml", "--folds", "0", "--passes", "1"]);
     assert!(!again.status.success() && stderr(&again).contains("exists already"), "{}", stderr(&again));
+}
+
+/// Further cases have a part in the calibration and in what is usual, and in nothing else; what is unlike all of them is told with its figure.
+#[test]
+fn further_cases_calibrate_and_say_what_is_usual() {
+    let here = folder();
+    cases(here.path());
+    let mut fragments = Vec::new();
+    for seed in 100..145 {
+        let case = here.path().join(format!("others/t{seed}"));
+        fs::create_dir_all(&case).expect("a folder");
+        let (output, seed) = (case.join("fragments.swc").display().to_string(), seed.to_string());
+        let made = willis(here.path(), &["phantom", "tree", "--break", "--seed", &seed, "-o", &output]);
+        assert!(made.status.success(), "{}", stderr(&made));
+        fs::rename(case.join("fragments.truth.json"), case.join("truth.json")).expect("a file");
+        let swc = fs::read_to_string(output).expect("a file");
+        fragments.push(swc.lines().filter(|line| !line.starts_with('#') && line.ends_with(" -1")).count() as f64);
+    }
+    let fitted = |output: &str, more: &[&str]| {
+        let done = willis(here.path(), &[&["train", "trees", "-o", output, "--folds", "0", "--passes", "1"], more].concat());
+        assert!(done.status.success(), "{}", stderr(&done));
+        weights(&here.path().join(output))
+    };
+    let (alone, with) = (fitted("alone.toml", &[]), fitted("with.toml", &["--calibrate-with", "others"]));
+    assert_eq!((&alone.passes, alone.of_input, alone.usual), (&with.passes, [0.0; 3], None));
+    assert!(alone.calibration != with.calibration && with.of_input != [0.0; 3]);
+    let [least, most] = with.usual.expect("51 cases").fragments;
+    assert!(fragments.iter().all(|n| (least..=most).contains(n)), "{least} to {most}: {fragments:?}");
+
+    let text = fs::read_to_string(here.path().join("with.toml")).expect("a file");
+    let odd = text.replace(&format!("[usual]\nfragments = [{least:?}, {most:?}]"), "[usual]\nfragments = [1000.0, 2000.0]");
+    fs::write(here.path().join("odd.toml"), odd).expect("a file");
+    let note = |prior: &[&str]| {
+        let circle = data("broken-circle-of-willis.swc");
+        let ran = willis(here.path(), &[&["infer", &circle, "-o", "out", "-n", "1", "--dpi", "36", "--force"], prior].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        stderr(&ran)
+    };
+    let told = note(&["--prior", "odd.toml"]);
+    assert!(
+        told.contains("unlike all that the probabilities were fitted to") && told.contains("fragments (there 1000 to 2000)"),
+        "{told}"
+    );
+    assert!(!note(&[]).contains("unlike all that"));
 }
 
 /// A corrected edges.csv and a list of right bridges give the same answer as each other.

@@ -9,10 +9,12 @@
 pub mod feature_table;
 pub mod loop_closures;
 pub mod posterior;
+pub mod usual;
 pub mod weights;
 pub(crate) mod weights_file;
 
 pub use crate::support::calibration::Calibration;
 pub use loop_closures::CLOSURE_FEATURES;
 pub use posterior::posterior;
+pub use usual::Usual;
 pub use weights::{Fold, HeldOutScores, Pass, Provenance, Weights};

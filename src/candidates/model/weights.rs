@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::usual::Usual;
 use crate::candidates::features::FEATURES;
 use crate::candidates::features::feedback::FEEDBACK_FEATURES;
 use crate::candidates::features::root_features::ROOT_FEATURES;
@@ -45,6 +46,8 @@ pub struct Weights {
     pub calibration: [f64; 3],
     /// How much the calibration is moved by the [`input_features`] of an extraction; zeros where too few cases were seen.
     pub of_input: [f64; 3],
+    /// The range of the cases that the weights or their calibration were fitted to; `None` for fewer than 50.
+    pub usual: Option<Usual>,
     /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case had any.
     pub closure: Vec<f64>,
     /// Where the weights come from.

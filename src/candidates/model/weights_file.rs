@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use serde::Deserialize;
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::usual::Usual;
 use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;
@@ -25,6 +26,7 @@ struct File {
     of_input: [f64; 3],
     pass: Vec<PassEntry>,
     closure: Option<BTreeMap<String, f64>>,
+    usual: Option<Usual>,
     #[serde(default)]
     provenance: Provenance,
     #[serde(default)]
@@ -59,7 +61,8 @@ impl Weights {
         let closure =
             file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
         let provenance = Provenance { figures: file.figures, folds: file.fold, ..file.provenance };
-        let weights = Weights { passes, calibration: file.calibration, of_input: file.of_input, closure, provenance };
+        let weights =
+            Weights { passes, calibration: file.calibration, of_input: file.of_input, usual: file.usual, closure, provenance };
         weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
         Ok(weights)
     }
@@ -96,6 +99,14 @@ impl Weights {
             for (name, weight) in CLOSURE_FEATURES.iter().zip(&self.closure) {
                 writeln!(out, "{name} = {weight:?}")?;
             }
+        }
+        if let Some(Usual { fragments, free_ends, end_radius, radius_variation }) = self.usual {
+            writeln!(
+                out,
+                "\n# The least and the most of all cases: fragments, their free ends, steps in the radius of an end, standard deviation of ln r."
+            )?;
+            writeln!(out, "[usual]\nfragments = {fragments:?}\nfree_ends = {free_ends:?}")?;
+            writeln!(out, "end_radius = {end_radius:?}\nradius_variation = {radius_variation:?}")?;
         }
         writeln!(out, "\n# What the weights were fitted to.\n[provenance]")?;
         writeln!(

@@ -26,7 +26,7 @@ pub struct SamplingArgs {
     pub exact: bool,
     /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
     #[arg(long, value_parser = words::<Preset>(&[("paper", "--prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground --keep median --cut never. \
-        Resistances that a file or an option states at outlets stay, where the paper has ground only; a note says so")]))]
+        Resistances that a file or an option states at outlets stay, where the paper has ground only; a note says so. Inlets and outlets that are found hold in every sample, as those that are stated; by default only where the end is no gap")]))]
     pub preset: Option<Preset>,
     /// The seed; the same command with the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true)]

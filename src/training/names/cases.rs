@@ -126,7 +126,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
         };
         present[row] = Some(segment.present);
     }
-    let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?;
+    let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
     let truth_of_nodes = label_nodes(&graph, &labels);
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(LabelledCase {

@@ -170,7 +170,7 @@ fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a>
 /// and `classify` see it. `None` where no circle was found.
 fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &Weights) -> Option<(Seen, [f64; 7])> {
     let (circle, _) = name_again(&case.network, of, names)?.located(&case.network, of).ok()?;
-    let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?;
+    let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?.0;
     let names = name_again(&graph, of, names)?;
     let (circle, _) = names.located(&graph, of).ok()?;
     let topologies = topologies_say(&circle, &names.circle(of), &graph, &SamplingOptions::default());
