@@ -18,9 +18,8 @@ levels() { # levels and subjects of scans that nothing was fitted to
         [ -d "unseen/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" unseen --level $level --seed 3 --subjects $2 --save-mask
     done
 }
-levels "good fair" BG0002,BG07,BH0002,BH0017,BH0029,Set9
+levels "good fair poor" BG0002,BG07,BH0002,BH0017,BH0029,Set9
 levels near BG0002,BG07
-levels poor BG0002
 [ -d unseen/manual ] || "$python" "$here/manual.py" "$bench" "$data" unseen/manual 002
 [ -d calibration ] || "$python" "$here/own.py" "$bench" unseen calibration
 cp "$model" model.toml
