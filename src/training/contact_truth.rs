@@ -362,7 +362,9 @@ impl<'a> Lines<'a> {
             }
         };
         if meets {
-            places.iter_mut().for_each(|place| place.left = arc - place.arc);
+            for place in &mut places {
+                place.left = arc - place.arc;
+            }
         }
         places
     }
