@@ -4,10 +4,8 @@
 #   willis train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds
 #   willis train willis-images -o images.toml --model skeleton --folds 3 --images-onto final.toml
 #   willis train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds
-#   willis train calibration -o contacts.toml --model contacts --calibrate-onto contacts.toml
 #
-# where `calibration` has other scans of some of these brains, thinned by willis, and a manual mask (002). Beside them
-# a model of contacts that looks at images too, which does not ship: contacts-images.toml.
+# and calibrates the last (calibration.sh). Beside them a model of contacts that looks at images too, which does not ship: contacts-images.toml.
 #
 # Argument: a folder for the cases, which is kept and gone on from (about two hours on two cores). ../skelbench.sh says what the environment names.
 set -euo pipefail
@@ -23,17 +21,7 @@ here=$PWD/experiments/skeletons
 cd "$work"
 "$WILLIS" train scikit-image willis-masks -o final.toml --model skeleton --folds 3 --save-folds --force
 "$WILLIS" train scikit-image -o contacts.toml --model contacts --folds 3 --save-folds --force
-levels() { # levels and subjects of scans that nothing was fitted to
-    for level in $1; do
-        [ -d "$work/unseen/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/unseen" --level $level --seed 3 --subjects $2 --save-mask
-    done
-}
-levels "good fair" BG0002,BG07,BH0002,BH0017,BH0029,Set9
-levels near BG0002,BG07
-levels poor BG0002
-[ -d unseen/manual ] || "$python" "$here/manual.py" "$bench" "$data" "$work/unseen/manual" 002
-[ -d calibration ] || "$python" "$here/own.py" "$bench" unseen calibration
-"$WILLIS" train calibration -o contacts.toml --model contacts --calibrate-onto contacts.toml --force
+"$here/calibration.sh" "$work" contacts.toml
 images="0:0 .4:.05 .4:.1 .6:.15"
 "$python" "$here/images.py" "$bench" "$data/brava/vtp" scikit-image willis-masks willis-images fair,good,poor 1 $images
 "$WILLIS" train willis-images -o images.toml --model skeleton --folds 3 --images-onto final.toml --force

@@ -19,8 +19,8 @@ const WAY: f64 = 1.2;
 const SLACK: f64 = 0.7;
 /// A point of a skeleton shows the nearest node of the case's own within so many voxels.
 const REACH: f64 = 2.0;
-/// What the sides of a contact show is looked for between these distances from it, and they are one vessel if no more than this is
-/// missing on the way, m.
+/// What the sides of a contact show is looked for between these distances from it, and as far as `NEAR` from where vessels meet again.
+/// They are one vessel if no more than this is missing on the way, m.
 const NEAR: f64 = 1e-3;
 const FAR: f64 = 5e-3;
 const TOLERANCE: f64 = 1.5e-3;
@@ -168,23 +168,30 @@ impl ContactTruth {
     }
 
     /// Per contact of an opened network, in their order, whether its two sides are one vessel: the way along the true vessels from a place
-    /// of one side to a place of the other is no longer than the way through the contact, up to 1.5 mm. `None` where a side shows no place.
+    /// that one side shows to a place that the other shows is no longer than the way through the contact, up to 1.5 mm. `None` where a side
+    /// shows no place.
+    ///
+    /// A side shows what the points of its lines do, 1 to 5 mm from the contact. Nearer, a point lies in the lumen of both, and so does one
+    /// where the line meets others again: it counts only on a line that has no other. Nothing is looked for between two points, since these
+    /// may be of two vessels. It is the rule of `contact_truth` in `proofread.py` of skelbench, but for the last millimetre of lines, and
+    /// for candidates, which do not end a line here.
     pub fn contacts(&self, graph: &Network) -> Vec<Option<bool>> {
         let index = PointIndex::new(self.nodes.clone());
-        let mut at: BTreeMap<usize, Vec<Vec<PathPoint>>> = BTreeMap::new();
-        for (ends, vessel) in graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed && vessel.path.len() > 1) {
-            at.entry(ends[0]).or_default().push(vessel.path.clone());
-            at.entry(ends[1]).or_default().push(vessel.path.iter().rev().copied().collect());
-        }
-        // Per station that the vessels at a node show, how far from it (m).
+        let lines = Lines::new(graph);
+        // Per station that the lines at a node show, how far from it (m).
         let places = |node: usize| {
             let mut seen = BTreeMap::new();
-            for path in at.get(&node).into_iter().flatten() {
-                for (arc, place) in along(path, 0.5 * self.voxel) {
-                    let nearest = index.nearest(place, REACH * self.voxel).points.first().copied();
-                    if let Some(shown) = nearest.and_then(|node| self.shown[node]).filter(|_| (NEAR..=FAR).contains(&arc)) {
-                        seen.entry(shown.station).or_insert(arc);
-                    }
+            for line in lines.from(node) {
+                let shown = line.iter().filter(|place| (NEAR..=FAR).contains(&place.arc)).filter_map(|place| {
+                    let nearest = index.nearest(place.position, REACH * self.voxel).points.first().copied()?;
+                    Some((self.shown[nearest]?.station, place))
+                });
+                let shown: Vec<(usize, &Place)> = shown.collect();
+                let is_clear = |(_, place): &&(usize, &Place)| place.left >= NEAR;
+                let any = shown.iter().any(|place| is_clear(&place));
+                for (station, place) in shown.iter().filter(|place| !any || is_clear(place)) {
+                    let nearest = seen.entry(*station).or_insert(place.arc);
+                    *nearest = place.arc.min(*nearest);
                 }
             }
             seen
@@ -290,6 +297,76 @@ impl ContactTruth {
             near: [anchor(0, near[0]), anchor(1, near[1])],
             is_short_and_mixed,
         }
+    }
+}
+
+/// A point of a line that leaves a node.
+struct Place {
+    position: Point,
+    /// The way from the node, m.
+    arc: f64,
+    /// The way to where the line meets others, m; infinite where it does not.
+    left: f64,
+}
+
+/// The observed vessels of an opened network as lines from its nodes.
+struct Lines<'a> {
+    vessels: Vec<([usize; 2], &'a [PathPoint])>,
+    /// Per node the vessels that end there, each with whether by its last point.
+    at: Vec<Vec<(usize, bool)>>,
+    has_contact: Vec<bool>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(graph: &'a Network) -> Self {
+        let mut at = vec![Vec::new(); graph.node_count()];
+        let mut has_contact = vec![false; graph.node_count()];
+        let mut vessels = Vec::new();
+        for (ends, vessel) in graph.vessels() {
+            match vessel.origin {
+                Origin::Observed => {
+                    at[ends[0]].push((vessels.len(), false));
+                    at[ends[1]].push((vessels.len(), true));
+                    vessels.push((ends, &vessel.path[..]));
+                }
+                Origin::Contact => ends.into_iter().for_each(|node| has_contact[node] = true),
+                Origin::Candidate => {}
+            }
+        }
+        Self { vessels, at, has_contact }
+    }
+
+    /// The lines at a node, each on to where others meet it.
+    fn from(&self, node: usize) -> impl Iterator<Item = Vec<Place>> {
+        self.at[node].iter().map(|end| self.line(*end))
+    }
+
+    fn line(&self, (mut row, mut last): (usize, bool)) -> Vec<Place> {
+        let (mut places, mut arc): (Vec<Place>, f64) = (Vec::new(), 0.0);
+        let mut passed = BTreeSet::new();
+        let meets = loop {
+            let (ends, path) = self.vessels[row];
+            let points: Vec<Point> =
+                if last { path.iter().rev().map(|p| p.position).collect() } else { path.iter().map(|p| p.position).collect() };
+            for position in points {
+                arc += places.last().map_or(0.0, |before| distance(before.position, position));
+                places.push(Place { position, arc, left: f64::INFINITY });
+            }
+            passed.insert(row);
+            let (node, own) = (ends[usize::from(!last)], (row, !last));
+            let others: Vec<(usize, bool)> = self.at[node].iter().copied().filter(|end| *end != own).collect();
+            match others[..] {
+                [next] if !self.has_contact[node] && !passed.contains(&next.0) => (row, last) = next,
+                [] => break self.has_contact[node],
+                [..] => break true,
+            }
+        };
+        if meets {
+            for place in &mut places {
+                place.left = arc - place.arc;
+            }
+        }
+        places
     }
 }
 

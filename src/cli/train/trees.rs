@@ -94,6 +94,9 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     Ok(())
 }
 
+/// What parts the command of the fit from that of the calibration in `made_by`.
+const CALIBRATION: &str = "; calibration: ";
+
 /// Calibrates the model of contacts in a file, and writes it.
 pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
     let mut model = read_model::<ContactModel>(path)?;
@@ -106,7 +109,9 @@ pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal
         terminal.say("calibrated", format!("{name}: log-odds {a:.3} + {b:.3} times those of the partitions"));
     }
     let made_by = &mut model.provenance.made_by;
-    *made_by = format!("{made_by}; calibration: willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    // A calibration from before is replaced.
+    let fit = made_by.split(CALIBRATION).next().unwrap_or_default();
+    *made_by = format!("{fit}{CALIBRATION}willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
     let names = save(output, std::iter::once(model), |model, out| model.write(out))?;
     terminal.say("written", names.join(", "));
     if args.json { summary(&read.cases, &names, &json!([])) } else { Ok(()) }
