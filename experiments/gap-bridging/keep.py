@@ -82,6 +82,7 @@ def main():
         text = damaged(work, options.seed) + "\n\n" + undamaged(work)
     print(text)
     common.splice(README, "keep", text)
+    common.made_with("gap-bridging", "keep")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""How far the P of candidates between the same two fragments add up: sums.py NAME FILE... prints a row of the table on the page Theory of the book
-("What each P means"). WILLIS names the program; needs nothing but Python."""
-import os
+"""How far the P of candidates between the same two fragments add up: sums.py [--work FOLDER] writes sums.md, the table on the page Theory of the book
+("What each P means"). The environment is that of run.sh, and so is the folder, where one is kept."""
+import argparse
 import subprocess
 import sys
 import tempfile
@@ -8,15 +8,17 @@ from collections import defaultdict
 from pathlib import Path
 from xml.etree import ElementTree
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-WILLIS = os.environ.get("WILLIS", str(ROOT / "target/release/willis"))
+import bench
+import common
+
+HERE = Path(__file__).resolve().parent
 XML = "{http://graphml.graphdrawing.org/xmlns}"
 
 
 def candidates(file, folder):
     """The number of fragments, and of each candidate between two: these, P, and how probably the fragment at either end hangs there."""
     out = Path(folder) / "graph.graphml"
-    subprocess.run([WILLIS, "candidates", file, "-o", out, "--force", "--quiet"], check=True)
+    subprocess.run([common.WILLIS, "candidates", file, "-o", out, "--force", "--quiet"], check=True)
     graph = ElementTree.parse(out).getroot()
     names = {key.get("id"): key.get("attr.name") for key in graph.iter(XML + "key")}
     row = {node.get("id"): number for number, node in enumerate(graph.iter(XML + "node"))}
@@ -42,8 +44,8 @@ def candidates(file, folder):
     return len({fragment(node) for node in range(len(row))}), found
 
 
-def main():
-    name, *files = sys.argv[1:]
+def row(name, files):
+    """A row of the table."""
     of_p, above, above_largest = [], 0, 0
     with tempfile.TemporaryDirectory() as folder:
         for file in files:
@@ -54,8 +56,26 @@ def main():
             of_p += [sum(each) for each in p.values()]
             above += sum(map(sum, p.values())) > fragments - 1
             above_largest += sum(map(max, p.values())) > fragments - 1
-    most = lambda sums: f"{sum(x > 1 + 1e-9 for x in sums):,} of {len(sums):,}; {max(sums, default=0):.2f}"
-    print(f"| {name}, {len(files)} | {most(of_p)} | {above} | {above_largest} |")
+    beyond = f"{sum(x > 1 + 1e-9 for x in of_p):,} of {len(of_p):,}; {max(of_p, default=0):.2f}"
+    return [f"{name}, {len(files)}", beyond, above, above_largest]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=101, help="of the damage [101]")
+    parser.add_argument("--work", type=Path, help="a folder to keep cases in [a temporary one]")
+    options = parser.parse_args()
+    if bench.missing():
+        sys.exit("skipped: there is no " + ", ".join(bench.missing()))
+    with tempfile.TemporaryDirectory(prefix="sums-") as scratch:
+        work = (options.work or Path(scratch)).resolve()
+        (work / "cases").mkdir(parents=True, exist_ok=True)
+        broken = [case.folder / "fragments.swc" for case in bench.make(work, options.seed) if (case.data, case.level) == ("brains", "medium")]
+        whole = sorted((bench.SHARED / "insist-cow").glob("INSIST_*/tracing*.swc"))
+        rows = [row("tracings of INSIST", whole), row("of BraVa, broken by gapbench at level medium", broken)]
+    heading = ["brains", "pairs of fragments with Σ P above 1; the most", "brains with Σ P above fragments − 1", "the same of the largest P of each pair"]
+    (HERE / "sums.md").write_text(common.table(heading, rows) + "\n")
+    common.made_with("gap-bridging", "sums")
 
 
 if __name__ == "__main__":

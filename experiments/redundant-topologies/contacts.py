@@ -6,7 +6,6 @@ scores higher than a true connection; AP: average precision of false fusions. In
 regression on the logarithms of P, radius and length, "P, size and flow" one on all figures, each fitted to the other subjects.
 """
 import csv
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -17,10 +16,10 @@ from sklearn.metrics import average_precision_score, roc_auc_score
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = [sys.argv[1], str(Path(__file__).resolve().parent.parent)]
+import common
 import score
 
-WILLIS = os.environ.get("WILLIS", "target/release/willis")
 SAMPLES, EPSILON = 1000, 0.3
 FIGURES = ("P", "L, A = P", "L, A = 1", "frequency, A = 1")
 SIZE = ("radius_mm", "length_mm")
@@ -31,7 +30,7 @@ def sampled(source, out, *options):
     """The rows of edges.csv, from an earlier run if there is one."""
     if (out / "edges.csv").exists():
         return list(csv.DictReader(open(out / "edges.csv", newline="")))
-    command = [WILLIS, "infer", source, "-o", out, "-n", SAMPLES, "--epsilon", EPSILON, "--uncertain", "all", "--dpi", 36, "--quiet", "--force", *options]
+    command = [common.WILLIS, "infer", source, "-o", out, "-n", SAMPLES, "--epsilon", EPSILON, "--uncertain", "all", "--dpi", 36, "--quiet", "--force", *options]
     subprocess.run([str(word) for word in command], check=True)
     return list(csv.DictReader(open(out / "edges.csv", newline="")))
 
@@ -78,7 +77,7 @@ def main():
     cases, work = Path(sys.argv[2]), Path(sys.argv[3])
     levels = (sys.argv[4] if len(sys.argv) > 4 else "good,fair").split(",")
     rng = np.random.default_rng(0)
-    print("| vessels and contacts | false of all | by | AUC [95 %] | AP [95 %] |\n|---|---|---|---|---|")
+    lines = []
     for level in levels:
         folders = sorted(path for path in (cases / level).iterdir() if (path / "truth.json").exists())
         for name, source in SOURCES:
@@ -92,7 +91,11 @@ def main():
                     low, high = np.percentile([of(draw) for draw in draws], [2.5, 97.5])
                     cells.append(f"{of(range(len(some))):.3f} [{low:.3f}, {high:.3f}]")
                 false, count = int(sum(t.sum() for t in truth)), sum(map(len, truth))
-                print(f"| {level}, {name} | {false} of {count} | {by} | " + " | ".join(cells) + " |", flush=True)
+                lines.append([f"{level}, {name}", f"{false:,} of {count:,}", by, *cells])
+    table = common.table(["vessels and contacts", "false of all", "by", "AUC [95 %]", "AP [95 %]"], lines)
+    print(table)
+    common.splice(Path(__file__).with_name("README.md"), "contacts", table)
+    common.made_with("redundant-topologies", "contacts")
 
 
 if __name__ == "__main__":
