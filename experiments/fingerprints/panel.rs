@@ -7,6 +7,7 @@ use serde_json::Value;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
 use willis::internals::io::{Column, Values, checksum, write_nifti, write_nifti_image};
 use willis::internals::modulation::Reading;
+use willis::internals::naming::{NamingModel, name_arteries};
 use willis::internals::network::Origin;
 use willis::internals::phantom::{Breaks, Kind, Recipe, break_up, draw_scan};
 use willis::{
@@ -303,7 +304,7 @@ fn modulation(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     Ok(())
 }
 
-/// The variants of a broken circle with landmarks. What lies between them is named by geometry, which takes longer than all the rest.
+/// The variants of a broken circle with landmarks, and the names of its nodes by geometry, which take longer than all the rest.
 fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let options = InferOptions {
         arteries: Some(ArterySource::Landmarks(data("broken-circle-of-willis.landmarks.csv"))),
@@ -315,5 +316,11 @@ fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let (posterior, _) = run.posterior().ok_or("no posterior of the circle")?;
     digest.numbers(posterior.segments);
     posterior.variants.iter().for_each(|(variant, p)| digest.word(&format!("{variant:?} {p:.4}")));
+    // The model of patients finds no circle in a drawn one: that it does not is no answer, but what it says of each node is.
+    let text = made.names.as_ref().map(std::fs::read_to_string).transpose()?;
+    let model = NamingModel::read(text.as_deref().unwrap_or(include_str!("../../src/naming/arteries.toml")))
+        .map_err(|fault| fault.in_file("arteries.toml".as_ref()))?;
+    let names = name_arteries(run.graph(), &model).ok_or("no names")?;
+    digest.numbers(names.labels.into_iter().flatten().chain(names.presence).map(|p| (1e6 * p).round()));
     Ok(())
 }

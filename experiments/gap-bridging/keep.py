@@ -60,9 +60,10 @@ def damaged(work, seed):
 def undamaged(work):
     folds, held_out = command.by_fold(work), command.held_out(work)
     files = sorted((bench.SHARED / "brava" / "vtp").glob("*.vtp"))
+    subject = lambda file: file.name.partition("_")[0]
     lines = []
     for rule in RULES:
-        runs = [run for _, run in common.everywhere(kept, [(file, rule, work / "undamaged" / rule / file.stem, ["--prior", folds[held_out[file.stem]]]) for file in files])]
+        runs = [run for _, run in common.everywhere(kept, [(file, rule, work / "undamaged" / rule / file.stem, ["--prior", folds[held_out[subject(file)]]]) for file in files])]
         lines.append([f"`{rule}`", len(files), sum(run["counts"]["topology"]["kept_candidates"] for run in runs), f"{sum(run['expected_errors']['wrong'] for run in runs):.1f}", sum(run["convergence"]["undecided"] for run in runs)])
     return common.table(["`--keep`", "undamaged brains", "bridges kept", "of these expected to be wrong", "undecided"], lines)
 
