@@ -400,7 +400,7 @@ fn a_lattice_of_fragments_is_refused_for_what_it_is() {
 fn what_each_p_means() {
     let weights = Weights::shipped().unwrap();
     let mut most = 0.0_f64;
-    for seed in 0..6 {
+    for seed in 0..24 {
         let network = assemble(&fragments(&mut Draw::new(seed), 24));
         let e = Resampled::new(&network, Kind::Tracing).extraction(&[]).unwrap();
         let found = posterior(&e, &search(&e, &SearchOptions::default()).unwrap(), &weights).unwrap();
