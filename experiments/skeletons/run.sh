@@ -22,7 +22,7 @@ for level in ${LEVELS:-good fair near fine poor}; do
 done
 answer() { # name, level/subject, input, options
     local out="$work/$1/$2"
-    [ -e "$out/run.json" ] || "$WILLIS" infer "$work/cases/$2/$3" -o "$out" --force --quiet --dpi 36 -n 1 "${@:4}"
+    [ -e "$out/run.json" ] || "$WILLIS" infer "$work/cases/$2/$3" -o "$out" --force --quiet --dpi 36 -n "${samples:-1}" "${@:4}"
 }
 for case in "$work"/cases/*/*/; do
     case=${case%/}
@@ -35,7 +35,8 @@ for case in "$work"/cases/*/*/; do
     good/* | fair/*)
         answer fragments-cut "$case" fragments.npz --box="$box" --cut always
         answer uncertain-all "$case" fragments.npz --box="$box" --uncertain all
-        answer paper "$case" fragments.npz --box="$box" --preset paper
+        # Only the paper decides by samples.
+        samples=1000 answer paper "$case" fragments.npz --box="$box" --preset paper
         ;;
     esac
 done
