@@ -16,7 +16,7 @@ XML = "{http://graphml.graphdrawing.org/xmlns}"
 
 
 def candidates(file, folder):
-    """The number of fragments, and of each candidate between two: these, P, and how probably the fragment at either end hangs there."""
+    """The number of fragments, and of each candidate between two: these, and P."""
     out = Path(folder) / "graph.graphml"
     subprocess.run([common.WILLIS, "candidates", file, "-o", out, "--force", "--quiet"], check=True)
     graph = ElementTree.parse(out).getroot()

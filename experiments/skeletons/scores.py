@@ -47,8 +47,7 @@ def scored(job):
     case = score.Case(folder)
     lines, rows = score.read_answer(answer, case)
     found = score.score(case, lines, rows)
-    strict = passes.pair_errors(case, lines)["strict"] if len(lines) else None
-    return level, name, dict(found, strict=strict, subject=case.t["subject"])
+    return level, name, dict(found, strict=passes.pair_errors(case, lines)["strict"], subject=case.t["subject"])
 
 
 def jobs():

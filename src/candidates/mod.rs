@@ -17,7 +17,6 @@ use crate::network::units::millimetres;
 use crate::network::{Evidence, Network, RadiusRule};
 use crate::support::geometry::distance;
 use clusters::{Cluster, clusters};
-use features::Extraction;
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
@@ -144,8 +143,8 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
 /// Joins the fragments of the observed vessels by the candidates that the evidence allows.
 ///
 /// Every candidate has its [`Evidence`], its probability is its prior, and every node knows how probably its fragment is a root.
-/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them. Beside the graph, where most fragments
-/// are unlike those that the weights were fitted to, what to tell a person.
+/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them. Beside the graph, where the largest cluster of
+/// fragments is unlike all that the weights were fitted to, what to tell a person.
 ///
 /// # Errors
 ///
@@ -159,17 +158,11 @@ pub fn build_with_evidence(
     options.validate()?;
     let (mut found, mut roots, mut largest) = (Vec::new(), Vec::new(), None);
     for cluster in clusters(network, inlets) {
-        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
-        let e = resampled.extraction(&cluster.inlets)?;
-        let (vessels, scores) = found_by_evidence(&cluster, &resampled, &e, options, weights)?;
+        let (vessels, scores, usual) = found_by_evidence(&cluster, options, weights)?;
         found.extend(vessels);
         roots.extend(scores);
-        let fragments = e.fragments.len();
-        if largest.as_ref().is_none_or(|(most, _)| fragments > *most) {
-            largest = Some((fragments, Usual::new(&e)));
-        }
+        largest = [largest, usual].into_iter().flatten().max_by(|a: &Usual, b| a.0[0][0].total_cmp(&b.0[0][0]));
     }
-    let unlike = largest.and_then(|(_, here)| here?.unlike(weights.usual?));
     let (mut graph, node_at) = over_connected(network, found, options);
     for (place, score) in roots {
         let node = match place {
@@ -180,22 +173,22 @@ pub fn build_with_evidence(
             graph.node_mut(node).root_score = Some(score);
         }
     }
-    Ok((graph, unlike))
+    Ok((graph, largest.and_then(|usual| usual.unlike(weights.usual?))))
 }
 
 /// Places in the network, each with how probably its fragment is a root.
 type Roots = Vec<(NetworkPoint, f64)>;
 
-/// The candidates of a cluster that the evidence allows, and how probably the fragment of each place is a root.
+/// The candidates of a cluster that the evidence allows, how probably the fragment of each place is a root, and what the fragments are like.
 fn found_by_evidence(
     cluster: &Cluster,
-    resampled: &Resampled,
-    e: &Extraction,
     options: &CandidateOptions,
     weights: &Weights,
-) -> Result<(Vec<NewVessel>, Roots)> {
+) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
+    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+    let e = resampled.extraction(&cluster.inlets)?;
     let mut candidates = search(
-        e,
+        &e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
     )?;
     candidates.retain(|c| {
@@ -203,7 +196,7 @@ fn found_by_evidence(
         let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
         options.max_gap.is_none_or(|most| gap <= most) && may_end
     });
-    let posterior = posterior(e, &candidates, weights)?;
+    let posterior = posterior(&e, &candidates, weights)?;
     let mut found = probable(&posterior);
     let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
     found.extend(loops.map(|(candidate, p)| {
@@ -212,11 +205,11 @@ fn found_by_evidence(
     let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         let radii = [e.ends[candidate.end].radius, there];
-        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, e, resampled, cluster) }
+        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
     };
     let vessels = found.into_iter().map(new_vessel).collect();
     let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
-    Ok((vessels, e.place.iter().zip(&e.fragment).map(root).collect()))
+    Ok((vessels, e.place.iter().zip(&e.fragment).map(root).collect(), Usual::new(&e)))
 }
 
 /// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.

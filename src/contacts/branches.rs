@@ -80,7 +80,7 @@ pub struct Branches {
 impl Branches {
     /// Divides the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
-        let runs = runs(network);
+        let runs = runs(network, |_| false);
         let degree = degree_by_runs(network, &runs);
         let is_junction = |node: usize| degree[node] > 2;
         let mut radius_at = vec![0.0_f64; network.node_count()];
@@ -186,8 +186,9 @@ fn degree_by_runs(network: &Network, runs: &[Branch]) -> Vec<usize> {
     degree
 }
 
-/// The runs of observed vessels between nodes where not exactly two of them meet. A ring without such a node is none.
-fn runs(network: &Network) -> Vec<Branch> {
+/// The runs of observed vessels between nodes where not exactly two of them meet, or where runs end besides. A ring without such a node
+/// is none.
+pub(crate) fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Branch> {
     let is_observed = |row: usize| network.vessel(row).origin == Origin::Observed;
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| is_observed(*row)) {
@@ -199,7 +200,7 @@ fn runs(network: &Network) -> Vec<Branch> {
     let mut out = Vec::new();
     for start in (0..network.vessel_count()).filter(|row| is_observed(*row)) {
         let ends = network.ends(start);
-        let Some(from) = ends.into_iter().find(|node| at[*node].len() != 2) else { continue };
+        let Some(from) = ends.into_iter().find(|node| at[*node].len() != 2 || ends_runs(*node)) else { continue };
         if done[start] {
             continue;
         }
@@ -213,7 +214,7 @@ fn runs(network: &Network) -> Vec<Branch> {
             node = if backwards { a } else { b };
             nodes.push(node);
             match at[node][..] {
-                [x, y] if x != y => row = if x == row { y } else { x },
+                [x, y] if x != y && !ends_runs(node) => row = if x == row { y } else { x },
                 _ => break,
             }
             if done[row] {

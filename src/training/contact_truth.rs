@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use crate::candidates::search::point_index::PointIndex;
-use crate::contacts::branches::{BranchEnd, Branches};
+use crate::contacts::branches::{BranchEnd, Branches, runs};
 use crate::error::Fault;
 use crate::network::units::metres;
 use crate::network::{Network, Origin, PathPoint};
@@ -177,21 +177,33 @@ impl ContactTruth {
     /// for candidates, which do not end a line here.
     pub fn contacts(&self, graph: &Network) -> Vec<Option<bool>> {
         let index = PointIndex::new(self.nodes.clone());
-        let lines = Lines::new(graph);
+        let contacts = || graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
+        let mut has_contact = vec![false; graph.node_count()];
+        contacts().flat_map(|(ends, _)| ends).for_each(|node| has_contact[node] = true);
+        let lines = runs(graph, |node| has_contact[node]);
+        // Per node the lines that end there, each with whether by its last point.
+        let mut at = vec![Vec::new(); graph.node_count()];
+        for line in &lines {
+            at[line.ends[0]].push((line, false));
+            at[line.ends[1]].push((line, true));
+        }
         // Per station that the lines at a node show, how far from it (m).
         let places = |node: usize| {
             let mut seen = BTreeMap::new();
-            for line in lines.from(node) {
-                let shown = line.iter().filter(|place| (NEAR..=FAR).contains(&place.arc)).filter_map(|place| {
-                    let nearest = index.nearest(place.position, REACH * self.voxel).points.first().copied()?;
-                    Some((self.shown[nearest]?.station, place))
-                });
-                let shown: Vec<(usize, &Place)> = shown.collect();
-                let is_clear = |(_, place): &&(usize, &Place)| place.left >= NEAR;
+            for (line, last) in &at[node] {
+                let far = line.ends[usize::from(!last)];
+                let length = if has_contact[far] || at[far].len() > 1 { line.length } else { f64::INFINITY };
+                let shown =
+                    ways(&line.points, *last).filter(|(_, arc)| (NEAR..=FAR).contains(arc)).filter_map(|(position, arc)| {
+                        let nearest = index.nearest(position, REACH * self.voxel).points.first().copied()?;
+                        Some((self.shown[nearest]?.station, arc))
+                    });
+                let shown: Vec<(usize, f64)> = shown.collect();
+                let is_clear = |(_, arc): &&(usize, f64)| length - arc >= NEAR;
                 let any = shown.iter().any(|place| is_clear(&place));
-                for (station, place) in shown.iter().filter(|place| !any || is_clear(place)) {
-                    let nearest = seen.entry(*station).or_insert(place.arc);
-                    *nearest = place.arc.min(*nearest);
+                for (station, arc) in shown.iter().filter(|place| !any || is_clear(place)) {
+                    let nearest = seen.entry(*station).or_insert(*arc);
+                    *nearest = arc.min(*nearest);
                 }
             }
             seen
@@ -206,7 +218,7 @@ impl ContactTruth {
             };
             (!a.is_empty()).then(|| a.iter().any(meets))
         };
-        graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).map(|(ends, _)| is_one(ends)).collect()
+        contacts().map(|(ends, _)| is_one(ends)).collect()
     }
 
     fn same(&self, branches: &Branches, cluster: usize, (p, a): (Option<Shown>, f64), (q, b): (Option<Shown>, f64)) -> bool {
@@ -300,74 +312,14 @@ impl ContactTruth {
     }
 }
 
-/// A point of a line that leaves a node.
-struct Place {
-    position: Point,
-    /// The way from the node, m.
-    arc: f64,
-    /// The way to where the line meets others, m; infinite where it does not.
-    left: f64,
-}
-
-/// The observed vessels of an opened network as lines from its nodes.
-struct Lines<'a> {
-    vessels: Vec<([usize; 2], &'a [PathPoint])>,
-    /// Per node the vessels that end there, each with whether by its last point.
-    at: Vec<Vec<(usize, bool)>>,
-    has_contact: Vec<bool>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(graph: &'a Network) -> Self {
-        let mut at = vec![Vec::new(); graph.node_count()];
-        let mut has_contact = vec![false; graph.node_count()];
-        let mut vessels = Vec::new();
-        for (ends, vessel) in graph.vessels() {
-            match vessel.origin {
-                Origin::Observed => {
-                    at[ends[0]].push((vessels.len(), false));
-                    at[ends[1]].push((vessels.len(), true));
-                    vessels.push((ends, &vessel.path[..]));
-                }
-                Origin::Contact => ends.into_iter().for_each(|node| has_contact[node] = true),
-                Origin::Candidate => {}
-            }
-        }
-        Self { vessels, at, has_contact }
-    }
-
-    /// The lines at a node, each on to where others meet it.
-    fn from(&self, node: usize) -> impl Iterator<Item = Vec<Place>> {
-        self.at[node].iter().map(|end| self.line(*end))
-    }
-
-    fn line(&self, (mut row, mut last): (usize, bool)) -> Vec<Place> {
-        let (mut places, mut arc): (Vec<Place>, f64) = (Vec::new(), 0.0);
-        let mut passed = BTreeSet::new();
-        let meets = loop {
-            let (ends, path) = self.vessels[row];
-            let points: Vec<Point> =
-                if last { path.iter().rev().map(|p| p.position).collect() } else { path.iter().map(|p| p.position).collect() };
-            for position in points {
-                arc += places.last().map_or(0.0, |before| distance(before.position, position));
-                places.push(Place { position, arc, left: f64::INFINITY });
-            }
-            passed.insert(row);
-            let (node, own) = (ends[usize::from(!last)], (row, !last));
-            let others: Vec<(usize, bool)> = self.at[node].iter().copied().filter(|end| *end != own).collect();
-            match others[..] {
-                [next] if !self.has_contact[node] && !passed.contains(&next.0) => (row, last) = next,
-                [] => break self.has_contact[node],
-                [..] => break true,
-            }
-        };
-        if meets {
-            for place in &mut places {
-                place.left = arc - place.arc;
-            }
-        }
-        places
-    }
+/// Points from the first or last one on, each with its way from there, m.
+fn ways(points: &[PathPoint], from_last: bool) -> impl Iterator<Item = (Point, f64)> {
+    let count = points.len();
+    let position = move |k: usize| points[if from_last { count - 1 - k } else { k }].position;
+    (0..count).scan(0.0, move |arc, k| {
+        *arc += if k > 0 { distance(position(k - 1), position(k)) } else { 0.0 };
+        Some((position(k), *arc))
+    })
 }
 
 /// Places at even steps along points, each with its length from the first.

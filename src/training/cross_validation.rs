@@ -26,7 +26,8 @@ pub struct CrossValidation {
 }
 
 /// Fits weights without each fold's subjects and judges them by those. `training` and `judged` are the same cases, measured for
-/// the one purpose and the other; the cases in `calibrating` have a part in the calibration alone, and are judged too; `progress` is called after every pass with the number of the fold, counted from 1.
+/// the one purpose and the other; the cases in `calibrating` have a part in the calibration alone, and are judged too. `progress` is
+/// called after every pass with the number of the fold, counted from 1.
 ///
 /// # Errors
 ///

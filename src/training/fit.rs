@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use ndarray::Array2;
 
 use super::example::{Case, Example, share_of};
-use super::logistic::{CALIBRATION_L2, Row, logistic};
+use super::logistic::{calibrate, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
 use crate::candidates::features::Feedback;
@@ -15,7 +15,6 @@ use crate::candidates::model::posterior::{attachment_scores, last_pass, root_sco
 use crate::candidates::model::weights::{Pass, Provenance, Weights, input_features};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
-use crate::support::calibration::Calibration;
 use crate::support::in_order;
 
 /// Pairs no more probable than this are left out of calibration and scores.
@@ -127,27 +126,22 @@ pub fn fit(
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
     let all: Vec<&Example> = examples.iter().chain(calibrating).copied().collect();
-    let found = calibrate(&all, posteriors.iter().map(|(_, marginals)| marginals).chain(&further));
-    (weights.calibration, weights.of_input) = found;
-    let of_each = all.iter().filter_map(|e| Usual::new(&e.extraction));
-    weights.usual = of_each.reduce(Usual::with).filter(|_| all.len() >= LEAST_CASES);
-    weights.closure = fit_closures(examples, &weights, &posteriors);
-    Ok(weights)
-}
-
-/// The calibration of some cases, with the marginals of their last pass, and how the whole of a case moves it: zeros for fewer than 50 cases.
-fn calibrate<'a>(examples: &[&Example], marginals: impl Iterator<Item = &'a Marginals>) -> ([f64; 3], [f64; 3]) {
-    let mut rows: Vec<Row> = Vec::new();
-    for ((example, marginals), weight) in examples.iter().zip(marginals).zip(case_weights(examples)) {
+    let mut pairs = Vec::new();
+    let found = posteriors.iter().map(|(_, marginals)| marginals).chain(&further);
+    for ((example, marginals), weight) in all.iter().zip(found).zip(case_weights(&all)) {
         let of_input = input_features(marginals);
-        let asked = if examples.len() < LEAST_CASES { &[][..] } else { &of_input[..] };
         let p = example.table.summed_by_pair(&marginals.edges);
         let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
-        rows.extend(listed.map(|(p, right)| ([&Calibration::design(*p)[..], asked].concat(), right.is_some(), weight)));
+        pairs.extend(listed.map(|(p, right)| (*p, of_input, right.is_some(), weight)));
     }
-    let found = logistic(&rows, CALIBRATION_L2);
-    let three = |from: usize| [0, 1, 2].map(|k| found.get(from + k).copied().unwrap_or(0.0));
-    (three(0), three(3))
+    if all.len() < LEAST_CASES {
+        weights.calibration = calibrate(pairs.into_iter().map(|(p, _, right, weight)| (p, [], right, weight))).0;
+    } else {
+        (weights.calibration, weights.of_input) = calibrate(pairs.into_iter());
+        weights.usual = all.iter().filter_map(|e| Usual::new(&e.extraction)).reduce(Usual::with);
+    }
+    weights.closure = fit_closures(examples, &weights, &posteriors);
+    Ok(weights)
 }
 
 /// The weights of closures by logistic regression; none where no case has a right one within reach.

@@ -148,7 +148,7 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
             let e = examples[at];
             scores[at].second = e.table.pairs.mean(&trees.scores(seconds[at]));
             let rows = scores[at].second.iter().zip(&e.truth.matches).zip(&e.truth.clear).filter(|(_, clear)| **clear);
-            pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), right.is_some(), 1.0)));
+            pairs.extend(rows.map(|((score, right), _)| (sigmoid(*score), [], right.is_some(), 1.0)));
             in_images[at] = in_order(&e.images, |_, of| of.image.scores(&e.table, [first_without, &trees], &scores[at]));
         }
     }
@@ -158,7 +158,7 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
         progress("images");
     }
     let provenance = TreeProvenance::of(examples.len(), subjects.len());
-    Ok(JoinModel { first, second, calibration: calibrate(&pairs).0, image, provenance })
+    Ok(JoinModel { first, second, calibration: calibrate(pairs.into_iter()).0, image, provenance })
 }
 
 /// The pass over images, given per example and image scores that are out of fold, and the inner fold of each example; `None` without images.
@@ -188,11 +188,11 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
         let trees = trees_of(&rows_of(&|at| inner[at] != held))?;
         let scores: Vec<Vec<f64>> = features.iter().map(|f| trees.scores(f)).collect();
         let rows = rows_of(&|at| inner[at] == held);
-        pairs.extend(rows.iter().map(|row| (sigmoid(scores[row.0][row.1]), is_right(row), 1.0)));
+        pairs.extend(rows.iter().map(|row| (sigmoid(scores[row.0][row.1]), [], is_right(row), 1.0)));
     }
     let noise = views.iter().map(|(_, of, _)| of.noise_share);
     let noise = [noise.clone().fold(f64::INFINITY, f64::min), noise.fold(0.0, f64::max)];
-    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(&pairs).0, noise }))
+    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(pairs.into_iter()).0, noise }))
 }
 
 /// Boosted trees over the candidates of some of the cases, those that are neither right nor wrong left out.

@@ -38,8 +38,7 @@ pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
     found.iter().zip(&scale).map(|(y, s)| y / s).collect()
 }
 
-/// Penalty of the slopes of a calibration.
-pub const CALIBRATION_L2: f64 = 1e-5;
+const L2: f64 = 1e-5;
 
 /// a and b of P = σ(a + b l) of probabilities with whether they were right, l their log-odds; b is at least 0, so that the order stays.
 /// `None` without a pair.
@@ -47,17 +46,20 @@ pub fn calibrate_in_order(pairs: &[(f64, bool)]) -> Option<[f64; 2]> {
     let rows = |columns: usize| -> Vec<Row> {
         pairs.iter().map(|(p, right)| (Calibration::design(*p)[..columns].to_vec(), *right, 1.0)).collect()
     };
-    match logistic(&rows(2), CALIBRATION_L2)[..] {
+    match logistic(&rows(2), L2)[..] {
         [a, b] if b >= 0.0 => Some([a, b]),
-        [..] => logistic(&rows(1), CALIBRATION_L2).first().map(|a| [*a, 0.0]),
+        [..] => logistic(&rows(1), L2).first().map(|a| [*a, 0.0]),
     }
 }
 
-/// The calibration of pairs of points with their probability by the model, whether they are right, and how much each counts.
-pub fn calibrate(pairs: &[(f64, bool, f64)]) -> Calibration {
-    let rows: Vec<Row> = pairs.iter().map(|(p, right, weight)| (Calibration::design(*p).to_vec(), *right, *weight)).collect();
-    let found = logistic(&rows, CALIBRATION_L2);
-    Calibration([0, 1, 2].map(|k| found.get(k).copied().unwrap_or(0.0)))
+/// The calibration of pairs of points with their probability by the model, further figures beside it, whether they are right, and how much
+/// each counts; and the slopes of the further figures.
+pub fn calibrate<const N: usize>(pairs: impl Iterator<Item = (f64, [f64; N], bool, f64)>) -> ([f64; 3], [f64; N]) {
+    let rows: Vec<Row> =
+        pairs.map(|(p, further, right, weight)| ([&Calibration::design(p)[..], &further].concat(), right, weight)).collect();
+    let found = logistic(&rows, L2);
+    let at = |k: usize| found.get(k).copied().unwrap_or(0.0);
+    (std::array::from_fn(at), std::array::from_fn(|k| at(3 + k)))
 }
 
 #[cfg(test)]

@@ -114,12 +114,7 @@ fn odd() -> Weights {
         passes: (0..3).map(pass).collect(),
         calibration: [0.1, 1.0 + f64::EPSILON, -1e-300],
         of_input: [0.5, -0.25, 3.0],
-        usual: Some(Usual {
-            fragments: [3.0, 250.0],
-            free_ends: [0.1, 1.0 / 3.0],
-            end_radius: [0.7, 2.0],
-            radius_variation: [0.0, 0.6],
-        }),
+        usual: Some(Usual([[3.0, 250.0], [0.1, 1.0 / 3.0], [0.7, 2.0], [0.0, 0.6]])),
         closure: (0..CLOSURE_FEATURES.len()).map(|i| 0.3 * i as f64 - 1.0).collect(),
         provenance: Provenance {
             cases: 3,

@@ -12,13 +12,17 @@ use willis::internals::training::fold_of;
 fn cases(here: &Path) {
     for seed in 0..6 {
         let case = here.join(format!("trees/{}/t{}", ["easy", "hard"][seed / 3], seed % 3));
-        fs::create_dir_all(&case).expect("a folder");
-        let (output, seed) = (case.join("fragments.swc").display().to_string(), seed.to_string());
-        let made = willis(here, &["phantom", "tree", "--break", "--seed", &seed, "-o", &output]);
-        assert!(made.status.success(), "{}", stderr(&made));
-        fs::rename(case.join("fragments.truth.json"), case.join("truth.json")).expect("a file");
+        broken_tree(&case, seed);
         fs::write(case.join("inlets.csv"), "x_mm,y_mm,z_mm\n0,0,0\n").expect("a file");
     }
+}
+
+/// A broken tree as a case folder.
+fn broken_tree(case: &Path, seed: usize) {
+    fs::create_dir_all(case).expect("a folder");
+    let made = willis(case, &["phantom", "tree", "--break", "--seed", &seed.to_string(), "-o", "fragments.swc"]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    fs::rename(case.join("fragments.truth.json"), case.join("truth.json")).expect("a file");
 }
 
 fn weights(path: &Path) -> Weights {
@@ -70,12 +74,8 @@ fn further_cases_calibrate_and_say_what_is_usual() {
     let mut fragments = Vec::new();
     for seed in 100..145 {
         let case = here.path().join(format!("others/t{seed}"));
-        fs::create_dir_all(&case).expect("a folder");
-        let (output, seed) = (case.join("fragments.swc").display().to_string(), seed.to_string());
-        let made = willis(here.path(), &["phantom", "tree", "--break", "--seed", &seed, "-o", &output]);
-        assert!(made.status.success(), "{}", stderr(&made));
-        fs::rename(case.join("fragments.truth.json"), case.join("truth.json")).expect("a file");
-        let swc = fs::read_to_string(output).expect("a file");
+        broken_tree(&case, seed);
+        let swc = fs::read_to_string(case.join("fragments.swc")).expect("a file");
         fragments.push(swc.lines().filter(|line| !line.starts_with('#') && line.ends_with(" -1")).count() as f64);
     }
     let fitted = |output: &str, more: &[&str]| {
@@ -86,7 +86,7 @@ fn further_cases_calibrate_and_say_what_is_usual() {
     let (alone, with) = (fitted("alone.toml", &[]), fitted("with.toml", &["--calibrate-with", "others"]));
     assert_eq!((&alone.passes, alone.of_input, alone.usual), (&with.passes, [0.0; 3], None));
     assert!(alone.calibration != with.calibration && with.of_input != [0.0; 3]);
-    let [least, most] = with.usual.expect("51 cases").fragments;
+    let [least, most] = with.usual.expect("51 cases").0[0];
     assert!(fragments.iter().all(|n| (least..=most).contains(n)), "{least} to {most}: {fragments:?}");
 
     let text = fs::read_to_string(here.path().join("with.toml")).expect("a file");

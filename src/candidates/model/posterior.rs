@@ -2,7 +2,7 @@
 
 use super::feature_table::CandidateTable;
 use super::loop_closures::closures;
-use super::weights::Weights;
+use super::weights::{FEW, Weights};
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::feedback::Feedback;
 use crate::candidates::search::Candidate;
@@ -73,16 +73,13 @@ pub(crate) fn last_pass(extraction: &Extraction, table: &CandidateTable, weights
 
 /// A fragment that blood enters is no false one, so leaving it a root can only lose a connection.
 const FED: f64 = 0.3;
-/// With so many fragments half of the probability of being a root counts: in a circle of few fragments one lost connection
-/// changes the whole, in a brain of a hundred one false twig more joins it.
-const HALF: f64 = 10.0;
 /// Where no inlet is given, so many of the widest free ends are taken for inlets ...
 const LIKELY_INLETS: usize = 3;
 /// ... and the others that nobody marked make every fragment somewhat more likely to lead to one.
 const UNMARKED: f64 = 0.7;
 
 /// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments; times 0.7 when no
-/// inlet is given.
+/// inlet is given. In a circle of few fragments one lost connection changes the whole, in a brain of a hundred one false twig more joins it.
 pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     let n = extraction.fragments.len() as f64;
     let mut fed = vec![false; extraction.fragments.len()];
@@ -90,7 +87,7 @@ pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
         fed[extraction.fragment[point]] = true;
     }
     let unmarked = if extraction.inlets.is_empty() { UNMARKED } else { 1.0 };
-    marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + HALF) }).collect()
+    marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + FEW) }).collect()
 }
 
 /// The points where blood enters: the inlets given, without any the three widest free ends, of equally wide ones those farthest from the middle

@@ -54,8 +54,8 @@ pub struct Weights {
     pub provenance: Provenance,
 }
 
-/// So many fragments count half as few.
-const FEW: f64 = 10.0;
+/// An extraction is few fragments as 10/(n + 10).
+pub(super) const FEW: f64 = 10.0;
 
 /// What the calibration asks of a whole extraction: m, s and m s, where m = ln((A + 1)/(n - A + 1)), A of the n fragments being attached
 /// to another one by the posterior, and s = 10/(n + 10).

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use serde::Deserialize;
 
 use super::loop_closures::CLOSURE_FEATURES;
-use super::usual::Usual;
+use super::usual::{FIGURES, Usual};
 use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
 use crate::error::Fault;
 use crate::support::suggestions::did_you_mean;
@@ -26,7 +26,7 @@ struct File {
     of_input: [f64; 3],
     pass: Vec<PassEntry>,
     closure: Option<BTreeMap<String, f64>>,
-    usual: Option<Usual>,
+    usual: Option<BTreeMap<String, [f64; 2]>>,
     #[serde(default)]
     provenance: Provenance,
     #[serde(default)]
@@ -60,9 +60,10 @@ impl Weights {
         }
         let closure =
             file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
+        let usual = file.usual.map(|given| by_name("usual", given, FIGURES.map(|(name, _)| name).to_vec())).transpose()?;
+        let usual = usual.and_then(|ranges| ranges.try_into().ok()).map(Usual);
         let provenance = Provenance { figures: file.figures, folds: file.fold, ..file.provenance };
-        let weights =
-            Weights { passes, calibration: file.calibration, of_input: file.of_input, usual: file.usual, closure, provenance };
+        let weights = Weights { passes, calibration: file.calibration, of_input: file.of_input, usual, closure, provenance };
         weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
         Ok(weights)
     }
@@ -100,13 +101,14 @@ impl Weights {
                 writeln!(out, "{name} = {weight:?}")?;
             }
         }
-        if let Some(Usual { fragments, free_ends, end_radius, radius_variation }) = self.usual {
+        if let Some(Usual(ranges)) = self.usual {
             writeln!(
                 out,
-                "\n# The least and the most of all cases: fragments, their free ends, steps in the radius of an end, standard deviation of ln r."
+                "\n# The least and the most of all cases: fragments, their free ends, steps in the radius of an end, standard deviation of ln r.\n[usual]"
             )?;
-            writeln!(out, "[usual]\nfragments = {fragments:?}\nfree_ends = {free_ends:?}")?;
-            writeln!(out, "end_radius = {end_radius:?}\nradius_variation = {radius_variation:?}")?;
+            for ((name, _), range) in FIGURES.iter().zip(ranges) {
+                writeln!(out, "{name} = {range:?}")?;
+            }
         }
         writeln!(out, "\n# What the weights were fitted to.\n[provenance]")?;
         writeln!(
@@ -140,7 +142,7 @@ impl Weights {
 }
 
 /// The weights in the order of the features' names.
-fn by_name(place: &str, mut given: BTreeMap<String, f64>, names: Vec<&str>) -> Result<Vec<f64>, Fault> {
+fn by_name<T>(place: &str, mut given: BTreeMap<String, T>, names: Vec<&str>) -> Result<Vec<T>, Fault> {
     let mut out = Vec::new();
     for name in &names {
         let weight = given.remove(*name);

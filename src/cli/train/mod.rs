@@ -113,12 +113,9 @@ impl TrainArgs {
         if self.folds > 0 {
             check_folds(&all, self.folds)?;
         }
-        let others = if self.calibrate_with.is_empty() { None } else { Some(read_cases(&self.calibrate_with, Model::Tracing)?) };
-        let others: Vec<Case> = others.map_or_else(Vec::new, |read| {
-            say_notes(terminal, &read.notes, "case");
-            read.cases
-        });
-        let calibrating = Example::measure(&others.iter().collect::<Vec<_>>(), |_| true)?;
+        let others = read_cases(&self.calibrate_with, Model::Tracing)?;
+        say_notes(terminal, &others.notes, "case");
+        let calibrating = Example::measure(&others.cases.iter().collect::<Vec<_>>(), |_| true)?;
         let judged = Example::measure(&all, |_| true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
         let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
