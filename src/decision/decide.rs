@@ -13,7 +13,7 @@ use crate::support::ties::exceeds;
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
 /// A vessel whose probability is closer to the cut than this is undecided. The cut of [`Keep::Probable`] is one half; what it keeps below that
-/// is undecided too.
+/// is undecided too. What has another in its place is undecided only from one half on, or where it is as near to that one.
 pub const UNDECIDED_BAND: f64 = 0.2;
 
 /// The decision on every vessel.
@@ -83,8 +83,10 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
             for row in &left_open {
                 close[*row] = true;
             }
-            for ((close, kept), p) in close.iter_mut().zip(&forest.kept).zip(&probability) {
-                *close |= *kept && rule.turning_point().is_some_and(|turn| p.is_some_and(|p| p < turn));
+            let known = |row: usize| probability[row].unwrap_or(0.0);
+            for row in (0..close.len()).filter(|row| rule.turning_point().is_some_and(|turn| known(*row) < turn)) {
+                let replaced = forest.instead[row].is_some_and(|other| known(other) - known(row) >= UNDECIDED_BAND);
+                close[row] = !replaced && (close[row] || forest.kept[row] && probability[row].is_some());
             }
             (needed, instead) = (forest.needed, forest.instead);
             (forest.kept, close)

@@ -41,9 +41,9 @@ pub struct ProbableForest {
     pub left_open: Vec<usize>,
 }
 
-/// Roots have this share of their price in the forest, which therefore attaches nearly every fragment that a candidate reaches; what stays
-/// alone is decided afterwards.
-const ROOTS_IN_FOREST: f64 = 0.2;
+/// The share of the price that is asked where no piece hangs on the decision: of the roots in the forest, which therefore attaches nearly
+/// every fragment that a candidate reaches (what stays alone is decided afterwards), and of a loop, whose two ends have blood already.
+const WITHOUT_PIECE: f64 = 0.2;
 
 /// The forest of fragments with the largest sum of the probabilities of its attachments and a fifth of the price of its roots, and which of them are worth making: those with
 ///
@@ -51,7 +51,8 @@ const ROOTS_IN_FOREST: f64 = 0.2;
 ///
 /// where s is the score of the fragment that hangs for being attached to nothing ([`root_score`](crate::network::Node::root_score)), and the
 /// product is over the connections of the forest by which others hang on it. q is the probability that all that hangs there is
-/// nothing: a false piece carries no true vessel. Candidates that close a loop within one fragment are kept from odds of the price on.
+/// nothing: a false piece carries no true vessel. A candidate that closes a loop within one fragment carries no piece;
+/// it is kept from a fifth of the price on.
 ///
 /// A candidate marked certain joins its fragments to one beforehand. A fragment whose nodes have no root score gets what its candidates
 /// leave of one.
@@ -76,7 +77,7 @@ pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
         let Some(evidence) = v.evidence else { continue };
         let [a, b] = ends.map(|node| parts.of_node[node]);
         if a == b {
-            needed[row] = price / (1.0 + price);
+            needed[row] = WITHOUT_PIECE * price;
             kept[row] = evidence.probability >= needed[row];
             continue;
         }
@@ -92,7 +93,7 @@ pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
     let alone = known.iter().zip(&left).map(|(known, left)| if known.is_nan() { left.max(0.0) } else { *known });
     let alone: Vec<f64> = alone.collect();
     let forests = Forests::new(vec![0.0; parts.count], edges)?;
-    let roots: Vec<f64> = alone.iter().map(|p| ROOTS_IN_FOREST * price * p).collect();
+    let roots: Vec<f64> = alone.iter().map(|p| WITHOUT_PIECE * price * p).collect();
     let attached = arborescence(&forests, &scores, &roots);
     let row_of = |child: usize| attached[child].map(|edge: usize| vessel[edge]);
     let mut nothing = alone.clone();

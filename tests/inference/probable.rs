@@ -170,7 +170,9 @@ fn loops_are_closed_by_their_probability_and_certain_bridges_join() {
     network.add_vessel([0, 2], candidate(0.5, [0.1, 0.1]));
     network.add_vessel([0, 1], candidate(0.5, [0.0; 2]));
     network.add_vessel([0, 3], Vessel { evidence: None, ..candidate(0.0, [0.0; 2]) });
-    assert_eq!(probable(&network, 1.0).unwrap().kept, [true, true, true, false, true, true, false]);
+    // A loop needs a fifth of the price.
+    assert_eq!(probable(&network, 2.4).unwrap().kept, [true, true, true, true, true, true, false]);
+    assert_eq!(probable(&network, 2.5).unwrap().kept, [true, true, true, false, true, true, false]);
     let p = probabilities(&network);
     assert_eq!(p, [Some(1.0), Some(1.0), Some(1.0), Some(0.49), Some(0.5), Some(0.5), None]);
 }
@@ -210,6 +212,25 @@ fn what_lies_near_the_cut_is_undecided_and_errors_are_expected() {
     assert!((errors.wrong - 0.5).abs() < 1e-12 && (errors.missed - 0.35).abs() < 1e-12, "{errors:?}");
     let plain = fragments(2);
     assert_eq!(expected_errors(&plain, &[true; 2]), None);
+}
+
+#[test]
+fn a_candidate_is_undecided_where_it_could_take_the_place_of_another() {
+    // Two places for one fragment on the other: what the forest has, and another.
+    for (first, second, undecided) in [
+        (0.75, 0.31, vec![]),
+        (0.75, 0.49, vec![]),
+        (0.75, 0.55, vec![3]),
+        (0.65, 0.44, vec![2]),
+        (0.65, 0.46, vec![2, 3]),
+        (0.25, 0.20, vec![2]),
+    ] {
+        let mut network = fragments(2);
+        for p in [first, second] {
+            network.add_vessel([1, 2], candidate(p, [p, 0.0]));
+        }
+        assert_eq!(decided(Keep::Probable(0.3), &network).undecided, undecided, "{first} {second}");
+    }
 }
 
 #[test]

@@ -113,16 +113,11 @@ class Page:
 TURNS = {"probable": 0.5, "reconnect": 0.4}
 
 
-def doubted(page):
-    """Connections that are undecided though far from where the rule turns: of the most probable forest and not made, or made and improbable."""
-    turn = TURNS.get(page.record["threshold"]["rule"].split("=")[0])
-    if turn is None:
-        return set()
-    within, undecided = page.record["convergence"]["within_probability"], set(map(str, page.record["convergence"]["undecided_edges"]))
-    found = [e for e in page.edges if e["edge"] in undecided and abs(float(e["probability"]) - turn) >= within]
-    not_made = [e for e in found if e["kept"] == "0"]
-    assert len(not_made) <= page.record["counts"]["left_open"] and all(float(e["probability"]) < turn for e in found if e["kept"] == "1"), found
-    return {e["edge"] for e in found}
+def is_open(page, edge, passes, near):
+    """Whether an uncertain vessel is undecided: as run.json says where the rule has no threshold and the decision is that of the run."""
+    if page.record["threshold"]["rule"].split("=")[0] in TURNS and passes == (edge["kept"] == "1"):
+        return int(edge["edge"]) in page.record["convergence"]["undecided_edges"]
+    return near
 
 
 def recount(page, threshold):
@@ -148,7 +143,7 @@ def recount(page, threshold):
     n = page.record["parameters"]["samples"]
     error = lambda e: math.sqrt(float(e[figure]) * (1 - float(e[figure])) / n) if by_frequency else float(e["std_error"])
     near = lambda e: page.record["convergence"]["within_probability"] if by_evidence else 2 * error(e)
-    undecided = [e for e in uncertain if flip is not None and (not abs(float(e[figure]) - flip) >= near(e) or e["edge"] in doubted(page) and passes(e) == (e["kept"] == "1"))]
+    undecided = [e for e in uncertain if flip is not None and is_open(page, e, passes(e), not abs(float(e[figure]) - flip) >= near(e))]
     return {
         "kept": len(kept),
         "pruned": len(uncertain) - len(kept),
@@ -176,8 +171,11 @@ def check_threshold(page):
     assert start["kept"] == sum(page.is_uncertain(e) and e["kept"] == "1" for e in page.edges)
     if turn:
         # The most probable forest has no threshold; what is reconnected is not decided by one figure.
-        near = [e for e in page.edges if page.is_uncertain(e) and (abs(float(e["probability"]) - turn) < 0.2 or e["edge"] in doubted(page))]
-        assert start["undecided"] == len(near), start
+        # What lies near the turn, but for candidates with a far more probable one in their place; and what was left open, or kept below it.
+        chance = lambda e: float(e["probability"])
+        replaced = lambda e: chance(e) < turn and e.get("instead", "") and chance(page.edges[int(e["instead"])]) - chance(e) >= 0.2
+        near = [e for e in page.edges if page.is_uncertain(e) and abs(chance(e) - turn) < 0.2 and not replaced(e)]
+        assert len(near) <= start["undecided"] <= len(near) + page.record["counts"]["left_open"] + start["kept"], start
     else:
         assert start == recount(page, cut)
     last, seen = int(page.one("#slider").get_property("max")), set()

@@ -6,14 +6,14 @@ use serde_json::Value;
 
 use super::scene::{cuts, scene, suggestions};
 use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
-use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence, probabilities};
+use crate::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use crate::io::{Column, END_POSITION_COLUMNS};
 use crate::report::inference::{Outcome, pairing_columns, suggested_cut_columns};
 use crate::report::run_record::{Summary, unit_of};
 
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
-const DOUBTED: &str = "doubted";
+const UNDECIDED: &str = "undecided";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
@@ -36,7 +36,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
-    columns.push(Column::whole(DOUBTED, doubted(outcome).into_iter().map(usize::from)));
+    let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
+    columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
     let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
     let unit = unit_of(outcome.sampling.weight);
     let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
@@ -94,19 +95,6 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     }
 }
 
-/// Per vessel whether it is undecided though its probability is far from where the rule turns: of the most probable forest and left open,
-/// or kept and improbable.
-fn doubted(outcome: &Outcome<'_>) -> Vec<bool> {
-    let mut doubted = vec![false; outcome.network.vessel_count()];
-    if let Some(turn) = outcome.rule.turning_point() {
-        let probability = probabilities(outcome.network);
-        for row in &outcome.answer.undecided {
-            doubted[*row] = probability[*row].is_some_and(|p| (p - turn).abs() >= UNDECIDED_BAND);
-        }
-    }
-    doubted
-}
-
 fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     let colouring = |name, unit, scale, uncertain_only, column| Colouring {
         name,
@@ -151,7 +139,7 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
         middle: rule.turning_point().filter(|_| no_threshold),
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         uncertain: UNCERTAIN,
-        doubted: DOUBTED,
+        undecided: UNDECIDED,
         nodes: outcome.network.node_count(),
     }
 }

@@ -186,8 +186,8 @@ pub struct Threshold {
     pub band: Option<f64>,
     /// The column that is 1 where a vessel is uncertain.
     pub uncertain: &'static str,
-    /// The column that is 1 where the rule of the run left a connection open.
-    pub doubted: &'static str,
+    /// The column that is 1 where a decision of the run is undecided.
+    pub undecided: &'static str,
     /// How many nodes there are.
     pub nodes: usize,
 }

@@ -7,7 +7,7 @@ class Threshold {
     this.rows = vessels.rows;
     this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
-    this.doubted = values(source.doubted);
+    this.undecided = values(source.undecided);
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -66,10 +66,10 @@ class Threshold {
     return at;
   }
 
-  // Whether a decision may be chance: near the threshold, or doubted by the run and still as the run decided. Without a threshold nothing has
-  // L > 0, which is certain only where the errors are known.
+  // Whether a decision may be chance: as the run says where its rule has no threshold and the decision is still the run's, else near the
+  // threshold. Without a threshold nothing has L > 0, which is certain only where the errors are known.
   isOpen(row, flip, passes) {
-    if (this.doubted[row] && this.asKept && Boolean(passes) === Boolean(this.asKept[row])) return true;
+    if (this.asKept && Boolean(passes) === Boolean(this.asKept[row])) return Boolean(this.undecided[row]);
     const error = this.errorOf(row);
     if (flip === null) return Boolean(this.midway) && Number.isNaN(error);
     return !(Math.abs(this.values[row] - flip) >= this.within * error);
