@@ -132,13 +132,13 @@ fn with_tables(root: &Path, text: &str, moved: &BTreeMap<String, Vec<String>>) -
     Ok(out)
 }
 
-/// README.md and the pages of the book.
+/// README.md, the paper and the pages of the book.
 fn pages(root: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut pages = vec![root.join("README.md")];
+    let mut pages = vec![root.join("README.md"), root.join("docs/paper/paper.md")];
     for entry in fs::read_dir(root.join("docs/src"))? {
         pages.push(entry?.path());
     }
-    pages.retain(|page| page.extension().is_some_and(|ending| ending == "md"));
+    pages.retain(|page| page.extension().is_some_and(|ending| ending == "md") && page.is_file());
     pages.sort();
     Ok(pages)
 }

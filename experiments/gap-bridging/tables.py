@@ -76,6 +76,14 @@ def ablation(r):
     return common.table(["ranked by", "AP"], [[ranking, cell(row)] for ranking, row in found if row])
 
 
+def peers(r):
+    """willis and other programs on the same gaps at medium damage, for the paper."""
+    names = {"willis": "willis", "tubetk": "the rule of ITKTubeTK", "heal": "`heal_skeleton` of navis", "MST": "minimum spanning tree of the gaps", "geometry": "gap and bend, best first", "boosting": "boosted trees, candidate by candidate"}
+    figures = ("AP", "F1", "path", "false length fed", "exact")
+    rows = [[data, name] + [cell(r.get("main", data, "medium", method, figure)) for figure in figures] for data in ("brains", "circles") for method, name in names.items()]
+    return common.table(["cases", "method", *figures], rows)
+
+
 def flow(r):
     lines = [[f"{data}, {level}"] + [cell(r.get("flow", data, level, ranking, "AP")) for ranking in questions.RANKINGS] + [cell(r.get("flow", data, level, "frequency - P", "AP"), True)] for data, level in r.groups("flow")]
     return {"flow": common.table(["cases", *questions.RANKINGS, "frequency less P"], lines)}
@@ -120,5 +128,7 @@ def write(part):
         if FOLDER == bench.HERE:
             common.splice(FOLDER / "README.md", mark, text)
         print(text + "\n", flush=True)
+    if part == "main":
+        (FOLDER / "peers.md").write_text(peers(Results()) + "\n")
     if part == "flow":
         (FOLDER / "ablation.md").write_text(ablation(Results()) + "\n")
