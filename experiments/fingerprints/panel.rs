@@ -12,7 +12,8 @@ use willis::internals::network::Origin;
 use willis::internals::phantom::{Breaks, Kind, Recipe, break_up, draw_scan};
 use willis::{
     ArterySource, BoundaryOptions, Change, Cut, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
-    PhenotypeOptions, Prior, ReadOptions, SamplingOptions, Stenosis, Uncertain, candidates, infer, modulate, read, simulate,
+    PhenotypeOptions, Prior, ReadOptions, SamplingOptions, Stenosis, Uncertain, candidates, infer, modulate, read, read_bytes,
+    simulate,
 };
 
 /// What the panel returns: every error is a fault of the program, for its inputs ship with it.
@@ -241,13 +242,31 @@ fn contacts(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     Ok(())
 }
 
-/// What stays, of a tracing and of a mask.
+/// Candidates that close loops within one fragment, and that another fragment hangs on, with probabilities around all that the rule asks.
+const LOOPS: &str = "node_a,node_b,length_mm,radius_mm,origin,probability
+1,2,20,1,observed,
+2,3,20,1,observed,
+2,4,20,1,observed,
+5,6,20,1,observed,
+1,3,3,1,candidate,0.25
+1,4,3,1,candidate,0.35
+3,4,3,1,candidate,0.55
+4,5,3,1,candidate,0.7
+3,6,3,1,candidate,0.2
+";
+
+/// What stays, of a tracing, of a mask, and of candidates that close loops; what these need, and which a person should look at.
 fn kept(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let tracing = (broken_circle()?, &made.joins, Cut::Auto);
     for (input, prior, cut) in [tracing, (scan()?, &made.skeletons, made.contacts.clone())] {
         let run = decided(&input, InferOptions { prior: Some(prior.clone()), cut, ..InferOptions::default() })?;
         run.kept().iter().for_each(|kept| digest.word(&kept.to_string()));
     }
+    let boundary = BoundaryOptions { inlet: vec!["1".to_owned()], ..BoundaryOptions::default() };
+    let loops = read_bytes("loops.csv".as_ref(), LOOPS.as_bytes(), &ReadOptions::default())?;
+    let run = decided(&loops, InferOptions { keep: Some("probable".parse()?), boundary, ..InferOptions::default() })?;
+    digest.columns(&run.tables()?[1], &["needed", "kept"]);
+    run.decision().undecided.iter().for_each(|row| digest.word(&row.to_string()));
     Ok(())
 }
 

@@ -65,7 +65,8 @@ pub struct CandidateOptions {
     /// How many of the nearest branches and free ends each free end is joined to, at least 1; by default 6, and with evidence 5 branches and
     /// four free ends beside them.
     pub k: Option<usize>,
-    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach.
+    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach, twice as far straight ahead of an end on
+    /// masks and skeletons.
     #[serde(rename = "max_gap_m")]
     pub max_gap: Option<f64>,
     /// Where a candidate may end.

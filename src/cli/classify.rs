@@ -25,7 +25,7 @@ use super::subjects::{Inputs, Subject, expand};
 
 /// Name the anatomical variant of a Circle of Willis
 ///
-/// Where each artery is, is said by the labels of vessels, or by the in- and outlets in a file of landmarks. A segment is present
+/// Where each artery is, is said by the labels of vessels, by the in- and outlets in a file of landmarks, or found by the geometry. A segment is present
 /// when it connects what it should. The vessels of a file are taken as they are; of a folder of willis infer, the plausible
 /// topologies are drawn again, and every segment and variant has its probability.
 #[derive(Debug, Args)]
@@ -33,7 +33,7 @@ use super::subjects::{Inputs, Subject, expand};
   willis classify circle.graphml -o phenotype
   willis classify 'cohort/*' -o phenotypes")]
 pub struct ClassifyArgs {
-    /// Labelled vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, or of a manifest (CSV
+    /// Vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, or of a manifest (CSV
     /// with a column input, a row a subject), a cohort
     #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
     inputs: Vec<PathBuf>,

@@ -27,7 +27,8 @@ pub struct Decision {
     pub kept: Vec<bool>,
     /// Whether each vessel is above the median. Vessels that are not uncertain always are.
     pub above_median: Vec<bool>,
-    /// Rows of the uncertain vessels within two standard errors of the threshold, or with a probability near the cut.
+    /// Rows of the uncertain vessels that a person should look at: within two standard errors of the threshold, with a probability near the cut,
+    /// left open, or kept though improbable; not those with a far more probable one in their place.
     pub undecided: Vec<usize>,
     /// Those of them that the most probable forest has and that are not as probable as they need to be, so that they are not kept.
     pub left_open: Vec<usize>,

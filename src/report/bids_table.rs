@@ -75,7 +75,9 @@ fn describe(column: &str) -> Option<Value> {
         "observed" => count("Vessels that the mask shows."),
         "candidates" => count("Candidate connections between them."),
         "kept" => count("Candidate connections that are kept; the rest is cut."),
-        "undecided" => count("Uncertain vessels whose decision is within two standard errors of the threshold."),
+        "undecided" => count(
+            "Uncertain vessels that a person should look at: by evidence a probability near the cut or a connection left open, by likelihood a figure within two standard errors of the threshold.",
+        ),
         "components" => count("Connected components of the kept topology."),
         "cycles" => count("Independent cycles of the kept topology."),
         "sparsity" => count("Candidate connections that are kept, over all."),

@@ -186,7 +186,7 @@ fn needs_person(record: &Value) -> String {
         let deciding = record.pointer("/phenotype/probabilities/deciding").and_then(Value::as_array);
         let changes = |d: &&Value| {
             let of = |key: &str| d[key].as_f64().unwrap_or(f64::NAN);
-            OPEN.contains(&of("probability")) && of("variant_with").min(of("variant_without")) < 0.5
+            OPEN.contains(&of("share")) && of("variant_with").min(of("variant_without")) < 0.5
         };
         let changing = deciding.into_iter().flatten().filter(changes).count();
         if changing > 0 {
@@ -295,8 +295,8 @@ mod tests {
     /// What could change the variant needs a person, and nothing else where arteries are known.
     #[test]
     fn a_person_is_needed_where_the_variant_could_change() {
-        let subject = |p: f64, probability: f64, without: f64| {
-            let deciding = json!([{ "probability": probability, "variant_with": 0.99, "variant_without": without }]);
+        let subject = |p: f64, share: f64, without: f64| {
+            let deciding = json!([{ "share": share, "variant_with": 0.99, "variant_without": without }]);
             json!({
                 "phenotype": { "probabilities": { "variant": p, "deciding": deciding } },
                 "convergence": { "undecided": 4 },

@@ -38,7 +38,8 @@ pub struct CandidateArgs {
     /// [default: 5 by evidence, else 6]
     #[arg(short, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true, hide_short_help = true)]
     k: Option<usize>,
-    /// The longest gap to bridge, in mm unless it says otherwise (5mm, 800um); never beyond 20 point spacings + 5 end diameters
+    /// The longest gap to bridge, in mm unless it says otherwise (5mm, 800um); never beyond 20 point spacings + 5 end diameters,
+    /// twice as far straight ahead of an end on masks and skeletons
     #[arg(long, value_name = "LENGTH")]
     max_gap: Option<String>,
     /// What a candidate may meet [default: centerline]

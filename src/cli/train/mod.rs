@@ -46,7 +46,8 @@ pub struct TrainArgs {
     /// Write the weights of each fold too, as FILE.fold-1.toml and so on, with the subjects that they never saw
     #[arg(long)]
     save_folds: bool,
-    /// What the cases are: hand tracings, whose fragments form a forest, or automatic skeletons, whose candidates are judged one by one
+    /// What the cases are: hand tracings, whose fragments form a forest, automatic skeletons, whose candidates are judged one by one,
+    /// contacts of touching vessels, or names of arteries (labels)
     #[arg(long, value_enum, default_value_t = Kind::Tracing)]
     model: Kind,
     /// The same as --model labels
