@@ -86,8 +86,8 @@ pub use perturbation::stenosis::{Stenosis, StretchPlace};
 pub use pipeline::{
     ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions,
     Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, PulseMean, PulseOptions,
-    SaveOptions, Shard, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, merge,
-    modulate, modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
+    SaveOptions, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, modulate,
+    modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
 pub use sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
 pub use simulation::Change;

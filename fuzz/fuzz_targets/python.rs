@@ -139,9 +139,6 @@ fn options(bytes: &[u8]) {
     static CIRCLE: LazyLock<Input> = LazyLock::new(|| Input::from_network(cerebral(&circle_of_willis(1e-2))));
     let _ = words::infer(Path::new("network"), &given);
     let _ = words::modulate(Path::new("network"), &CIRCLE.network, &given);
-    if let Some((first, rest)) = text.split_once('\n') {
-        let _ = words::blocks_of(first, rest.len() as u64);
-    }
 }
 
 fuzz_target!(|bytes: &[u8]| {

@@ -62,7 +62,6 @@ fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(objects::read_bytes, m)?,
         wrap_pyfunction!(objects::phantom, m)?,
         wrap_pyfunction!(objects::prepare, m)?,
-        wrap_pyfunction!(objects::merge, m)?,
         wrap_pyfunction!(objects::simulate, m)?,
         wrap_pyfunction!(objects::modulate, m)?,
         wrap_pyfunction!(objects::classify, m)?,

@@ -151,27 +151,6 @@ impl Prepared {
         interruptible(py, watch, threads, progress, say, work)?.map(|run| Run { run })
     }
 
-    /// The samples `A..B`, as the two files of a shard.
-    #[pyo3(signature = (range, watch, threads=None, progress=None, say=None))]
-    fn sample_range<'py>(
-        &self,
-        py: Python<'py>,
-        range: &str,
-        watch: &Watch,
-        threads: Option<usize>,
-        progress: Option<&Bound<'_, PyAny>>,
-        say: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
-        let files = interruptible(py, watch, threads, progress, say, |follower| {
-            let blocks = words::blocks_of(range, self.sampling.samples)?;
-            let folder = temporary()?;
-            let shard = self.prepared.sample_range(&self.sampling, &blocks, follower)?;
-            shard.write(folder.path(), &SaveOptions::default())?;
-            Ok((bytes(&folder.path().join(SHARD[0]))?, bytes(&folder.path().join(SHARD[1]))?))
-        })?;
-        files.map(|(record, sums)| (PyBytes::new(py, &record), PyBytes::new(py, &sums)))
-    }
-
     /// What the samples say that are finished by now; `None` where there are none.
     fn so_far(&self, py: Python<'_>, watch: &Watch) -> PyResult<Option<Run>> {
         let so_far = py.detach(|| {
@@ -184,36 +163,6 @@ impl Prepared {
 
 /// How long to wait for the next step of a run that is looked at.
 const PATIENCE: Duration = Duration::from_secs(5);
-
-/// The files of a shard.
-const SHARD: [&str; 2] = ["shard.json", "shard.npz"];
-
-fn temporary() -> Result<tempfile::TempDir> {
-    tempfile::tempdir().map_err(|source| willis::Error::Write { path: std::env::temp_dir(), source })
-}
-
-fn bytes(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|source| willis::Error::Read { path: path.to_owned(), source })
-}
-
-/// A run put together from its shards, each the two files of one.
-#[pyfunction]
-pub fn merge(py: Python<'_>, shards: Vec<(Vec<u8>, Vec<u8>)>) -> PyResult<Run> {
-    let merged = interruptible(py, &Watch::default(), None, None, None, |_| {
-        let folder = temporary()?;
-        let mut folders = Vec::new();
-        for (number, (record, sums)) in shards.iter().enumerate() {
-            let shard = folder.path().join(number.to_string());
-            let made = std::fs::create_dir(&shard)
-                .and_then(|()| std::fs::write(shard.join(SHARD[0]), record))
-                .and_then(|()| std::fs::write(shard.join(SHARD[1]), sums));
-            made.map_err(|source| willis::Error::Write { path: shard.clone(), source })?;
-            folders.push(shard);
-        }
-        willis::merge(&folders, |_, _, _| {})
-    })?;
-    merged.map(|(run, _)| Run { run })
-}
 
 /// A run from its bytes.
 #[pyfunction]

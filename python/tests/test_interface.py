@@ -17,7 +17,7 @@ BROKEN = "data/broken-circle-of-willis.swc"
 # What Python says in another way: arguments, methods of what is returned, keywords of all calls.
 ELSEWHERE = {"help", "version", "output", "json", "quiet", "verbose", "force", "dpi", "checkpoint", "record-failure", "save-samples"}
 # An option that is given again and again is a list.
-LISTS = {"inlet": "inlets", "outlet": "outlets", "flow": "flows", "range": "part"}
+LISTS = {"inlet": "inlets", "outlet": "outlets", "flow": "flows"}
 OURS = {"progress", "background"}
 # One `read` serves all commands.
 OF_INFER = {"observed"}
@@ -76,8 +76,8 @@ def test_options_and_defaults_are_those_of_the_command(command, functions, but):
 
 
 def test_names_that_were_promised():
-    promised = """Cohort Handle Labelled Modulation Network Note Phenotype Run SavedRun Shard Simulation Table WillisError __version__ candidates
-    centerlines classify cohort from_mask from_networkx from_skan from_vtk infer label load merge modulate phantom read set_num_threads simulate train"""
+    promised = """Cohort Handle Labelled Modulation Network Note Phenotype Run SavedRun Simulation Table WillisError __version__ candidates
+    centerlines classify cohort from_mask from_networkx from_skan from_vtk infer label load modulate phantom read set_num_threads simulate train"""
     assert sorted(willis.__all__) == sorted(promised.split())
     for name in willis.__all__:
         assert getattr(willis, name).__doc__ or name == "__version__", name

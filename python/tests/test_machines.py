@@ -12,13 +12,6 @@ import pytest
 import willis
 
 BROKEN = "data/broken-circle-of-willis.swc"
-SAMPLES = 200_000
-
-
-def one_part(part):
-    """A part of a run, after the time that the test takes to find out who computes it."""
-    time.sleep(0.5)
-    return willis.infer(BROKEN, samples=SAMPLES, part=part, threads=1, progress=False)
 
 
 def one_subject(path):
@@ -40,17 +33,6 @@ def gathered_with_a_worker_lost(client, function, inputs):
     victim = next(iter(client.run(os.getpid).values()))
     os.kill(victim, signal.SIGKILL)
     return client.gather(futures), victim
-
-
-def test_parts_on_workers_of_which_one_is_killed(client, tmp_path):
-    borders = [0, 64 * 700, 64 * 1400, 64 * 2100, SAMPLES]
-    shards, victim = gathered_with_a_worker_lost(client, one_part, list(zip(borders, borders[1:])))
-    assert victim not in client.run(os.getpid).values()
-    whole = willis.merge(shards)
-    alone = willis.infer(BROKEN, samples=SAMPLES, progress=False)
-    for name, values in alone.edges.items():
-        assert values.tobytes() == whole.edges[name].tobytes(), name
-    assert (alone.likelihood != whole.likelihood).nnz == 0
 
 
 def test_subjects_on_workers_of_which_one_is_killed(client):

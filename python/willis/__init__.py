@@ -19,7 +19,7 @@ from ._network import (
     from_vtk,
     read,
 )
-from ._run import Handle, Run, SavedRun, Shard, candidates, infer, load, merge
+from ._run import Handle, Run, SavedRun, candidates, infer, load
 from ._study import Cohort, Labelled, Phenotype, classify, cohort, label, phantom, train
 from ._willis import __version__
 
@@ -33,7 +33,6 @@ __all__ = [
     "Phenotype",
     "Run",
     "SavedRun",
-    "Shard",
     "Simulation",
     "Table",
     "WillisError",
@@ -49,7 +48,6 @@ __all__ = [
     "infer",
     "label",
     "load",
-    "merge",
     "modulate",
     "phantom",
     "read",

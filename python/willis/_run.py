@@ -1,4 +1,4 @@
-"""A run of infer: in the foreground, in the background, in parts, and back from its folder."""
+"""A run of infer: in the foreground, in the background, and back from its folder."""
 
 from __future__ import annotations
 
@@ -220,22 +220,6 @@ def _stop_all() -> None:
         handle.cancel()
 
 
-class Shard:
-    """Some of the samples of a run, for :func:`merge`; it pickles."""
-
-    def __init__(self, record: bytes, sums: bytes) -> None:
-        self.record, self.sums = record, sums
-
-    @property
-    def samples(self) -> tuple[int, int]:
-        """The first sample, and the first after the last."""
-        first, last = json.loads(self.record)["range"]
-        return first, last
-
-    def __repr__(self) -> str:
-        return "<willis.Shard: samples {}..{}>".format(*self.samples)
-
-
 def infer(
     source: Source,
     *,
@@ -272,7 +256,6 @@ def infer(
     unseen: float | None = None,
     arteries: PathLike | None = None,
     hypoplastic: str | float | None = None,
-    part: tuple[int, int] | None = None,
     threads: int | None = None,
     background: bool = False,
     progress: Progress = True,
@@ -286,8 +269,6 @@ def infer(
     ----------
     source
         A :class:`Network`, or the path of a file.
-    part
-        ``(a, b)``: samples a up to b alone, each a multiple of 64 or the last, as a :class:`Shard`.
     background
         Return a :class:`Handle` at once, by which to wait, look and cancel.
     threads
@@ -298,7 +279,7 @@ def infer(
     Returns
     -------
     Run
-        Or :class:`Shard`, with ``part``; or :class:`Handle`, with ``background``.
+        Or :class:`Handle`, with ``background``.
 
     Raises
     ------
@@ -308,20 +289,15 @@ def infer(
         Ctrl-C, within 0.2 s.
     """
     given = dict(locals())
-    for name in ("source", "part", "background", "threads", "progress"):
+    for name in ("source", "background", "threads", "progress"):
         del given[name]
     watch = _willis.Watch()
     prepared = _prepared(network_of(source), given, defaults_of(infer), watch, threads)
     if background:
-        if part is not None:
-            raise WillisError("background: true, with a part; expected one of them", item="background")
         return Handle(prepared, threads, progress)
 
     def work(told: Callable[[int, int], object] | None) -> Any:
-        if part is None:
-            return Run(prepared.sample(watch, threads, told, say))
-        first, last = part
-        return Shard(*prepared.sample_range(f"{first}..{last}", watch, threads, told, say))
+        return Run(prepared.sample(watch, threads, told, say))
 
     return followed(progress, work)
 
@@ -362,11 +338,6 @@ def candidates(
 def _candidates_of(network: Network, given: dict[str, Any]) -> Network:
     prepared = _prepared(network, dict(given), defaults_of(candidates), _willis.Watch(), None)
     return Network(prepared.graph(), (_candidates_of, (network, given)))
-
-
-def merge(shards: Sequence[Shard]) -> Run:
-    """A run put together from all its shards, in whatever order: the same bytes as one run."""
-    return Run(_willis.merge([(shard.record, shard.sums) for shard in shards]))
 
 
 class SavedRun:

@@ -24,7 +24,6 @@ pub(crate) struct Points {
     /// Outlets of M1, or of the branch of M2 whose landmark is nearest to its end.
     pub m1: [Option<usize>; 2],
     /// Outlets of the other branches of M2.
-    #[serde(default)]
     pub m2: [Vec<usize>; 2],
     /// Outlets of A2, or where A2 begins.
     pub a2: [Option<usize>; 2],
@@ -43,13 +42,10 @@ pub(crate) struct Points {
     /// Outlet of a third A2.
     pub third: Option<usize>,
     /// Where M1 divides.
-    #[serde(default)]
     pub middle: [Option<usize>; 2],
     /// The free ends that landmarks name as outlets.
-    #[serde(default)]
     pub outlets: Vec<usize>,
     /// The nodes where landmarks say that an artery enters or leaves, but outlets whose vessel is seen to run on.
-    #[serde(default)]
     pub ends: Vec<usize>,
 }
 

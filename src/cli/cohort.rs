@@ -1,6 +1,6 @@
 //! A cohort: many subjects, one row and one folder each; made in one command, or of runs that were made separately (`willis merge`).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf, absolute};
 use std::sync::Mutex;
@@ -161,9 +161,11 @@ impl Ledger {
 
 /// The first option in which two sets of them differ, and in words what it is in the one and in the other.
 fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
-    let name = crate::internals::pipeline::differing(one, other)?;
+    let names: BTreeSet<&String> =
+        [one, other].into_iter().filter_map(Value::as_object).flat_map(serde_json::Map::keys).collect();
+    let name = names.into_iter().find(|name| one[*name] != other[*name])?;
     let said = |value: &Value| if value.is_null() { "not given".into() } else { value.to_string() };
-    Some((name.replace('_', "-"), [said(&one[&name]), said(&other[&name])]))
+    Some((name.replace('_', "-"), [said(&one[name]), said(&other[name])]))
 }
 
 impl Cohort<'_> {
@@ -331,12 +333,10 @@ pub fn say_notes_of(records: &[Value], terminal: Terminal) {
 pub struct Failure {
     /// The version.
     pub willis: String,
-    /// The command of the whole run.
+    /// The command of the run.
     pub command: String,
     pub input: FailedInput,
     pub options: RunOptions,
-    /// The first sample and the first after the last, where it stands for a shard.
-    pub range: Option<[u64; 2]>,
     /// The one line that says why.
     pub error: String,
 }
@@ -350,10 +350,10 @@ pub struct FailedInput {
 }
 
 impl Failure {
-    /// Of an input and its run, or a range of its samples.
-    pub fn of(input: &Path, options: RunOptions, command: String, range: Option<[u64; 2]>, error: String) -> Self {
+    /// Of an input and its run.
+    pub fn of(input: &Path, options: RunOptions, command: String, error: String) -> Self {
         let input = FailedInput { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
-        Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, range, error }
+        Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, error }
     }
 
     /// Whether an error is one of the input, which comes again, and not of the machine.
@@ -455,6 +455,9 @@ impl<'a> SeparateRun<'a> {
             let Failure { willis, input, options, error, .. } = Failure::read(folder)?;
             (willis, input, json!(options), Value::Null, Err(error))
         } else {
+            if folder.is_dir() && !folder.join(RECORD).exists() {
+                return Err(Fault::file("a folder without run.json", RUN).in_file(folder));
+            }
             let record: Value = read_json(&folder.join(RECORD), RUN)?;
             let text = |value: &Value| value.as_str().map(str::to_owned);
             let input = FailedInput {

@@ -3,12 +3,10 @@
 use std::path::{Path, PathBuf};
 
 /// Options that change no result, with whether a value follows.
-const IMMATERIAL: [(&str, bool); 12] = [
+const IMMATERIAL: [(&str, bool); 11] = [
     ("-o", true),
     ("--output", true),
     ("--threads", true),
-    // The shards of a run have its command, which merge records.
-    ("--range", true),
     ("--checkpoint", true),
     ("-q", false),
     ("--quiet", false),

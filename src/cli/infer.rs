@@ -1,6 +1,5 @@
 //! `willis infer`: from centerlines or a candidate graph to the likelihood matrix and the plausible topology.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,7 +9,7 @@ use crate::internals::io::write_csv;
 use crate::internals::output::atomic::{StagedFolder, write_file};
 use crate::internals::output::names::AGREEMENT;
 use crate::internals::output::write_error;
-use crate::internals::pipeline::{RunOptions, blocks_of, samples_of};
+use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::internals::report::{Summary, agreement};
@@ -30,7 +29,7 @@ use super::cohort::{Cohort, Failure, Work};
 use super::command_line::{command_line, command_line_of, command_line_of_words};
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
-use super::print::{Terminal, count, say_read};
+use super::print::{Terminal, say_read};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
@@ -108,10 +107,6 @@ impl InferArgs {
         let (args, sampling) = (&self.inference, &self.inference.sampling);
         let line = |input: &Path| command_line_of(input, &self.inputs);
         let work = Inferences::new(args, &line)?;
-        let range = sampling.range.as_deref().map(|text| blocks_of(text, sampling.samples)).transpose()?;
-        if let (Some(range), true) = (&sampling.range, work.runs.len() > 1) {
-            return Err(Error::parameter("range", range, "goes with one --epsilon; shard the run of each by itself"));
-        }
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
@@ -125,12 +120,11 @@ impl InferArgs {
         if sampling.record_failure {
             args.reading.shared()?;
         }
-        let records = match work.one(&input, range.as_ref(), &self.output, terminal, force) {
+        let records = match work.one(&input, &self.output, terminal, force) {
             Err(error) if sampling.record_failure && Failure::is_of_input(&error) => {
-                let range = range.as_ref().map(|blocks| samples_of(blocks, sampling.samples));
                 let error = with_flags(&error);
                 terminal.say("failed", &error);
-                return work.failure(&input, command_line("again"), range, error)?.write(&self.output, force);
+                return work.failure(&input, command_line("again"), error)?.write(&self.output, force);
             }
             made => made?,
         };
@@ -207,10 +201,10 @@ impl<'a> Inferences<'a> {
         }
     }
 
-    /// Why an input gave no run, or no shard of the samples in `range`.
-    pub fn failure(&self, input: &Path, command: String, range: Option<[u64; 2]>, error: String) -> Result<Failure> {
+    /// Why an input gave no run.
+    pub fn failure(&self, input: &Path, command: String, error: String) -> Result<Failure> {
         let options = RunOptions { read: self.args.reading.options(input)?, infer: self.for_input(input) };
-        Ok(Failure::of(input, options, command, range, error))
+        Ok(Failure::of(input, options, command, error))
     }
 
     /// The options for an input, each file that is named for all inputs being that of this one.
@@ -233,25 +227,12 @@ impl<'a> Inferences<'a> {
         prepare(read, &self.for_input(input), &mut Follower::new(terminal))
     }
 
-    /// The output folder of one input, or the shard of a range of its samples.
-    fn one(
-        &self,
-        input: &Path,
-        range: Option<&Range<u64>>,
-        output: &Path,
-        terminal: Terminal,
-        force: bool,
-    ) -> Result<Vec<Summary>> {
+    /// The output folder of one input.
+    fn one(&self, input: &Path, output: &Path, terminal: Terminal, force: bool) -> Result<Vec<Summary>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen(1);
         let folder = StagedFolder::new(output, force)?;
-        let records = match range {
-            None => self.write(&prepared, &folder, terminal)?,
-            Some(blocks) => {
-                self.write_shard(&prepared, blocks, &folder, terminal)?;
-                Vec::new()
-            }
-        };
+        let records = self.write(&prepared, &folder, terminal)?;
         folder.commit()?;
         Ok(records)
     }
@@ -261,7 +242,7 @@ impl<'a> Inferences<'a> {
         let path = folder.path();
         // Before the first of several looks at what is there.
         for options in &self.runs {
-            Follower::files(folder, &prepared.key(options, None));
+            Follower::files(folder, &prepared.key(options));
         }
         let (mut decisions, mut records) = (Vec::new(), Vec::new());
         for options in &self.runs {
@@ -300,22 +281,6 @@ impl<'a> Inferences<'a> {
         Ok(records)
     }
 
-    fn write_shard(
-        &self,
-        prepared: &Arc<Prepared>,
-        blocks: &Range<u64>,
-        folder: &StagedFolder,
-        terminal: Terminal,
-    ) -> Result<()> {
-        let mut follower = self.follower(folder, &prepared.provenance.command, terminal);
-        let shard = prepared.sample_range(&self.runs[0], blocks, &mut follower).map_err(|error| follower.rescue(error))?;
-        let ([from, to], seconds) = shard.samples();
-        shard.write(&folder.path(), &self.save).map_err(|error| follower.rescue(error))?;
-        let total = count(self.args.sampling.samples);
-        terminal.say("shard", format!("samples {from}..{to} of {total}, in {seconds:.1} s"));
-        Ok(())
-    }
-
     fn follower<'f>(&self, folder: &'f StagedFolder, command: &str, terminal: Terminal) -> Follower<'f> {
         Follower::keeping(terminal, self.interval(), folder, command)
     }
@@ -330,9 +295,6 @@ impl<'a> Inferences<'a> {
         if self.runs.len() > 1 {
             let given: Vec<String> = args.sampling.epsilon.iter().map(f64::to_string).collect();
             return Err(Error::parameter("epsilon", given.join(","), "several go with one INPUT; give one for a cohort"));
-        }
-        if let Some(range) = &args.sampling.range {
-            return Err(Error::parameter("range", range, "goes with one INPUT; shard the run of each subject by itself"));
         }
         if args.sampling.record_failure {
             let accepted = "goes with one INPUT; a cohort has its failures as rows";

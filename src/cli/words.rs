@@ -44,9 +44,6 @@ pub fn infer(input: &Path, words: &[String]) -> Result<(InferOptions, String)> {
     Ok((args.meaning(input)?, command_line_of_words(&line, "again")))
 }
 
-/// Samples as a run of infer takes them: blocks of the range `A..B` of so many.
-pub use crate::internals::pipeline::blocks_of;
-
 /// What `willis simulate` does, by its words: the flow as it is, and the changes beside it, each of vessels by name.
 ///
 /// # Errors

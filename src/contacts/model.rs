@@ -108,14 +108,9 @@ struct File {
 struct PartEntry {
     features: Vec<String>,
     weights: PartitionWeights,
-    #[serde(default = "not_calibrated")]
     calibration: [f64; 2],
     crowding: Option<Crowding>,
     pairs: BoostedEntry,
-}
-
-fn not_calibrated() -> [f64; 2] {
-    NOT_CALIBRATED
 }
 
 impl ContactModel {

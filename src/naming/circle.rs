@@ -39,10 +39,8 @@ pub struct NamedCircle {
     /// Whether enough is seen around each segment to say whether it is there.
     pub is_decidable: [bool; 7],
     /// Whether anything is seen of each segment or of what lies at either end, or of what surrounds the place where it would be.
-    #[serde(alias = "has_surroundings")]
     pub is_in_view: [bool; 7],
     /// The mean diameter of each segment, m, where one is seen.
-    #[serde(default)]
     pub diameters: [Option<f64>; 7],
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atlas::{Atlas, AtlasData, Counts, Piece};
 use super::pieces::PIECE_FEATURES;
-use super::presence::{FIRST_PRESENCE_FEATURES, KINDS, PRESENCE_FEATURES};
+use super::presence::{KINDS, PRESENCE_FEATURES};
 use super::states::{LABELS, NOWHERE, STATES, State, StateTables, bins_of, first_state, label_of, name_of, side_of};
 use crate::circle_of_willis::Side;
 use crate::error::{Fault, Result};
@@ -102,8 +102,6 @@ impl StateRow {
 }
 
 const FORMAT: &str = "willis artery names 2";
-/// The format before: fewer features of segments, the first ones.
-const FORMAT_1: &str = "willis artery names 1";
 const ACCEPTED: &str = "expected a model as `willis train --model labels` writes it";
 
 impl NamingModel {
@@ -125,8 +123,7 @@ impl NamingModel {
             Fault::line(line, e.message().to_owned(), ACCEPTED)
         })?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
-        let is_first = file.format == FORMAT_1;
-        if file.format != FORMAT && !is_first {
+        if file.format != FORMAT {
             return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
         }
         let lengths = |what: &str, rows: &[Vec<f64>], expected: &dyn Fn(usize) -> usize| {
@@ -134,9 +131,8 @@ impl NamingModel {
             bad.map_or(Ok(()), |(k, _)| Err(wrong(format!("{what} {k}"), &format!("expected {} numbers", expected(k)))))
         };
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
-        let features = if is_first { FIRST_PRESENCE_FEATURES } else { PRESENCE_FEATURES };
-        lengths("presence", &file.presence, &|_| 1 + features)?;
-        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + features)?;
+        lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
+        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
         let tables = StateTables::new();
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
@@ -212,8 +208,8 @@ impl NamingModel {
             provenance,
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
-            presence: file.presence.map(|weights| padded(weights, features)),
-            presence_with_topology: file.presence_with_topology.map(|weights| padded(weights, features)),
+            presence: file.presence,
+            presence_with_topology: file.presence_with_topology,
             share: file.share,
         })
     }
@@ -285,14 +281,6 @@ impl NamingModel {
         }
         Ok(())
     }
-}
-
-/// The weights of a constant, of so many features and what follows them, with zeros for the features that a model of format 1 does not know.
-fn padded(mut weights: Vec<f64>, features: usize) -> Vec<f64> {
-    let tail = weights.split_off(1 + features);
-    weights.resize(1 + PRESENCE_FEATURES, 0.0);
-    weights.extend(tail);
-    weights
 }
 
 /// `L-ICA 0`.

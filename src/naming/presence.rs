@@ -8,8 +8,6 @@ use crate::circle_of_willis::{Artery, RING, Side};
 
 /// How many features a segment has.
 pub const PRESENCE_FEATURES: usize = 20;
-/// How many of them, the first, a model of format 1 has.
-pub const FIRST_PRESENCE_FEATURES: usize = 8;
 /// How many kinds of segments there are: A1, AComm, PComm, P1.
 pub const KINDS: usize = 4;
 /// Their usual lengths, mm.

@@ -12,9 +12,6 @@ const WRITTEN_BY: &str = "expected the file as willis wrote it";
 /// No run has more samples.
 const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
 
-/// Arrays of the first parts, which did not say in how many samples blood flows.
-const FIRST_ARRAYS: usize = 10;
-
 fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
     match name {
         "likelihood" => &sums.likelihood,
@@ -65,7 +62,6 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
 /// A file that is cut or damaged, or is of another network.
 pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault> {
     let mut arrays = read_arrays(bytes)?;
-    let counts_perfused = arrays.len() > FIRST_ARRAYS;
     let mut take = |name: &str, columns: usize| -> Result<Vec<f64>, Fault> {
         let item = || format!("array {name}");
         let at = arrays.iter().position(|array| array.name == name);
@@ -87,12 +83,12 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         return Err(wrong("run"));
     }
     let (blocks, samples, residual) = (take("blocks", 2)?, take("samples", 1)?, take("residual", 1)?);
-    let (rho, perfused) = (take("rho_G", 1)?, counts_perfused.then(|| take("perfused", 1)).transpose()?);
+    let (rho, perfused) = (take("rho_G", 1)?, take("perfused", 1)?);
     let vectors = [take(VECTORS[0], vessels)?, take(VECTORS[1], vessels)?, take(VECTORS[2], vessels)?];
     let m = samples.len();
     if blocks.len() != 2 * m
         || rho.len() != m
-        || perfused.as_ref().is_some_and(|of| of.len() != m)
+        || perfused.len() != m
         || residual.len() != m
         || vectors.iter().any(|v| v.len() != m * vessels)
     {
@@ -104,9 +100,7 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let samples = whole(samples[at]).filter(|n| *n == part.samples_in(&(first..first + blocks)));
         let [likelihood, square, count] = vectors.each_ref().map(|v| v[at * vessels..(at + 1) * vessels].to_vec());
         let samples = samples.ok_or_else(|| wrong("samples"))?;
-        // The first parts had no such array: blood flows at least where it flows in the busiest vessel.
-        let perfused = perfused.as_ref().map_or_else(|| count.iter().copied().fold(0.0, f64::max), |of| of[at]);
-        let (network_resilience, residual) = (rho[at], residual[at]);
+        let (network_resilience, perfused, residual) = (rho[at], perfused[at], residual[at]);
         let sums = Sums { likelihood, square, count, network_resilience, perfused, residual, samples };
         if !sums.are_possible() {
             return Err(Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY));

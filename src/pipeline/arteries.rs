@@ -122,11 +122,9 @@ pub(crate) struct FoundArteries {
     pub(crate) known_by: String,
     pub(crate) landmarks: Option<SourceFile>,
     /// What that file holds.
-    #[serde(default)]
     copy: Option<(LandmarkFormat, String)>,
     pub(crate) notes: Vec<String>,
     /// What names say of the segments, where the arteries are known by their geometry, or by landmarks in a circle that has names.
-    #[serde(default)]
     pub(crate) named: Option<NamedCircle>,
 }
 

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::shard::Solver;
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
 use crate::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use crate::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
@@ -54,7 +53,44 @@ struct Stored {
     time: Value,
 }
 
+/// How the samples were computed.
+#[derive(Serialize, Deserialize)]
+struct Solver {
+    flow: String,
+    size: usize,
+    forest: String,
+    forest_joins: Option<usize>,
+}
+
+impl Solver {
+    fn of(method: Method) -> Self {
+        let Method { solver, solver_size, forest, forest_joins, .. } = method;
+        Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
+    }
+
+    /// The same for the record of a run.
+    fn method(&self) -> Method {
+        Method {
+            solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("reference"),
+            solver_size: self.size,
+            forest: if self.forest == "bottleneck" { "bottleneck" } else { "kruskal" },
+            forest_joins: self.forest_joins,
+            instructions: "",
+        }
+    }
+}
+
 impl Prepared {
+    /// Whether its rows are all there, as they are unless it comes from bytes.
+    fn is_whole(&self) -> bool {
+        let (nodes, boundary) = (self.graph.node_count(), &self.boundary);
+        let conditions = boundary.conditions.iter().map(|(node, _)| node);
+        boundary.roles.len() == nodes
+            && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
+            && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
+            && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
+    }
+
     /// Decides on every vessel, given what the samples say.
     pub(crate) fn decide(
         self: &Arc<Self>,

@@ -13,7 +13,6 @@ mod picture;
 mod prior;
 mod progress;
 mod pulse;
-mod shard;
 mod simulate;
 mod stored_run;
 mod write;
@@ -30,7 +29,6 @@ pub use options::{FlowOptions, InferOptions, PhenotypeOptions, Preset, RunOption
 pub use prior::Prior;
 pub use progress::{Progress, Silent, Step};
 pub use pulse::{PulseMean, PulseOptions};
-pub use shard::{Shard, ShardRecord, blocks_of, differing, merge, samples_of};
 pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
 pub use write::{WrittenFiles, write, write_target};
 
@@ -111,10 +109,8 @@ pub struct Prepared {
     /// What it shows along doubtful vessels.
     pub(crate) image_cuts: Vec<ImageCut>,
     /// The segmentation that the vessels were found in, where they were.
-    #[serde(default)]
     pub(crate) segmentation: Option<Segmentation>,
     /// The record of what a person decided.
-    #[serde(default)]
     pub(crate) decisions: Value,
     /// What is known of the contacts beside their vessels.
     pub(crate) contacts: Contacts,
@@ -351,14 +347,14 @@ impl Prepared {
         let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
         let samples = sampling.samples();
         let fits = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
-        let resumed = progress.resume(&self.key(options, None), sampling.part().uncertain(), &fits);
+        let resumed = progress.resume(&self.key(options), sampling.part().uncertain(), &fits);
         let mut part = resumed.unwrap_or_else(|| sampling.part());
         let before = part.done();
         let mut heard = Heard(progress);
         let sampled = if until_stable {
             sampling.until_stable(&mut part, |result| all_decided(self.keep, &self.graph, result), &mut heard)
         } else {
-            sampling.sample(&mut part, 0..sampling.blocks(), &mut heard).map(|()| sampling.likelihood(&part))
+            sampling.sample(&mut part, &mut heard).map(|()| sampling.likelihood(&part))
         };
         heard.0.sampled(&part, sampled.is_ok());
         let seconds = begun.elapsed().as_secs_f64();
@@ -399,13 +395,13 @@ impl Prepared {
         SamplingOptions { uniform_prior: self.uniform_prior, found_conditions, ..options.clone() }
     }
 
-    /// All that the samples depend on, as SHA-256: what is kept of a run, or of a `range` of its samples, is resumed under it.
-    pub fn key(&self, options: &SamplingOptions, range: Option<[u64; 2]>) -> String {
+    /// All that the samples depend on, as SHA-256: what is kept of a run is resumed under it.
+    pub fn key(&self, options: &SamplingOptions) -> String {
         let options = self.sampled_with(options);
         let samples = (!self.options.infer.until_stable).then_some(options.samples);
         let (version, graph) = (env!("CARGO_PKG_VERSION"), self.graph_checksum());
         let options = SamplingOptions { samples: 0, ..options };
-        let all = json!({ "willis": version, "graph": graph, "options": options, "samples": samples, "range": range });
+        let all = json!({ "willis": version, "graph": graph, "options": options, "samples": samples });
         checksum(all.to_string().as_bytes())
     }
 

@@ -35,8 +35,6 @@ struct Record {
     parameters: Value,
     boundary_conditions: Vec<StoredCondition>,
     graph: Option<Graph>,
-    /// Not in the records of early versions.
-    #[serde(default)]
     named: Option<FoundArteries>,
 }
 

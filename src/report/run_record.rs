@@ -30,7 +30,6 @@ pub struct Provenance {
     /// The unit its lengths were taken to be in.
     pub units: String,
     /// Which way the axes of its coordinates point.
-    #[serde(default)]
     pub frame: Frame,
     /// What a person should know about how it was read.
     pub notes: Vec<String>,

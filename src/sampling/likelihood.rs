@@ -1,4 +1,4 @@
-//! The likelihood matrix: sums over samples, in an order that neither threads nor shards can change.
+//! The likelihood matrix: sums over samples, in an order that neither threads nor a stop can change.
 
 use serde::{Deserialize, Serialize};
 

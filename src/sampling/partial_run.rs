@@ -12,8 +12,7 @@ const SNAPSHOTS: u64 = 128;
 /// About the most numbers that the record may hold. With more uncertain vessels it has fewer points.
 const MOST_NUMBERS: u64 = 1 << 24;
 
-/// What is finished of a run. The same blocks make the same part, bit for bit, whatever the order in which they were added. Parts of one
-/// run can be joined.
+/// What is finished of a run. The same blocks make the same part, bit for bit, whatever the order in which they were added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialRun {
     uncertain: Vec<bool>,
@@ -124,18 +123,6 @@ impl PartialRun {
     /// The blocks of a range that are not finished.
     pub fn gaps(&self, blocks: Range<u64>) -> Vec<Range<u64>> {
         self.sums.gaps(blocks)
-    }
-
-    /// Adds another part of the same run. Where the two have a block in common nothing is added, and the answer is false.
-    pub fn join(&mut self, other: Self) -> bool {
-        if other.sums.nodes().any(|(first, blocks, _)| !self.takes(first, blocks)) {
-            return false;
-        }
-        self.steps.extend(other.steps);
-        for (first, blocks, sums) in other.sums.into_nodes() {
-            self.insert(first, blocks, sums, &mut Vec::new());
-        }
-        true
     }
 
     /// Makes this the part of a run of twice as many samples. The run must consist of whole blocks.

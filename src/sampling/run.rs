@@ -57,11 +57,11 @@ pub fn infer(
 ) -> Result<(Likelihood, Method)> {
     let sampling = Sampling::new(network, boundary, params)?;
     let mut part = sampling.part();
-    sampling.sample(&mut part, 0..sampling.blocks(), progress)?;
+    sampling.sample(&mut part, progress)?;
     Ok((sampling.likelihood(&part), sampling.method()))
 }
 
-/// A run that is prepared and can be sampled in parts.
+/// A run that is prepared, and can be stopped and resumed.
 #[derive(Debug)]
 pub struct Sampling {
     sampler: Sampler,
@@ -98,25 +98,19 @@ impl Sampling {
         self.samples
     }
 
-    /// Blocks of the whole run.
-    pub fn blocks(&self) -> u64 {
-        self.part().blocks()
-    }
-
     /// The part of the run before any block is finished.
     pub fn part(&self) -> PartialRun {
         PartialRun::new(self.uncertain.clone(), self.samples)
     }
 
-    /// Computes the blocks of a range that `part` does not have yet, and adds them to it.
+    /// Computes the blocks that `part` does not have yet, and adds them to it.
     ///
     /// # Errors
     ///
     /// A breakdown of the solver, or a stop by `progress`; `part` then has what was finished.
-    pub fn sample(&self, part: &mut PartialRun, blocks: Range<u64>, progress: &mut impl Progress) -> Result<()> {
-        let total = part.samples_in(&blocks);
-        let gaps = part.gaps(blocks);
-        let done = total - gaps.iter().map(|gap| part.samples_in(gap)).sum::<u64>();
+    pub fn sample(&self, part: &mut PartialRun, progress: &mut impl Progress) -> Result<()> {
+        let (total, done) = (part.samples(), part.done());
+        let gaps = part.gaps(0..part.blocks());
         let unit = part.step().min(UNIT);
         let (stop, shared) = (AtomicBool::new(false), Mutex::new(Shared { part, units: Units { gaps, unit }, done, progress }));
         let report = |shared: &mut Shared<'_, _>, fresh: u64| {
@@ -174,7 +168,7 @@ impl Sampling {
     ) -> Result<Likelihood> {
         self.samples = part.samples();
         loop {
-            self.sample(part, 0..self.blocks(), progress)?;
+            self.sample(part, progress)?;
             let result = self.likelihood(part);
             if self.samples >= LAST_STABLE || decided(&result)? {
                 return Ok(result);

@@ -227,34 +227,3 @@ fn a_segment_out_of_view_is_not_put_down_as_missing() {
     let (in_view, p) = presence(&|name| name.starts_with("L-"));
     assert!(!in_view[0] && p[0] > 0.5, "{in_view:?} {p:?}");
 }
-
-/// A model of format 1 knows fewer features of segments: those that it does not know weigh nothing.
-#[test]
-fn a_model_of_the_format_before_is_read() {
-    let text =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/naming/arteries.toml")).expect("the model that ships");
-    let now = NamingModel::read(&text).expect("a model");
-    let of_old = |weights: &[f64], with_topology: bool| -> Vec<f64> {
-        weights[..9].iter().chain(weights.last().filter(|_| with_topology)).copied().collect()
-    };
-    let list = |rows: &[Vec<f64>; 4], with_topology: bool| format!("{:?}", rows.each_ref().map(|row| of_old(row, with_topology)));
-    let lines: Vec<String> = text
-        .lines()
-        .map(|line| match line.split(" = ").next() {
-            Some("format") => "format = \"willis artery names 1\"".to_owned(),
-            Some("presence") => format!("presence = {}", list(&now.presence, false)),
-            Some("presence_with_topology") => format!("presence_with_topology = {}", list(&now.presence_with_topology, true)),
-            _ => line.to_owned(),
-        })
-        .collect();
-    let before = NamingModel::read(&lines.join("\n")).expect("a model of format 1");
-    for (kind, (with, without)) in before.presence_with_topology.iter().zip(&before.presence).enumerate() {
-        assert_eq!((with.len(), without.len()), (now.presence_with_topology[kind].len(), now.presence[kind].len()));
-        assert_eq!(
-            (with[..9].to_vec(), with.last()),
-            (now.presence_with_topology[kind][..9].to_vec(), now.presence_with_topology[kind].last())
-        );
-        assert_eq!(without[..9], now.presence[kind][..9]);
-        assert!(with[9..with.len() - 1].iter().chain(&without[9..]).all(|weight| *weight == 0.0));
-    }
-}

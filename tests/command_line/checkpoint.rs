@@ -126,32 +126,27 @@ fn a_run_that_is_stopped_says_what_it_keeps_and_goes_on() {
     }
 }
 
-/// A run until stable and a shard go on as well.
+/// A run until stable goes on as well.
 #[test]
-fn runs_until_stable_and_shards_go_on() {
+fn a_run_until_stable_goes_on() {
+    let here = folder();
     // The median of L is undecided for long.
-    for more in [&["--range", "64000..3999936"][..], &["--until", "stable", "--keep", "median"]] {
-        let here = folder();
-        let all = run(here.path(), more);
-        let is_until = more[0] == "--until";
-        let all: Vec<String> = all.into_iter().filter(|word| !is_until || !["-n", "4000000"].contains(&word.as_str())).collect();
-        let output = willis(here.path(), &words(&all));
-        assert!(output.status.success(), "{}", stderr(&output));
-        let whole: Vec<_> =
-            contents(&here.path().join("out")).into_iter().filter(|(name, _)| !name.ends_with("shard.json")).collect();
-        fs::rename(here.path().join("out"), here.path().join("whole")).expect("renamed");
-        let arguments: Vec<String> = all.into_iter().chain(["--checkpoint=0".to_owned()]).collect();
-        let mut child = spawn(here.path(), &arguments);
-        wait_until(|| kept(here.path()) > 0 || here.path().join("out").exists());
-        child.kill().expect("killed");
-        child.wait().expect("gone");
-        if !here.path().join("out").exists() {
-            let output = willis(here.path(), &words(&arguments));
-            assert!(output.status.success() && resumed(&output), "{}", stderr(&output));
-        }
-        let again = contents(&here.path().join("out")).into_iter().filter(|(name, _)| !name.ends_with("shard.json"));
-        assert_eq!(again.collect::<Vec<_>>(), whole, "{more:?}");
+    let all = run(here.path(), &["--until", "stable", "--keep", "median"]);
+    let all: Vec<String> = all.into_iter().filter(|word| !["-n", "4000000"].contains(&word.as_str())).collect();
+    let output = willis(here.path(), &words(&all));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let whole = contents(&here.path().join("out"));
+    fs::rename(here.path().join("out"), here.path().join("whole")).expect("renamed");
+    let arguments: Vec<String> = all.into_iter().chain(["--checkpoint=0".to_owned()]).collect();
+    let mut child = spawn(here.path(), &arguments);
+    wait_until(|| kept(here.path()) > 0 || here.path().join("out").exists());
+    child.kill().expect("killed");
+    child.wait().expect("gone");
+    if !here.path().join("out").exists() {
+        let output = willis(here.path(), &words(&arguments));
+        assert!(output.status.success() && resumed(&output), "{}", stderr(&output));
     }
+    assert_eq!(contents(&here.path().join("out")), whole);
 }
 
 /// What another command left is neither used nor lost: it is told of, and its command goes on with it.
@@ -263,7 +258,7 @@ fn a_limit_on_files_is_known_before_the_work() {
     }
 }
 
-/// On a disk of 1 MB: the error is clear, the shard that stood stands, and what was finished when the disk was full is gone on with.
+/// On a disk of 1 MB: the error is clear, the run that stood stands, and what was finished when the disk was full is gone on with.
 /// Needs the right to mount one.
 #[test]
 fn a_full_disk_leaves_what_stood_and_what_was_finished() {
@@ -276,13 +271,13 @@ fn a_full_disk_leaves_what_stood_and_what_was_finished() {
         return;
     }
     let arguments = run(&disk, &["--checkpoint=0", "--force"]);
-    let shard = willis(&disk, &["infer", "a.swc", "-o", "out", "-n", "64", "--range", "0..64", "-q"]);
+    let small = willis(&disk, &["infer", "a.swc", "-o", "out", "-n", "64", "--dpi", "36", "-q"]);
     let before = contents(&disk.join("out"));
     let output = willis(&disk, &words(&arguments));
     let (after, kept) = (contents(&disk.join("out")), kept(&disk));
     let copied = Command::new("cp").arg("-r").args([disk.join(".willis-out"), disk.join("a.swc")]).arg(here.path()).status();
     assert!(Command::new("umount").arg(&disk).status().expect("umount").success());
-    assert!(shard.status.success() && !before.is_empty(), "{}", stderr(&shard));
+    assert!(small.status.success() && !before.is_empty(), "{}", stderr(&small));
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     let last = said.lines().last().expect("an error");

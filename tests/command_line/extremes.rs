@@ -49,7 +49,6 @@ fn options() -> Vec<(&'static str, &'static [&'static str])> {
         ("infer SWC -o out -n 64 --dpi 36 --viscosity={}", &["", "cP"]),
         ("infer SWC -o out -n 64 --dpi 36 --max-gap={}", &["", "mm"]),
         ("infer SWC -o out -n 64 --dpi 36 -k={}", &[""]),
-        ("infer SWC -o out -n 64 --dpi 36 --range 0..{}", &[""]),
         ("infer SWC -o out -n 64 --dpi 36 --default-radius={}", &["", "mm"]),
         ("infer SWC -o out -n 64 --dpi 36 --spacing={} --units voxel", &["", "mm"]),
         ("infer SWC -o out -n 64 --dpi 36 --max-input={}", &["", "GiB"]),

@@ -152,14 +152,12 @@ fn runs_of_other_options_are_refused_by_what_differs() {
     refused(here, &["merge", "a", "same", "-o", "out"], &["same: is of p1/t.swc, as a is"]);
     refused(here, &["merge", "a", "a", "-o", "out"], &["a: is of p1/t.swc, as a is"]);
     run("two", "p2/t.swc", &["-n", "64", "--epsilon", "0.2,0.5"]);
-    refused(here, &["merge", "a", "two", "-o", "out"], &["two: a folder without shard.json or run.json"]);
+    refused(here, &["merge", "a", "two", "-o", "out"], &["two: a folder without run.json"]);
     done(here, &["merge", "a", "two/epsilon-0.5", "-o", "one", "-q"]);
     refused(here, &["merge", "a", "two/epsilon-0.2", "-o", "out"], &["has epsilon 0.2"]);
-    run("shard", "p1/t.swc", &["-n", "128", "--range", "0..64"]);
-    refused(here, &["merge", "shard", "a", "-o", "out"], &["shard: a shard, where a is a run"]);
     done(here, &["simulate", &data("circle-of-willis/complete.graphml"), "-o", "flow", "-q"]);
     refused(here, &["merge", "a", "flow", "-o", "out"], &["flow: was made by willis simulate"]);
-    refused(here, &["merge", "nothing*", "-o", "out"], &["matches no folder of a shard or a run"]);
+    refused(here, &["merge", "nothing*", "-o", "out"], &["matches no folder of a run"]);
     let text = fs::read_to_string(here.join("same/run.json")).expect("a record");
     fs::write(here.join("same/run.json"), text.replace("\"willis\": \"", "\"willis\": \"9.")).expect("written");
     refused(here, &["merge", "a", "same", "-o", "out"], &["same: was made by willis 9."]);
@@ -215,24 +213,15 @@ fn only_a_failure_of_the_input_is_recorded() {
     }
     let said = done(here, &infer);
     assert_eq!(said.lines().collect::<Vec<_>>(), ["    failed  bad.swc:1: x \"a\"; expected a number"]);
-    let failure = contents(&here.join("out"));
-    assert_eq!(failure.len(), 1);
+    assert_eq!(contents(&here.join("out")).len(), 1);
     refused(here, &infer, &["exists already"]);
-
-    // The failed shards of a run are the failed run.
-    for (out, range) in [("s1", "0..64"), ("s2", "64..128")] {
-        done(here, &["infer", "bad.swc", "-n", "128", "--range", range, "-o", out, "--record-failure", "-q"]);
-    }
-    done(here, &["merge", "s?", "-o", "merged", "-q"]);
-    assert_eq!(contents(&here.join("merged")), failure);
-    done(here, &["infer", "bad.swc", "-n", "64", "--range", "0..64", "-o", "s3", "--record-failure", "-q"]);
-    refused(here, &["merge", "s?", "-o", "again"], &["s3: was made by willis infer bad.swc -n 64"]);
-    refused(here, &["merge", "s1", "out", "-o", "again"], &["s1: a shard, where out is a run"]);
 
     // Mended, the run takes the place of the failure.
     fs::copy(here.join("other.swc"), here.join("bad.swc")).expect("copied");
+    fs::create_dir(here.join("other")).expect("made");
+    fs::copy(here.join("out/failed.json"), here.join("other/failed.json")).expect("copied");
     done(here, &[&infer[..], &["--force", "-q"]].concat());
     assert!(here.join("out/run.json").is_file() && !here.join("out/failed.json").exists());
-    fs::write(here.join("merged/thesis.txt"), "precious").expect("written");
-    refused(here, &["infer", "bad.swc", "-o", "merged", "--force"], &["thesis.txt"]);
+    fs::write(here.join("other/thesis.txt"), "precious").expect("written");
+    refused(here, &["infer", "bad.swc", "-o", "other", "--force"], &["thesis.txt"]);
 }

@@ -34,7 +34,6 @@ fn commands() -> Vec<(Vec<String>, &'static str)> {
     let words = |line: &str| line.split(' ').map(|word| if word == "SWC" { swc.clone() } else { word.to_owned() }).collect();
     vec![
         (words("infer SWC -n 64 --dpi 36"), ""),
-        (words("infer SWC -n 64 --range 0..64"), ""),
         (words("candidates SWC"), ".graphml"),
         (words("convert SWC"), ".swc"),
         (words("phantom arterial --edges 100"), ".csv"),

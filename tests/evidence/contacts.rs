@@ -8,7 +8,7 @@ use crate::refused::refused;
 use willis::internals::contacts::branches::Branches;
 use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
-use willis::internals::contacts::model::{ContactModel, NOT_CALIBRATED};
+use willis::internals::contacts::model::ContactModel;
 use willis::internals::contacts::pairings::Pairings;
 use willis::internals::contacts::partition::Blocks;
 use willis::internals::contacts::sections::section;
@@ -293,7 +293,7 @@ fn shipped_without(starts: &[&str]) -> String {
 }
 
 #[test]
-fn a_calibration_keeps_the_order_of_contacts_and_a_model_without_one_states_its_partitions() {
+fn a_calibration_keeps_the_order_of_contacts() {
     let shipped = ContactModel::shipped().expect("a model");
     assert_eq!(ContactModel::read(&shipped_without(&[])).expect("the same"), *shipped);
     for part in [&shipped.skeleton, &shipped.mask] {
@@ -303,9 +303,9 @@ fn a_calibration_keeps_the_order_of_contacts_and_a_model_without_one_states_its_
         let odds = part.calibration[0].exp();
         assert!((part.probability(0.5) - odds / (1.0 + odds)).abs() < 1e-12);
     }
-    let bare = ContactModel::read(&shipped_without(&["calibration = ", "crowding = "])).expect("a model of before");
-    assert_eq!((bare.mask.calibration, bare.mask.crowding), (NOT_CALIBRATED, None));
-    assert!((bare.mask.probability(0.3) - 0.3).abs() < 1e-12);
+    let bare = ContactModel::read(&shipped_without(&["crowding = "])).expect("a model");
+    assert_eq!(bare.mask.crowding, None);
+    assert!(ContactModel::read(&shipped_without(&["calibration = "])).is_err());
     let turned = format!("calibration = [0.0, -1.0]\nweights = {:?}", shipped.mask.weights);
     let turned = shipped_without(&["calibration = "]).replace(&format!("weights = {:?}", shipped.mask.weights), &turned);
     let fault = ContactModel::read(&turned).expect_err("the order would turn round").in_file("own.toml".as_ref()).to_string();

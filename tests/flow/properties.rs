@@ -1,5 +1,4 @@
-//! Properties of vessels, candidates, flow and forests on networks that proptest draws and shrinks; those of shards are in
-//! tests/inference/shards.rs. Truth is an invariant of the textbook, or petgraph.
+//! Properties of vessels, candidates, flow and forests on networks that proptest draws and shrinks. Truth is an invariant of the textbook, or petgraph.
 
 use std::collections::BTreeSet;
 

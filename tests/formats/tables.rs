@@ -498,7 +498,7 @@ fn tables_written_side_by_side_keep_their_own_nodes() {
     std::fs::write(place("A.nodes.csv"), format!("{nodes}\n")).unwrap();
     let notes = willis::read(&place("A.csv"), &options).unwrap().provenance.notes;
     assert!(notes.iter().any(|note| note.contains("is not as it was when")), "{notes:?}");
-    // The names of earlier versions.
+    // A table of nodes under the name that others use.
     std::fs::rename(place("A.nodes.csv"), place("nodes.csv")).unwrap();
     assert!(willis::read(&place("A.csv"), &options).is_ok());
 }

@@ -1,4 +1,4 @@
-//! The same bits whatever the number of threads, of samples asked for, and of shards.
+//! The same bits whatever the number of threads and of samples asked for.
 
 use crate::draw::Draw;
 use crate::networks::{radii, random_conditions, random_network, run};
@@ -118,8 +118,8 @@ fn tree(blocks: &[Sums]) -> Sums {
     tree(&blocks[..left]).plus(&tree(&blocks[left..]))
 }
 
-/// The maximal dyadic nodes of blocks from..to, as a shard holds them: first block, size and sum.
-fn shard(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, u64, Sums)> {
+/// The maximal dyadic nodes of blocks from..to: first block, size and sum.
+fn nodes_of(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, u64, Sums)> {
     let (mut nodes, mut at) = (Vec::new(), from);
     while at < to {
         let mut size = 1;
@@ -140,7 +140,7 @@ fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> DyadicSums<Sums>
     sum
 }
 
-/// Exactly the recursion's bits from one block at a time in any order, and from any split into up to four shards in any order;
+/// Exactly the recursion's bits from one block at a time in any order, and from any split into up to four parts in any order;
 /// the plain running sum has others, so the order of additions does matter.
 #[test]
 fn dyadic_sums_are_the_same_from_any_split_and_order() {
@@ -161,7 +161,7 @@ fn dyadic_sums_are_the_same_from_any_split_and_order() {
         for _ in 0..20 {
             let mut cuts = [0, draw.below(n + 1), draw.below(n + 1), draw.below(n + 1), n];
             cuts.sort_unstable();
-            let mut nodes: Vec<_> = cuts.windows(2).flat_map(|range| shard(&blocks, range[0], range[1])).collect();
+            let mut nodes: Vec<_> = cuts.windows(2).flat_map(|range| nodes_of(&blocks, range[0], range[1])).collect();
             draw.shuffle(&mut nodes);
             assert_eq!(sums_bits(&summed(nodes).total().unwrap()), whole, "{n} blocks cut at {cuts:?}");
         }

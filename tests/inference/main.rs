@@ -26,7 +26,7 @@ mod oracle;
 mod oracle_script;
 mod posterior;
 mod probable;
-mod shards;
+mod resumption;
 mod solvers;
 mod statistics;
 mod textbook;

@@ -1,4 +1,4 @@
-# The subjects with their inputs, and the ranges of samples.
+# The subjects with their inputs.
 from collections import Counter
 from glob import glob
 from pathlib import Path
@@ -8,8 +8,6 @@ from snakemake.utils import min_version
 
 min_version("9.0")
 
-# The samples of a block: where a range may begin and end.
-BLOCK = 64
 OUT = config["output"]
 # What stands before and after the input.
 INFER = [f"{config['willis']} infer", f"-n {config['samples']} {config['options']}"]
@@ -43,29 +41,12 @@ def subjects(patterns):
     return named
 
 
-def ranges(samples, shards):
-    """Ranges of all samples that begin and end at blocks, as many as shards, none empty."""
-    if min(samples, shards) < 1:
-        raise WorkflowError(f"samples {samples}, shards {shards}: expected at least 1 of each")
-    blocks = -(-samples // BLOCK)
-    shards = min(shards, blocks)
-    borders = [min(blocks * i // shards * BLOCK, samples) for i in range(shards + 1)]
-    return [f"{first}-{last}" for first, last in zip(borders, borders[1:])]
-
-
 SUBJECTS = subjects(config["inputs"])
-RANGES = ranges(int(config["samples"]), int(config["shards"]))
 
 
 wildcard_constraints:
     subject="[^/]+",
-    first="[0-9]+",
-    last="[0-9]+",
 
 
 def input_of(wildcards):
     return SUBJECTS[wildcards.subject]
-
-
-def shards_of(wildcards):
-    return [f"{OUT}/shards/{wildcards.subject}/{part}" for part in RANGES]

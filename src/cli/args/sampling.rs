@@ -31,9 +31,6 @@ pub struct SamplingArgs {
     /// The seed; the same command with the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Only samples A up to, not including, B of the --samples, each a multiple of 64 or the last: a shard of the run, for willis merge
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["until", "exact", "json"], allow_hyphen_values = true, hide_short_help = true)]
-    pub range: Option<String>,
     /// Where the input cannot be used, write why to FOLDER, as failed.json alone, and end with status 0: willis merge makes a row of it
     #[arg(long, hide_short_help = true)]
     pub record_failure: bool,

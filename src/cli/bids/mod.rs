@@ -257,7 +257,7 @@ impl Runs<'_> {
             Err(error) if Failure::is_of_input(&error) => {
                 drop(folder);
                 let line = self.work.line_of(&mask.path);
-                self.work.failure(&mask.path, line, None, with_flags(&error))?.write(&target, true)?;
+                self.work.failure(&mask.path, line, with_flags(&error))?.write(&target, true)?;
                 self.derivative.clear(mask)?;
                 Err(error)
             }

@@ -50,9 +50,6 @@ pub struct TrainArgs {
     /// contacts of touching vessels, or names of arteries (labels)
     #[arg(long, value_enum, default_value_t = Kind::Tracing)]
     model: Kind,
-    /// The same as --model labels
-    #[arg(long, conflicts_with = "model", hide = true)]
-    labels: bool,
     /// Add the pass over images to MODEL.toml, a model of skeletons, and change nothing else in it
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath)]
     images_onto: Option<PathBuf>,
@@ -87,17 +84,16 @@ impl TrainArgs {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force };
         output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
-        let kind = if self.labels { Kind::Labels } else { self.model };
-        if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(kind, Kind::Tracing)) {
+        if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(self.model, Kind::Tracing)) {
             return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
         }
         if let Some(path) = &self.calibrate_onto {
-            if !matches!(kind, Kind::Contacts) {
+            if !matches!(self.model, Kind::Contacts) {
                 return Err(Error::parameter("calibrate_onto", path.display(), "goes with --model contacts"));
             }
             return trees::calibrate(path, &self, &output, terminal);
         }
-        match kind {
+        match self.model {
             Kind::Tracing => self.fit_tracings(&params, &output, terminal),
             Kind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
             Kind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),

@@ -173,7 +173,7 @@ fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
     if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        // What was written so is read to the same bits; files from before have other sums.
+        // What was written so is read to the same bits; a probability that was changed by hand is divided in the same shares.
         let is_whole = (a + b - probability).abs() <= 1e-12 * probability;
         evidence = if is_whole { Evidence { attached: [a, b], ..evidence } } else { evidence.divided([a, b]) };
     }

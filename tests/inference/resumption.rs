@@ -1,13 +1,13 @@
-//! Any parts of a run make the run, bit for bit: shards, what a stop leaves, both of them through their file.
+//! What a stop leaves of a run makes the run, bit for bit, through its file; a file that no run can have left is refused.
 
 use std::io::Cursor;
 
 use crate::draw::Draw;
 use crate::networks::{boundary, radii, random_conditions, random_network};
-use proptest::prelude::*;
 use willis::error::Error;
 use willis::internals::decision::{Keep, all_decided};
 use willis::internals::flow::Boundary;
+use willis::internals::io::{read_arrays, write_arrays};
 use willis::internals::network::Network;
 use willis::internals::output::{read_part, write_part};
 use willis::internals::sampling::{Likelihood, PartialRun, Progress, Sampling, SamplingOptions, Uncertain, infer};
@@ -32,59 +32,14 @@ fn bits(l: &Likelihood) -> Vec<Vec<u64>> {
     all
 }
 
-fn through_a_file(part: &PartialRun) -> PartialRun {
+fn written(part: &PartialRun) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     write_part(&mut file, part).unwrap();
-    read_part(file.get_ref(), part.uncertain().to_vec()).unwrap()
+    file.into_inner()
 }
 
-/// The run of `samples` from shards cut at `cuts` of its blocks and joined in another order.
-fn merged(samples: u64, cuts: &[u64], turn: usize) -> Likelihood {
-    let (network, boundary) = graph();
-    let sampling = Sampling::new(&network, &boundary, &params(samples)).unwrap();
-    let mut borders: Vec<u64> = cuts.iter().map(|cut| cut % sampling.blocks()).chain([0, sampling.blocks()]).collect();
-    borders.sort_unstable();
-    borders.dedup();
-    let mut shards: Vec<PartialRun> = Vec::new();
-    for range in borders.windows(2) {
-        let mut part = sampling.part();
-        sampling.sample(&mut part, range[0]..range[1], &mut |_: u64, _: u64| true).unwrap();
-        shards.push(through_a_file(&part));
-    }
-    let middle = turn % shards.len();
-    shards.rotate_left(middle);
-    let mut whole = sampling.part();
-    assert!(shards.into_iter().all(|shard| whole.join(shard)));
-    sampling.likelihood(&whole)
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
-
-    /// 20,050 samples are 314 blocks: points of the convergence record are two blocks apart, so that shards cut them, and the
-    /// last block is cut short; 33,000 are 516 blocks, points four apart, the last step not whole.
-    #[test]
-    fn shards_make_the_run(
-        samples in prop::sample::select(vec![1_u64, 64, 1000, 20_050, 33_000]),
-        cuts in prop::collection::vec(0_u64..10_000, 0..8),
-        turn in 0_usize..8,
-    ) {
-        let (network, boundary) = graph();
-        let whole = infer(&network, &boundary, &params(samples), &mut |_: u64, _: u64| true).unwrap().0;
-        prop_assert_eq!(bits(&merged(samples, &cuts, turn)), bits(&whole));
-    }
-}
-
-/// One block a shard, and 17 shards.
-#[test]
-fn many_shards_make_the_run() {
-    let (network, boundary) = graph();
-    let whole = infer(&network, &boundary, &params(20_050), &mut |_: u64, _: u64| true).unwrap().0;
-    assert!(whole.trace.len() > 100);
-    for shards in [1, 3, 17, 314] {
-        let cuts: Vec<u64> = (0..shards).map(|at| at * 314 / shards).collect();
-        assert_eq!(bits(&merged(20_050, &cuts, 5)), bits(&whole), "{shards} shards");
-    }
+fn through_a_file(part: &PartialRun) -> PartialRun {
+    read_part(&written(part), part.uncertain().to_vec()).unwrap()
 }
 
 /// Stops after so many reports, and keeps what was finished when it was last told.
@@ -115,7 +70,7 @@ fn a_run_that_is_stopped_goes_on_to_the_same_bits() {
     for threads in [1, 2, 8].into_iter().cycle() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut progress = StopAfter { reports: 20, kept: None };
-        match pool.install(|| sampling.sample(&mut part, 0..sampling.blocks(), &mut progress)) {
+        match pool.install(|| sampling.sample(&mut part, &mut progress)) {
             Ok(()) => break,
             Err(Error::Stopped { done, total }) => {
                 assert_eq!((done, total), (part.done(), 33_000));
@@ -160,7 +115,7 @@ fn doubling_keeps_the_convergence_record() {
     for samples in [1 << 13, 1 << 14, 1 << 15, 1 << 16] {
         sampling = Sampling::new(&network, &boundary, &params(samples)).unwrap();
         assert_eq!(part.samples(), samples);
-        sampling.sample(&mut part, 0..sampling.blocks(), &mut |_: u64, _: u64| true).unwrap();
+        sampling.sample(&mut part, &mut |_: u64, _: u64| true).unwrap();
         let whole = infer(&network, &boundary, &params(samples), &mut |_: u64, _: u64| true).unwrap().0;
         assert_eq!(bits(&sampling.likelihood(&part)), bits(&whole), "{samples}");
         part.double();
@@ -175,37 +130,14 @@ fn a_large_graph_has_a_shorter_convergence_record() {
     assert_eq!([step(1 << 18, 1 << 20), step(1 << 20, 1 << 20), step(1 << 25, 1 << 20)], [256, 1024, 16_384]);
 }
 
-#[test]
-fn what_does_not_belong_together_is_not_joined() {
-    let (network, boundary) = graph();
-    let sampling = Sampling::new(&network, &boundary, &params(1000)).unwrap();
-    let shard = |blocks: std::ops::Range<u64>| {
-        let mut part = sampling.part();
-        sampling.sample(&mut part, blocks, &mut |_: u64, _: u64| true).unwrap();
-        part
-    };
-    let mut part = shard(0..5);
-    for blocks in [0..16, 4..5, 4..8, 2..3] {
-        let before = part.clone();
-        assert!(!part.join(shard(blocks)));
-        assert_eq!(part, before);
-    }
-    assert!(part.join(shard(9..16)));
-    assert_eq!(part.gaps(0..16).first(), Some(&(5..9)));
-    assert_eq!(part.done(), 320 + 424);
-    assert!(!part.takes(16, 1) && !part.takes(5, 2) && part.takes(6, 2));
-}
-
 /// A file that is cut, or of another network, is refused, whatever byte is wrong first.
 #[test]
 fn a_damaged_file_is_refused() {
     let (network, boundary) = graph();
-    let sampling = Sampling::new(&network, &boundary, &params(1000)).unwrap();
+    let sampling = Sampling::new(&network, &boundary, &params(448)).unwrap();
     let mut part = sampling.part();
-    sampling.sample(&mut part, 0..7, &mut |_: u64, _: u64| true).unwrap();
-    let mut file = Cursor::new(Vec::new());
-    write_part(&mut file, &part).unwrap();
-    let bytes = file.into_inner();
+    sampling.sample(&mut part, &mut |_: u64, _: u64| true).unwrap();
+    let bytes = written(&part);
     assert_eq!(read_part(&bytes, part.uncertain().to_vec()).unwrap(), part);
     assert!(read_part(&bytes, vec![true; 19]).is_err());
     for end in (0..bytes.len()).step_by(97) {
@@ -218,5 +150,54 @@ fn a_damaged_file_is_refused() {
         if let Ok(read) = read_part(&other, part.uncertain().to_vec()) {
             assert_eq!(read, part, "{at}");
         }
+    }
+}
+
+/// An array of the file, and what becomes of a figure in it.
+type Case = (&'static str, fn(f64) -> f64);
+
+/// Sums that no samples can have: the truth is what sums of figures of zero or more are.
+#[test]
+fn sums_that_no_samples_have_are_refused() {
+    let (network, boundary) = graph();
+    let sampling = Sampling::new(&network, &boundary, &params(192)).unwrap();
+    let mut part = sampling.part();
+    sampling.sample(&mut part, &mut |_: u64, _: u64| true).unwrap();
+    let whole = written(&part);
+    let place = |values: &[f64]| values.iter().position(|x| *x > 0.0).unwrap();
+    let cases: [Case; 24] = [
+        ("count", |_| 1e9),
+        ("count", |_| -1.0),
+        ("count", |x| x - 0.5),
+        ("count", |_| f64::NAN),
+        ("count", |_| 0.0),
+        ("likelihood", |x| -x),
+        ("likelihood", |x| 1e3 * x),
+        ("likelihood", |x| x / 1e3),
+        ("likelihood", |_| f64::INFINITY),
+        ("likelihood", |_| f64::NAN),
+        ("square", |x| -x),
+        ("square", |x| 1e6 * x),
+        ("square", |x| x / 1e6),
+        ("square", |_| f64::NAN),
+        ("rho_G", |x| -x),
+        ("rho_G", |_| f64::INFINITY),
+        ("residual", |_| -1.0),
+        ("residual", |_| f64::NAN),
+        ("samples", |x| x + 1.0),
+        ("samples", |_| -1.0),
+        ("blocks", |_| 3.0),
+        ("trace", |x| -x),
+        ("trace", |x| 2.0 * x),
+        ("run", |x| x - 1.0),
+    ];
+    for (name, change) in cases {
+        let mut arrays = read_arrays(&whole).unwrap();
+        let array = arrays.iter_mut().find(|array| array.name == name).unwrap();
+        let at = if name == "residual" { 0 } else { place(&array.values) };
+        array.values[at] = change(array.values[at]);
+        let mut bytes = Cursor::new(Vec::new());
+        write_arrays(&mut bytes, arrays).unwrap();
+        assert!(read_part(bytes.get_ref(), part.uncertain().to_vec()).is_err(), "{name}");
     }
 }
