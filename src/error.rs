@@ -190,17 +190,3 @@ impl Error {
         matches!(self, Self::Input { .. } | Self::Parameter { .. } | Self::Read { .. } | Self::Exists { .. })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_a_file_holds_cannot_break_a_message_into_lines() {
-        let fault = Fault::item("a\nb", format!("x\r\u{1b}[31m{}", "y".repeat(MOST)), "z");
-        let said = fault.in_file(Path::new("f")).to_string();
-        assert!(said.starts_with("f: a\u{fffd}b: x\u{fffd}\u{fffd}[31myy") && said.ends_with("y\u{2026}; z"), "{said}");
-        assert!(!said.chars().any(char::is_control));
-        assert_eq!(Error::parameter("x", "1\n", "a number").to_string(), "x 1\u{fffd}: a number");
-    }
-}

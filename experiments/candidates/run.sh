@@ -13,7 +13,7 @@ if [ ! -f "$bench/score.py" ] || [ ! -d "$data/brava" ] || [ ! -d "$data/insist-
     echo "skipped: $bench or $data is not there" >&2
     exit
 fi
-cargo build --release --locked --quiet --example candidates
+cargo build --release --locked --quiet --features experiments --example candidates
 work=target/candidates
 rm -rf "$work"
 mkdir -p "$work"

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.."
 here=experiments/masks
 python=${WILLIS_PYTHON:-python3}
 data=${WILLIS_SHARED_DATA:-../shared/data}
-cargo build --release --locked --quiet --bin willis --example masks
+cargo build --release --locked --quiet --bin willis --features experiments --example masks
 masks=target/release/examples/masks
 "$masks" radii >"$here/radii.csv"
 {

@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 here=experiments/variance
-cargo build --release --locked --quiet --example variance
+cargo build --release --locked --quiet --features experiments --example variance
 measure() { target/release/examples/variance "$@"; }
 
 new=$(mktemp)

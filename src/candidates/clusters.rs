@@ -85,7 +85,7 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<Cluster<'a>> 
 }
 
 /// A box with the least and the largest coordinate along each axis, m.
-type Bounds = [[f64; 2]; 3];
+pub type Bounds = [[f64; 2]; 3];
 
 /// Per fragment the box around all within its reach; `None` where a node has no position.
 fn boxes(network: &Network, of_node: &[usize], count: usize) -> Option<Vec<Bounds>> {
@@ -114,7 +114,7 @@ fn boxes(network: &Network, of_node: &[usize], count: usize) -> Option<Vec<Bound
 }
 
 /// The boxes in groups between which a plane across an axis lies, cut again and again.
-fn groups(boxes: &[Bounds]) -> Vec<Vec<usize>> {
+pub fn groups(boxes: &[Bounds]) -> Vec<Vec<usize>> {
     let mut open: Vec<(Vec<usize>, usize, usize)> = vec![((0..boxes.len()).collect(), 0, 0)];
     let mut done = Vec::new();
     // A group with how many axes in a row did not cut it, and how many were tried.
@@ -140,28 +140,4 @@ fn groups(boxes: &[Bounds]) -> Vec<Vec<usize>> {
         open.extend(parts.into_iter().map(|part| (part, whole, tried + 1)));
     }
     done
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn unit_box(at: [f64; 3]) -> Bounds {
-        at.map(|x| [x, x + 1.0])
-    }
-
-    /// By hand: two boxes touch along x but not along y; a third is apart along z once these two are.
-    #[test]
-    fn boxes_that_a_plane_separates_are_apart() {
-        let boxes = [[0.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.2, 0.5, 5.0], [0.9, 0.9, 0.0]].map(unit_box);
-        let mut found = groups(&boxes);
-        for group in &mut found {
-            group.sort_unstable();
-        }
-        found.sort();
-        assert_eq!(found, [vec![0, 3], vec![1], vec![2]]);
-        let grid: Vec<Bounds> =
-            (0..27_000).map(|i| unit_box([i % 30, i / 30 % 30, i / 900].map(|x| 2.0 * f64::from(x)))).collect();
-        assert_eq!(groups(&grid).len(), grid.len());
-    }
 }

@@ -1,6 +1,6 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
-mod clusters;
+pub mod clusters;
 pub mod features;
 pub mod joins;
 pub mod kind;

@@ -17,10 +17,11 @@ const PUBLISHED: &str = include_str!("frequencies.csv");
 /// The share of all variants that a table does not name, spread over them evenly.
 const UNNAMED: f64 = 0.02;
 
-/// The share of each of the 128 variants; bit s of the index says that segment s of [`RING`] is there.
+/// How frequent each variant is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantFrequencies {
-    share: Vec<f64>,
+    /// The share of each of the 128 variants; bit s of the index says that segment s of [`RING`] is there.
+    pub share: Vec<f64>,
 }
 
 impl VariantFrequencies {
@@ -124,47 +125,4 @@ fn index_of(text: &str) -> Result<usize, String> {
         index &= !(1 << segment);
     }
     Ok(index)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_shipped_table_is_one_of_people() {
-        let table = VariantFrequencies::published().expect("reads");
-        assert!((table.share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(table.marginals().iter().all(|p| (0.2..0.99).contains(p)), "{:?}", table.marginals());
-    }
-
-    /// Two variants by hand: complete in 3 of 4, both PComm missing in 1 of 4 (the table names 98 % of everybody).
-    #[test]
-    fn what_is_not_seen_follows_from_what_is() {
-        let table = VariantFrequencies::read(b"missing,share\ncomplete,75\n\"L-PComm, R-PComm\",25\n").expect("reads");
-        let (left, right) = (5, 6);
-        assert_eq!((RING[left].to_string(), RING[right].to_string()), ("L-PComm".into(), "R-PComm".into()));
-        let mut decidable = [true; 7];
-        decidable[right] = false;
-        let mut presence = [0.999; 7];
-        let with = table.given(&presence, &decidable)[right];
-        presence[left] = 0.001;
-        let without = table.given(&presence, &decidable)[right];
-        assert!(with > 0.97 && without < 0.05, "{with} {without}");
-        assert_eq!(table.given(&presence, &decidable)[left], 0.001);
-        let usual = table.given(&presence, &[false; 7])[right];
-        assert!((usual - table.marginals()[right]).abs() < 1e-12);
-    }
-
-    #[test]
-    fn bad_tables_are_refused() {
-        for (text, at) in [
-            ("missing,share\nM1,1\n", "M1"),
-            ("missing,share\ncomplete,-1\n", "-1"),
-            ("missing\nx\n", "share"),
-            ("missing,share\ncomplete,0\n", "no variant"),
-        ] {
-            let fault = VariantFrequencies::read(text.as_bytes()).expect_err("refused").in_file(Path::new("a.csv"));
-            assert!(fault.to_string().contains(at), "{fault}");
-        }
-    }
 }

@@ -13,7 +13,7 @@ mod segments_by_labels;
 mod segments_by_landmarks;
 mod shortest_path;
 mod sides;
-mod supply;
+pub mod supply;
 mod variant;
 
 pub use arteries::{Artery, FENESTRATED, RING, Side};

@@ -11,7 +11,7 @@ use crate::simulation::transport::Transports;
 use crate::support::parallel::in_order;
 
 /// Of more topologies so many are followed, drawn by their weights.
-const MOST_TOPOLOGIES: usize = 1000;
+pub const MOST_TOPOLOGIES: usize = 1000;
 /// The interval has this probability on each side of it.
 const TAIL: f64 = 0.05;
 
@@ -80,7 +80,7 @@ pub fn supplies(
 }
 
 /// All topologies, or of many as many as are followed, at even steps of the summed weight.
-fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
+pub fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
     if topologies.len() <= MOST_TOPOLOGIES {
         return topologies.iter().map(|(kept, weight)| (kept, *weight)).collect();
     }
@@ -144,7 +144,7 @@ fn one(
 
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
-    fn about_median(mut values: Vec<(f64, f64)>) -> Self {
+    pub fn about_median(mut values: Vec<(f64, f64)>) -> Self {
         let total: f64 = values.iter().map(|(_, weight)| weight).sum();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let quantile = |share: f64| {
@@ -160,33 +160,10 @@ impl Spread {
 
     /// The mean of values with weights, which adds up where they do. What is seldom may bring it out of the interval of the median: the interval
     /// then goes on to it.
-    fn about_mean(values: Vec<(f64, f64)>) -> Self {
+    pub fn about_mean(values: Vec<(f64, f64)>) -> Self {
         let total: f64 = values.iter().map(|(_, weight)| weight).sum();
         let middle = values.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
         let [low, high] = Self::about_median(values).interval;
         Self { middle, interval: [low.min(middle), high.max(middle)] }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand: 1 with weight 8, 3 with weight 2; what has 4 in 100 is out of the interval, and moves the mean; of 2,500 equal weights as many are
-    /// followed as may be.
-    #[test]
-    fn spreads_and_choices_go_by_weight() {
-        let both = vec![(3.0, 2.0), (1.0, 8.0)];
-        assert_eq!(Spread::about_mean(both.clone()), Spread { middle: 1.4, interval: [1.0, 3.0] });
-        assert_eq!(Spread::about_median(both), Spread { middle: 1.0, interval: [1.0, 3.0] });
-        let skewed = vec![(1.0, 96.0), (101.0, 4.0)];
-        assert_eq!(Spread::about_mean(skewed.clone()), Spread { middle: 5.0, interval: [1.0, 5.0] });
-        assert_eq!(Spread::about_median(skewed), Spread { middle: 1.0, interval: [1.0, 1.0] });
-        assert!(Spread::about_median(Vec::new()).middle.is_nan() && Spread::about_mean(Vec::new()).middle.is_nan());
-        let many: Vec<(Vec<bool>, f64)> = (0..2500).map(|_| (vec![true], 1.0)).collect();
-        let chosen = by_weight(&many);
-        assert!(chosen.len() == MOST_TOPOLOGIES && chosen.iter().all(|(_, weight)| *weight == 1.0));
-        let few = [(vec![true], 0.9), (vec![false], 0.1)];
-        assert_eq!(by_weight(&few).iter().map(|(_, weight)| *weight).collect::<Vec<_>>(), [0.9, 0.1]);
     }
 }

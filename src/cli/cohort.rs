@@ -532,17 +532,3 @@ fn plain(path: &Path) -> Option<Vec<String>> {
     }
     Some(steps)
 }
-
-#[cfg(all(test, unix))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_way_leads_from_folder_to_file() {
-        let way = |file: &str, folder: &str| relative(Path::new(file), Path::new(folder)).expect("a way");
-        assert_eq!(way("/a/runs/x/r.html", "/a/cohort"), "../runs/x/r.html");
-        assert_eq!(way("runs/x/r.html", "./out/../cohort"), "../runs/x/r.html");
-        assert_eq!(way("cohort/x/r.html", "cohort"), "x/r.html");
-        assert_eq!(way("/b/r.html", "/a/c/d"), "../../../b/r.html");
-    }
-}

@@ -45,7 +45,8 @@ pub fn words_of_row(input: &Path, given: &[PathBuf], options: &[(String, String)
     row_words(given_words(), input, given, options)
 }
 
-fn row_words(
+/// The same of the words `all`.
+pub fn row_words(
     mut all: impl Iterator<Item = String>,
     input: &Path,
     given: &[PathBuf],
@@ -75,7 +76,7 @@ pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
 }
 
 /// The words of `willis infer` for one mask of those that `willis bids` was given.
-fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[String]) -> Vec<String> {
+pub fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[String]) -> Vec<String> {
     let (mut words, mut places) = (Vec::new(), places.to_vec());
     let (mut is_infer, mut is_chosen) = (false, false);
     for word in given {
@@ -122,40 +123,8 @@ fn is_joined(word: &str, name: &str) -> bool {
     word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=') || !name.starts_with("--"))
 }
 
-fn quoted(word: &str) -> String {
+/// A word as a POSIX shell takes it.
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:@%+".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_run_of_a_dataset_is_one_of_its_mask() {
-        let words = |line: &str| {
-            infer_words(line.split(' ').map(str::to_owned), "m.nii.gz", &["in", "out", "participant"].map(str::to_owned))
-        };
-        let line = words("-v bids in out participant --participant-label 01 out -n 64 --filter=desc=a --filter run=1 --seed 2")
-            .join(" ");
-        assert_eq!(line, "-v infer m.nii.gz -n 64 --seed 2");
-        assert_eq!(words("bids -n 64 in out participant --session_label a b").join(" "), "infer m.nii.gz -n 64");
-    }
-
-    /// What a row of a manifest states replaces what was given for all.
-    #[test]
-    fn a_row_has_the_words_of_all_but_its_own() {
-        let all = "infer study.csv --spacing 0.5 -o out --landmarks={}.csv -n 64".split(' ').map(str::to_owned);
-        let own = [("spacing", "0.4,0.4,0.6"), ("landmarks", "/a b.fcsv")].map(|(a, b)| (a.to_owned(), b.to_owned()));
-        let words = row_words(all, Path::new("x.swc"), &[PathBuf::from("study.csv")], &own);
-        assert_eq!(words, ["infer", "x.swc", "-o", "out", "-n", "64", "--spacing=0.4,0.4,0.6", "--landmarks=/a b.fcsv"]);
-    }
-
-    /// A POSIX shell splits the line into the same words again.
-    #[test]
-    fn a_line_is_its_words() {
-        let words = ["willis", "infer", "it's a scan.swc", "", "--bc", "{}.bc.csv", r"a\b", "''", "-n=64"];
-        let line = words.map(quoted).join(" ");
-        assert_eq!(line, r"willis infer 'it'\''s a scan.swc' '' --bc '{}.bc.csv' 'a\b' ''\'''\''' -n=64");
-    }
 }

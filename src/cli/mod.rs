@@ -36,6 +36,16 @@ use args::figures::whole;
 use print::Terminal;
 pub use signals::ask_to_stop;
 
+/// What the tests of this project call. Nothing here is stable.
+pub mod internals {
+    pub use super::bids::dataset::{Filter, Named, parse_filter};
+    pub use super::cohort::relative;
+    pub use super::command_line::{infer_words, quoted, row_words};
+    pub use super::print::notes::counted;
+    pub use super::shell::parser;
+    pub use super::subjects::{LONGEST, named};
+}
+
 /// Find the plausible topology of vascular centerlines.
 ///
 /// Broken or over-connected centerlines go in; a likelihood for every possible connection and the pruned plausible
@@ -250,39 +260,5 @@ impl Refused {
         }
         print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given)));
         2
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
-
-    /// Two arguments of one name are one to the parser: what is given to the second is refused as given twice, and programs with debug
-    /// assertions end. Every command with all that it shares.
-    #[test]
-    fn every_argument_has_a_name_of_its_own() {
-        for command in Cli::builder().get_subcommands() {
-            let (mut ids, mut options) = (BTreeSet::new(), BTreeSet::new());
-            for argument in command.get_arguments() {
-                let (name, id) = (command.get_name(), argument.get_id());
-                assert!(ids.insert(id), "{name}: two arguments {id}");
-                let short = argument.get_short().map(String::from);
-                let long = argument.get_long_and_visible_aliases().into_iter().flatten().map(str::to_owned);
-                for option in long.chain(argument.get_all_aliases().into_iter().flatten().map(str::to_owned)).chain(short) {
-                    assert!(options.insert(option.clone()), "{name}: two options {option}");
-                }
-            }
-        }
-    }
-
-    /// `--level` of `willis bids` is that of masks; it was taken for a second level of analysis.
-    #[test]
-    fn a_command_line_is_checked_without_a_run() {
-        let said = |line: &str| check(line.split(' ').map(OsString::from));
-        assert_eq!(said("willis bids in out participant --level 0.5 --prior none"), None);
-        assert_eq!(said("willis infer x.swc -o out"), None);
-        assert!(said("willis infer x.swc -o out --epsilon much").is_some_and(|said| said.contains("see willis help infer")));
     }
 }

@@ -19,6 +19,11 @@ pub struct CompletionsArgs {
     shell: clap_complete::Shell,
 }
 
+/// The parser of every command.
+pub fn parser() -> clap::Command {
+    Cli::builder()
+}
+
 /// Prints and takes a closed pipe for what it is.
 fn print(text: &[u8]) -> Result<()> {
     match std::io::stdout().write_all(text) {

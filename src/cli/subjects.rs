@@ -15,7 +15,7 @@ use super::command_line::words_of_row;
 use super::{Cli, Command, command_of};
 
 /// The longest name of a folder, in characters.
-const LONGEST: usize = 80;
+pub const LONGEST: usize = 80;
 
 /// Endings of files that hold centerlines or graphs, those that hold nothing else first.
 const ENDINGS: [&str; 9] = ["vtp", "swc", "graphml", "tre", "vtk", "mat", "npz", "csv", "json"];
@@ -76,7 +76,7 @@ impl Row {
     /// # Errors
     ///
     /// An option that the command does not have, or a value that it does not take.
-    pub fn command(&self) -> Result<Command> {
+    pub(super) fn command(&self) -> Result<Command> {
         command_of(&self.words).map_err(|error| self.fault(error))
     }
 
@@ -272,28 +272,4 @@ fn safe(word: &str) -> String {
     let name: String = word.chars().take(LONGEST).map(plain).collect();
     let name = name.trim_matches('.');
     if name.is_empty() { "subject".to_owned() } else { name.to_owned() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(paths: &[&str]) -> Vec<String> {
-        named(paths.iter().map(PathBuf::from).collect()).into_iter().map(|s| s.name).collect()
-    }
-
-    #[test]
-    fn names_are_unique_and_safe() {
-        assert_eq!(names(&["x/a.swc", "y/b.vtp"]), ["a", "b"]);
-        assert_eq!(names(&["x/t.swc", "y/t.swc"]), ["x", "y"]);
-        assert_eq!(names(&["x/t.swc", "y/t.swc", "y/b.swc"]), ["x-t", "y-t", "b"]);
-        assert_eq!(names(&["1/x/t.swc", "2/x/T.swc"]), ["x", "x-2"]);
-        assert_eq!(names(&["x/t.swc", "x/t.vtp", "x-2.swc"]), ["x-t", "x-t-2", "x-2"]);
-        assert_eq!(names(&["a-2.swc", "a.swc", "A.vtp", "q.swc"]), ["a-2", "a", "A-3", "q"]);
-        assert_eq!(
-            names(&["<script>.swc", "..swc", "média 中.swc", "cohort.csv.swc"]),
-            ["_script_", "subject", "média_中", "cohort.csv-2"]
-        );
-        assert!(names(&[&"y".repeat(300)])[0].len() <= LONGEST);
-    }
 }

@@ -151,35 +151,3 @@ fn field(arg: &str) -> String {
     let name = arg.split([' ', '=', '[', '<']).next().unwrap_or_default();
     name.trim_start_matches('-').replace('-', "_")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn words(line: &str) -> Vec<String> {
-        line.split_whitespace().map(str::to_owned).collect()
-    }
-
-    #[test]
-    fn words_mean_what_the_command_means() {
-        let (options, line) = infer(Path::new("a b.swc"), &words("--epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90")).unwrap();
-        assert_eq!((options.sampling.epsilon, options.sampling.samples), (0.25, 64));
-        assert_eq!(options.candidates.max_gap, Some(0.005));
-        assert_eq!(options.boundary.inlet, ["1=90"]);
-        assert_eq!(line, "willis infer 'a b.swc' --epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90 -o again");
-        assert_eq!(infer(Path::new("x"), &[]).unwrap().0, InferOptions::default());
-    }
-
-    #[test]
-    fn errors_name_the_field() {
-        let said = |line: &str| infer(Path::new("x.swc"), &words(line)).unwrap_err().to_string();
-        assert_eq!(said("--epsilon much"), "epsilon \"much\": expected a number from 0 to 1, such as 0.5");
-        assert_eq!(said("--max-gap=-3mm"), "max_gap \"-3mm\": expected a positive length");
-        assert!(
-            said("--uncertain some").starts_with("uncertain \"some\": expected one of candidates, all"),
-            "{}",
-            said("--uncertain some")
-        );
-        assert!(said("--until stable -n 5").contains("does not go with"), "{}", said("--until stable -n 5"));
-    }
-}

@@ -58,17 +58,3 @@ impl Crowding {
         })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Crowding;
-
-    #[test]
-    fn what_is_half_as_crowded_again_is_told_with_its_figure() {
-        let most = Crowding { contacts: 10.0, handles: 4.0 };
-        assert_eq!(Crowding { contacts: 15.0, handles: 6.0 }.unlike(most), None);
-        let told = Crowding { contacts: 3.0, handles: 6.5 }.unlike(most).expect("a note");
-        assert!(told.contains("6.5 handles (at most 4.0)") && !told.contains(" contacts ("), "{told}");
-        assert_eq!(most.most(Crowding { contacts: 3.0, handles: 5.0 }), Crowding { contacts: 10.0, handles: 5.0 });
-    }
-}

@@ -75,33 +75,3 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
     }
     kept
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{RECONNECT, best_first, reconnected};
-    use crate::network::{Evidence, Network, Node, Origin, Vessel};
-
-    #[test]
-    fn a_contact_is_reconnected_by_what_the_partitions_say_and_not_by_its_probability() {
-        let kept = |joined: f64| {
-            let mut network = Network::new();
-            (0..4).for_each(|row| {
-                network.add_node(Node { id: row.to_string(), ..Node::default() });
-            });
-            let vessel = |origin, evidence| Vessel { evidence, ..Vessel::new(0.01, 0.001, origin) };
-            network.add_vessel([0, 1], vessel(Origin::Observed, None));
-            network.add_vessel([2, 3], vessel(Origin::Observed, None));
-            let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(0.6) };
-            network.add_vessel([1, 2], vessel(Origin::Contact, Some(evidence)));
-            reconnected(&network, RECONNECT)[2]
-        };
-        assert_eq!([kept(0.017), kept(0.019)], [false, true]);
-    }
-
-    #[test]
-    fn a_free_end_is_used_once_and_a_branch_as_often_as_it_is_met() {
-        let ends = [[Some(0), Some(1)], [Some(1), Some(2)], [Some(2), None], [Some(3), None], [Some(4), None]];
-        // The second loses end 1 to the first, which leaves end 2 to the third.
-        assert_eq!(best_first(&[0.9, 0.8, 0.7, 0.7, 0.4], &ends, 0.4), [true, false, true, true, false]);
-    }
-}

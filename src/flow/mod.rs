@@ -1,6 +1,6 @@
 //! Blood flow in a network of rigid vessels: Poiseuille's law, boundary conditions, Kirchhoff's current law.
 
-mod balance;
+pub mod balance;
 pub mod batch;
 pub mod boundary_conditions;
 pub mod circuit;

@@ -10,11 +10,11 @@
 //! meets c, G_cc - G_pc = G_cc q_pc and 1/G_cc = v_c + Σ w_e q_pc. Eliminating a fragment from the walk needs no subtraction
 //! (Grassmann, Taksar and Heyman 1985), so every marginal is accurate in its own digits, however small.
 
-mod absorbing_walk;
+pub mod absorbing_walk;
 pub(crate) mod arborescence;
-mod clique_messages;
-mod clique_tree;
-mod escape_probability;
+pub mod clique_messages;
+pub mod clique_tree;
+pub mod escape_probability;
 pub(crate) mod log_likelihood;
 pub(crate) mod marginals;
 mod rooted;

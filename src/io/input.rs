@@ -190,7 +190,7 @@ pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
 
 /// A limit on how much the compressed parts of a file may unpack to, all together.
 #[derive(Debug)]
-pub(crate) struct UnpackLimit {
+pub struct UnpackLimit {
     most: u64,
     left: Cell<u64>,
     accepted: &'static str,
@@ -198,7 +198,7 @@ pub(crate) struct UnpackLimit {
 
 impl UnpackLimit {
     /// The limit for a file of this size, where `most` bytes are allowed.
-    pub(crate) fn of(file: usize, most: u64) -> Self {
+    pub fn of(file: usize, most: u64) -> Self {
         let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
         let accepted = if most <= usual { OPTION } else { "expected centerlines, which do not compress to a hundredth" };
         let most = most.min(usual);
@@ -206,12 +206,12 @@ impl UnpackLimit {
     }
 
     /// How many more bytes may be unpacked.
-    pub(crate) fn left(&self) -> usize {
+    pub fn left(&self) -> usize {
         usize::try_from(self.left.get()).unwrap_or(usize::MAX)
     }
 
     /// Counts bytes against the limit; beyond it, what was found and what is accepted.
-    pub(crate) fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
+    pub fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
         let left = self.left.get().checked_sub(bytes as u64);
         self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);
         Ok(())
@@ -284,31 +284,5 @@ impl<R: Read> Read for Checksummed<R> {
         let read = self.file.read(bytes)?;
         self.sum.update(&bytes[..read]);
         Ok(read)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{UnpackLimit, byte_count};
-
-    #[test]
-    fn sizes_are_read_with_and_without_units() {
-        for (text, bytes) in [("100000", 100_000), ("500MB", 500_000_000), ("2GiB", 2_147_483_648), ("1.5 kib", 1536), ("7B", 7)]
-        {
-            assert_eq!(byte_count(text), Ok(bytes), "{text}");
-        }
-        for wrong in ["", "MB", "-1", "0", "1e9", "2TB", "nan", "9999999999GiB", "1.2.3"] {
-            assert!(byte_count(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn room_is_shared_by_all_parts_of_a_file() {
-        let room = UnpackLimit::of(1 << 30, 1000);
-        assert!(room.take(600).is_ok() && room.left() == 400);
-        let (found, accepted) = room.take(401).unwrap_err();
-        assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "`max_input` allows more"));
-        // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
-        assert_eq!(UnpackLimit::of(10, u64::MAX).left(), 64 << 20);
     }
 }

@@ -42,7 +42,7 @@ pub(crate) fn check_extent(content: &Content) -> Result<(), Fault> {
 }
 
 /// Warns the user, one line each, if the lengths look like another unit than the one given.
-pub(crate) fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
+pub fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
     let (points, radii) = measures(content);
     let mut notes = Vec::new();
     if scale.unit != LengthUnit::Voxel && points.len() >= FEWEST {
@@ -99,43 +99,5 @@ fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {
             network.nodes().filter_map(|n| n.position).collect(),
             network.vessels().map(|(_, v)| v.radius).filter(|r| is_radius(*r)).collect(),
         ),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::network::centerlines::Centerlines;
-
-    /// Points of a spiral with the given radii, in mm, taken as `unit`.
-    fn notes(unit: LengthUnit, place: impl Fn(f64) -> f64, radius: impl Fn(usize) -> f64) -> String {
-        let scale = Scale { unit, spacing: None };
-        let mut lines = Centerlines::default();
-        for i in 0..20 {
-            let t = i as f64;
-            let position = scale.position([place(7.3 * t.sin()), place(7.3 * t.cos()), place(t * 1.1)]);
-            lines.add_point(position, scale.length(radius(i)), i as u64, 0);
-        }
-        unit_check(&Content::Centerlines(lines), &scale).join("\n")
-    }
-
-    #[test]
-    fn vessels_in_millimetres_pass_and_other_units_are_named() {
-        let mm = |i: usize| 1.2 + 0.013 * i as f64;
-        assert_eq!(notes(LengthUnit::Millimetre, |x| x, mm), "");
-        let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
-        assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
-        let cm = notes(LengthUnit::Millimetre, |x| 0.2 * x, |i| 0.05 * mm(i));
-        assert!(cm.contains("give `units` cm"), "{cm}");
-        assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
-        assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
-        let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());
-        assert!(distance_transform.contains("distance transform"), "{distance_transform}");
-        assert_eq!(notes(LengthUnit::Millimetre, |x| x, |_| 1.0), "", "one radius for all proves nothing");
-        assert_eq!(
-            notes(LengthUnit::Millimetre, |x| x, |i| 0.003 + 1e-5 * i as f64),
-            "",
-            "capillaries, whose squares are nearly 0"
-        );
     }
 }

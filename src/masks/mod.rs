@@ -23,7 +23,7 @@ mod lumen;
 mod mask;
 mod partial;
 mod run_lengths;
-mod scene;
+pub mod scene;
 mod skeleton;
 pub mod strips;
 mod thinning;

@@ -27,7 +27,7 @@ pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
 /// The default threshold of risk, Pa/m²: above it is a twentieth of the unperturbed vessels, or a little more, those of the largest forces. It lies
 /// halfway from the least force above it to the next smaller one, so that it never is the force of a vessel, as the 95th percentile is where the
 /// widest forces are those of mirror vessels. Without a smaller one it is the force itself; NaN without any.
-fn risk_threshold(unperturbed: &[f64]) -> f64 {
+pub fn risk_threshold(unperturbed: &[f64]) -> f64 {
     let mut falling: Vec<f64> = unperturbed.iter().copied().filter(|f| !f.is_nan()).collect();
     falling.sort_unstable_by(|a, b| b.total_cmp(a));
     let at_risk = (AT_RISK * falling.len() as f64).ceil() as usize;
@@ -37,7 +37,7 @@ fn risk_threshold(unperturbed: &[f64]) -> f64 {
 
 /// The edges of the bins that all `classes` of forces share, rising from 0: 50 bins of equal width end at the largest 99th
 /// percentile of the classes, and one more ends at the largest force. Empty without a positive force.
-fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
+pub fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<f64> {
     let (mut covered, mut most) = (0.0_f64, 0.0_f64);
     for forces in classes {
         let positive = positive(forces);
@@ -130,36 +130,5 @@ impl HypertensionByClass {
             threshold,
             edges,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn forces_fall_into_their_bins_by_hand() {
-        let forces = [0.0, f64::NAN, 1.0, 2.0, 2.0, 10.0];
-        let edges = [0.0, 1.0, 2.0, 10.0];
-        let found = Hypertension::of(&forces, &edges, 2.0);
-        assert_eq!(found.counts, [1, 2, 1]);
-        assert!((found.without_force - 1.0 / 3.0).abs() < 1e-15);
-        assert!((found.above - 1.0 / 6.0).abs() < 1e-15);
-        assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
-        assert!((force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
-        assert!(force([None, Some(1.0)], 0.5).is_nan());
-    }
-
-    /// By hand: of 20 vessels one is a twentieth; two mirror vessels at the top are both above, whatever their last bits.
-    #[test]
-    fn the_threshold_lies_below_a_twentieth_of_the_vessels() {
-        let rising: Vec<f64> = (1..=20).map(f64::from).collect();
-        assert!((risk_threshold(&rising) - 19.5).abs() < 1e-12);
-        let twice = [&rising[..], &rising[..], &[f64::NAN]].concat();
-        assert!((risk_threshold(&twice) - 19.5).abs() < 1e-12);
-        let mirror = [&rising[..19], &[19.0 * (1.0 + 1e-15)]].concat();
-        assert!((risk_threshold(&mirror) - 18.5).abs() < 1e-12);
-        assert!((risk_threshold(&[3.0, 3.0]) - 3.0).abs() < 1e-12);
-        assert!(risk_threshold(&[f64::NAN]).is_nan() && risk_threshold(&[]).is_nan());
     }
 }

@@ -1,7 +1,7 @@
 //! Resistance modulation: how pressures, flows and resilience respond when the resistances of the vessels vary at random
 //! within classes of growing size (Moriconi et al. 2019).
 
-mod hypertension;
+pub mod hypertension;
 mod instances;
 mod options;
 mod run;

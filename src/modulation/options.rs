@@ -136,31 +136,3 @@ impl ModulationOptions {
         check_viscosity(self.viscosity)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_field_out_of_its_range_is_refused_by_name() {
-        let class = |low, high| ModulationOptions { classes: vec![Class { low, high }], ..ModulationOptions::default() };
-        let twice = vec![Class { low: 0.0, high: 0.2 }; 2];
-        let cases = [
-            (class(0.5, 0.2), "0.5:0.2: the class ends before it begins"),
-            (class(0.2, 0.2), "0.2:0.2: the class ends before it begins"),
-            (class(-0.1, 0.2), "-0.1:0.2: expected LOW:HIGH with 0 <= low < high < 1"),
-            (class(0.5, 1.0), "0.5:1: expected"),
-            (class(f64::NAN, 0.5), "NaN:0.5: expected"),
-            (ModulationOptions { classes: Vec::new(), ..ModulationOptions::default() }, "classes of 0"),
-            (ModulationOptions { classes: twice, ..ModulationOptions::default() }, "0:0.2: given twice"),
-            (ModulationOptions { samples: 0, ..ModulationOptions::default() }, "samples 0"),
-            (ModulationOptions { samples: 1 << 25, ..ModulationOptions::default() }, "samples 33554432"),
-            (ModulationOptions { viscosity: 0.0, ..ModulationOptions::default() }, "viscosity 0"),
-        ];
-        for (params, words) in cases {
-            let said = params.validate().expect_err("refused").to_string();
-            assert!(said.contains(words), "{said}");
-        }
-        assert!(ModulationOptions::default().validate().is_ok());
-    }
-}

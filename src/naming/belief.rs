@@ -51,7 +51,7 @@ type Arm = (usize, Link);
 /// The forest in which messages pass.
 pub struct Forest {
     /// Nodes, parents before children.
-    order: Vec<usize>,
+    pub order: Vec<usize>,
     parent: Vec<Option<Arm>>,
     children: Vec<Vec<Arm>>,
     /// Nodes that have the factor of a bifurcation.
@@ -419,96 +419,4 @@ fn divided(belief: &[f64], message: Option<&[f64]>) -> Vec<f64> {
     };
     normalise(&mut out);
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::naming::nodes::Bridge;
-
-    /// Three nodes in a row, the last behind a gap: the marginals are those of all 113³ assignments.
-    #[test]
-    fn beliefs_are_those_of_all_assignments() {
-        let atlas = super::super::NamingModels::shipped().expect("reads").first().atlas.clone();
-        let mut nodes = Nodes {
-            at: vec![[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]],
-            links: vec![[0, 1]],
-            neighbours: vec![vec![1], vec![0], vec![]],
-            ..Nodes::default()
-        };
-        nodes.bridges.push(Bridge { nodes: [1, 2], gap: 4.0, probability: 0.7, vessel: 0 });
-        let log_likelihood: Vec<f64> = (0..3 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
-        let found = Forest::of(&nodes, &[0]).beliefs(&atlas, &log_likelihood);
-        let own = |n: usize, s: usize| log_likelihood[n * STATES + s].exp() * atlas.prior[s];
-        let sum_of_last: f64 = (0..STATES).map(|c| own(2, c)).sum();
-        let mut expected = vec![0.0; 3 * STATES];
-        // The gap's factor is relative to what the far side says by itself: p B + (1 - p), with messages that sum to one.
-        for a in 0..STATES {
-            for b in 0..STATES {
-                let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
-                let mut onward = vec![0.0; STATES];
-                for (c, to) in onward.iter_mut().enumerate() {
-                    *to = pair * 0.7 * own(2, c) / sum_of_last * atlas.gaps[1][b * STATES + c];
-                }
-                let joined: f64 = onward.iter().sum();
-                expected[a] += joined + 0.3 * pair;
-                expected[STATES + b] += joined + 0.3 * pair;
-            }
-        }
-        for n in 0..2 {
-            let row = &mut expected[n * STATES..(n + 1) * STATES];
-            normalise(row);
-            for (s, p) in row.iter().enumerate() {
-                assert!((found.states[n * STATES + s] - p).abs() < 1e-9, "node {n}, state {s}");
-            }
-        }
-        assert!(found.bridge_ratio[0].is_some_and(|ratio| ratio > 0.0));
-
-        // No node in some states: the sum over all assignments without them, in which the far side is what it says by itself.
-        let total = |allowed: &dyn Fn(usize) -> bool| -> f64 {
-            let states = || (0..STATES).filter(|state| allowed(*state));
-            let far: f64 = states().map(|c| own(2, c)).sum();
-            let mut sum = 0.0;
-            for a in states() {
-                for b in states() {
-                    let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
-                    let joined: f64 = states().map(|c| own(2, c) * atlas.gaps[1][b * STATES + c]).sum();
-                    sum += pair * (0.7 * joined + 0.3 * far);
-                }
-            }
-            sum
-        };
-        let lists = [0..12, 50..55, 112..113];
-        let lists_of = lists.iter().collect::<Vec<_>>();
-        let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &found, &lists_of);
-        for (states, found) in lists.iter().zip(evidence) {
-            let expected = (total(&|_| true) / total(&|state| !states.contains(&state))).ln();
-            assert!((found - expected).abs() < 1e-9 && expected > 0.0, "{states:?}: {found}, not {expected}");
-        }
-    }
-
-    /// Beyond a junction, a name that only the root may have is missing where the root has another. At other nodes the two differ: kinds of
-    /// bifurcations that were never seen are not weighted alike up and down the forest.
-    #[test]
-    fn evidence_at_the_root_agrees_with_beliefs() {
-        let atlas = super::super::NamingModels::shipped().expect("reads").first().atlas.clone();
-        let nodes = Nodes {
-            at: vec![[0.0; 3], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]],
-            links: vec![[0, 1], [0, 2], [0, 3], [3, 4]],
-            neighbours: vec![vec![1, 2, 3], vec![0], vec![0], vec![0, 4], vec![3]],
-            ..Nodes::default()
-        };
-        let forest = Forest::of(&nodes, &[]);
-        let (root, own) = (forest.order[0], 0..12);
-        for at_root in [-3.0, 0.0, 8.0] {
-            let mut log_likelihood: Vec<f64> = (0..5 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
-            for node in 0..5 {
-                log_likelihood[node * STATES..][own.clone()].fill(if node == root { at_root } else { -200.0 });
-            }
-            let beliefs = forest.beliefs(&atlas, &log_likelihood);
-            let belief: f64 = row(&beliefs.states, root)[own.clone()].iter().sum();
-            let (found, expected) = (forest.evidence(&atlas, &log_likelihood, &beliefs, &[&own])[0], -(1.0 - belief).ln());
-            assert!((found - expected).abs() < 1e-9 && expected > 1e-6, "{at_root}: {found}, not {expected}");
-        }
-    }
 }

@@ -4,25 +4,25 @@
 //! starts; then exact belief propagation over the centerlines finds the names of all nodes together. Candidates pass names as far as
 //! they are believed, and what names say of a candidate comes back as a factor of its odds.
 
-mod algebra;
-pub(crate) mod atlas;
-pub(crate) mod belief;
+pub mod algebra;
+pub mod atlas;
+pub mod belief;
 mod circle;
 mod core;
-pub(crate) mod emission;
+pub mod emission;
 mod exclusion;
 mod joins;
 mod labelled;
 pub(crate) mod landmarks;
 pub(crate) mod model;
 mod models;
-pub(crate) mod nodes;
+pub mod nodes;
 pub(crate) mod pieces;
 pub(crate) mod pose;
 pub(crate) mod presence;
-mod single;
-pub(crate) mod states;
-mod ways;
+pub mod single;
+pub mod states;
+pub mod ways;
 
 pub(crate) use algebra::{outer_sum, rotation, symmetric_times, turned};
 pub(crate) use circle::log_odds;

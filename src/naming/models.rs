@@ -63,12 +63,6 @@ impl NamingModels {
         name_again(network, self.of(like), like).map(|names| Names { by: like.by, ..names })
     }
 
-    /// The model that is asked first.
-    #[cfg(test)]
-    pub(crate) fn first(&self) -> &NamingModel {
-        &self.0[0]
-    }
-
     /// The model that gave some names.
     pub fn of(&self, names: &Names) -> &NamingModel {
         &self.0[names.by]

@@ -192,23 +192,3 @@ impl StateTables {
         (to < STATES && self.label[to] == self.label[state]).then_some(to)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn states_run_along_the_arteries_and_have_mirror_images() {
-        let tables = StateTables::new();
-        assert_eq!((tables.label.len(), tables.label[NOWHERE]), (STATES, OTHER));
-        for state in 0..STATES {
-            let other = tables.mirrored[state];
-            assert_eq!((tables.mirrored[other], tables.bin[other]), (state, tables.bin[state]));
-        }
-        assert_eq!(label_of("R-PComm"), Some(Sided::PComm.on(Side::Right)));
-        assert_eq!(name_of(mirrored(Sided::M2.on(Side::Left))), "R-M2");
-        assert_eq!(state_at(BA, 9.0), first_state(BA) + 2);
-        assert_eq!(state_at(ACOMM, 90.0), first_state(ACOMM));
-        assert_eq!(tables.step(first_state(BA), -1), None);
-    }
-}

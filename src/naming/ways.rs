@@ -106,37 +106,3 @@ fn cheapest(paths: &mut ShortestPaths, start: usize, edges: &[Vec<(usize, usize,
     );
     best
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::nodes::Bridge;
-    use super::super::states::OTHER;
-    use super::*;
-
-    /// A carotid, a gap of 4 mm and an A2, in a row: the way over the gap, and none without it.
-    #[test]
-    fn a_gap_is_crossed_as_far_as_it_is_believed() {
-        let certain = |label: Label| {
-            let mut p = [0.0; LABELS];
-            p[label] = 1.0;
-            p
-        };
-        let (ica, a1, a2) = (Sided::Ica.on(Side::Left), Sided::A1.on(Side::Left), Sided::A2.on(Side::Left));
-        let labels = [ica, a1, a1, a2, OTHER].map(certain);
-        let nodes = Nodes {
-            at: [0.0, 1.0, 5.0, 6.0, 90.0].map(|x| [x, 0.0, 0.0]).to_vec(),
-            log_radius: vec![0.0; 5],
-            weight: vec![1.0; 5],
-            links: vec![[0, 1], [2, 3]],
-            neighbours: vec![vec![1], vec![0], vec![3], vec![2], vec![]],
-            bridges: vec![Bridge { nodes: [1, 2], gap: 4.0, probability: 0.5, vessel: 2 }],
-            ..Nodes::default()
-        };
-        let way = ways(&nodes, &labels, &[3.0])[0];
-        // Two steps of 1 mm, and a candidate of odds 3.
-        assert!((way.cost - (2.0 * STEP - 2.0 * 0.75_f64.ln())).abs() < 1e-12, "{way:?}");
-        assert_eq!((way.gap, way.diameters, way.named), (4.0, 2.0, 2.0));
-        // Without it nothing is reached, and every node is improbable at one end.
-        assert!((way.observed - (2.0 * -(LEAST_NAME.ln()))).abs() < 1e-12, "{way:?}");
-    }
-}

@@ -162,7 +162,7 @@ impl Places {
 /// Calls `meet` for all pairs (a < b) of points at most `reach` apart.
 ///
 /// A grid of cells several times as wide is searched: few points lie so close to a side that the next cell matters too.
-fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
+pub fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
     const WIDTH: f64 = 8.0;
     const NONE: u32 = u32::MAX;
     // A little more than the reach, for coordinates that are rounded.
@@ -187,68 +187,5 @@ fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize
             }
         }
         before[b] = last_in.insert(p.map(cell), b as u32).unwrap_or(NONE);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn line(strands: &[&[Point]]) -> Centerlines {
-        let mut c = Centerlines::default();
-        for (s, points) in strands.iter().enumerate() {
-            for (i, p) in points.iter().enumerate() {
-                let row = c.add_point(*p, 1.0, c.points.len() as u64, s as u32);
-                if i > 0 {
-                    c.add_link([row - 1, row], ["", "a", "b"][s]);
-                }
-            }
-        }
-        c
-    }
-
-    #[test]
-    fn polylines_that_share_coordinates_share_a_point() {
-        let mut c = line(&[&[[0.0; 3], [1.0, 0.0, 0.0]], &[[1.0, 1e-8, 0.0], [2.0, 0.0, 0.0]]]);
-        assert_eq!(c.weld(1e-6), 1);
-        assert_eq!(c.links, [[0, 1], [1, 2]]);
-        assert_eq!([c.labels.of(0), c.labels.of(1)], ["", "a"]);
-    }
-
-    #[test]
-    fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring() {
-        let touch = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
-        assert_eq!(line(&[&touch]).weld(1e-6), 0);
-        let ring = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]];
-        let mut c = line(&[&ring]);
-        assert_eq!(c.weld(1e-6), 1);
-        assert_eq!(c.links.len(), 3);
-    }
-
-    #[test]
-    fn the_grid_finds_the_pairs_that_brute_force_finds() {
-        let points: Vec<Point> = (0..300)
-            .map(|i| [f64::from(i * 37 % 101), f64::from(i * 53 % 97), f64::from(i * 71 % 89)].map(|x| x * 0.1))
-            .collect();
-        let mut expected = Vec::new();
-        for b in 0..points.len() {
-            expected.extend((0..b).filter(|a| distance(points[*a], points[b]) <= 1.3).map(|a| (a, b)));
-        }
-        assert!(expected.len() > 50);
-        let pairs = |points: &[Point]| {
-            let mut pairs = Vec::new();
-            pairs_within(points, 1.3, &mut |a, b| pairs.push((a, b)));
-            pairs.sort_by_key(|(a, b)| (*b, *a));
-            pairs
-        };
-        assert_eq!(pairs(&points), expected);
-        // The same far away, where coordinates are whole 1/64ths: a margin of the grid's cells.
-        let far: Vec<Point> = points.iter().map(|p| p.map(|x| (x * 64.0).round() / 64.0 - 1e14)).collect();
-        let mut expected = Vec::new();
-        for b in 0..far.len() {
-            expected.extend((0..b).filter(|a| distance(far[*a], far[b]) <= 1.3).map(|a| (a, b)));
-        }
-        assert!(expected.len() > 50);
-        assert_eq!(pairs(&far), expected);
     }
 }

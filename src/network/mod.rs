@@ -1,7 +1,7 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
 pub mod centerlines;
-mod coincident_points;
+pub mod coincident_points;
 pub(crate) mod find_by_name;
 mod frame;
 mod node;

@@ -119,32 +119,3 @@ fn parts(text: &str) -> Option<(f64, &str)> {
     let starts_well = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     starts_well.then(|| (number, text[at..].trim()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Dimension::*;
-
-    #[test]
-    fn figures_with_and_without_units() {
-        assert_eq!(Length.parse("12"), Ok(0.012));
-        assert_eq!(Length.parse("1.2e1 mm"), Ok(0.012));
-        assert_eq!(Pressure.parse("13.3kPa"), Ok(13300.0));
-        assert_eq!(Pressure.parse("1e3Pa"), Ok(1000.0));
-        assert_eq!(Viscosity.parse("3.5cP"), Ok(0.0035));
-        assert!(Resistance.has_unit_in("2.5mmHg.s/mL") && !Resistance.has_unit_in("2.5mmHg"));
-    }
-
-    #[test]
-    fn a_unit_mistyped_is_offered_rightly_typed() {
-        assert!(Pressure.parse("90mmhg").is_err_and(|e| e.starts_with("did you mean \"mmHg\"? expected ")));
-        assert_eq!(Resistance.near("20mmHg.s/ml"), "did you mean \"mmHg.s/mL\"? ");
-        assert_eq!(Pressure.near("90 furlongs") + &Length.near("mm"), "");
-    }
-
-    #[test]
-    fn other_text_is_refused() {
-        for text in ["", "mm", "12mmhg", "nan", "inf", "1,5", "12 furlongs"] {
-            assert!(Length.parse(text).is_err(), "{text}");
-        }
-    }
-}

@@ -67,30 +67,3 @@ impl Enumeration {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_pattern_comes_once_with_its_probability() {
-        let keep = [0.5, 1.0, 0.25, 0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.7];
-        let all = Enumeration::new(&keep).expect("eight uncertain vessels");
-        assert_eq!(all.patterns(), 256);
-        let (mut masks, mut probability) = (Vec::new(), [0.0; 64]);
-        let mut seen = std::collections::BTreeMap::new();
-        for block in 0..4 {
-            all.fill(block, &mut masks, &mut probability);
-            for (i, p) in probability.iter().enumerate() {
-                let pattern: Vec<bool> = masks.iter().map(|m| m >> i & 1 == 1).collect();
-                assert!(pattern[1] && !pattern[3]);
-                let product: f64 = keep.iter().zip(&pattern).map(|(k, open)| if *open { *k } else { 1.0 - k }).product();
-                assert!((p - product).abs() < 1e-15);
-                assert!(seen.insert(pattern, *p).is_none());
-            }
-        }
-        assert_eq!(seen.len(), 256);
-        assert!((seen.values().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert_eq!(Enumeration::new(&[0.5; 21]), Err(21));
-    }
-}

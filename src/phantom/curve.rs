@@ -83,21 +83,3 @@ fn equal_steps(fine: &[f64], chord: f64, height: f64, wave: impl Fn(f64) -> f64,
         })
         .collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_course_has_its_length_ends_and_even_steps() {
-        for (length, swings) in [(1.0, 1), (1.0001, 1), (1.3, 1), (1.9, 3), (2.5, 2)] {
-            let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 4.0]);
-            let points = course(a, b, length, Bow { side: [1.0, 1.0, 5.0], swings }, 0.01);
-            let steps: Vec<f64> = points.windows(2).map(|p| distance(p[0], p[1])).collect();
-            let total: f64 = steps.iter().sum();
-            assert!((total - length).abs() < 1e-12, "{length} {total}");
-            assert_eq!((points[0], points[points.len() - 1]), (a, b));
-            assert!(steps.iter().all(|s| (0.008..0.0102).contains(s)), "{length}");
-        }
-    }
-}

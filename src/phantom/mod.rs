@@ -5,7 +5,7 @@ mod arterial;
 mod capillary;
 mod circle;
 mod contacts;
-mod curve;
+pub mod curve;
 mod damage;
 mod extraction;
 mod gaps;

@@ -75,7 +75,7 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 /// # Errors
 ///
 /// A row that is no candidate and no contact.
-pub(super) fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()> {
+pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()> {
     let decided: BTreeMap<usize, bool> = decisions.iter().map(|d| (d.edge, d.accepted)).collect();
     for &edge in decided.keys() {
         if edge >= graph.vessel_count() || graph.vessel(edge).origin == Origin::Observed {
@@ -141,51 +141,5 @@ fn scaled(evidence: Evidence, by: f64) -> Evidence {
         probability,
         attached: evidence.attached.map(|p| (ratio * p).min(1.0)),
         continuation_odds: evidence.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::network::{Node, Vessel};
-
-    /// By hand: an end with candidates of P = 0.5, 0.3 and 0.1, and another candidate elsewhere with P = 0.4.
-    fn graph() -> Network {
-        let mut graph = Network::new();
-        let nodes: Vec<usize> = (0..7).map(|id| graph.add_node(Node { id: format!("n{id}"), ..Node::default() })).collect();
-        for [a, b] in [[0, 1], [2, 3], [3, 4], [5, 6]] {
-            graph.add_vessel([nodes[a], nodes[b]], Vessel::new(0.01, 0.001, Origin::Observed));
-        }
-        for (a, b, p) in [(1, 3, 0.5), (1, 2, 0.3), (1, 4, 0.1), (5, 3, 0.4)] {
-            let candidate =
-                Vessel { prior: p, evidence: Some(Evidence::undirected(p)), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
-            graph.add_vessel([nodes[a], nodes[b]], candidate);
-        }
-        graph
-    }
-
-    fn probabilities(graph: &Network) -> Vec<f64> {
-        (4..8).map(|row| graph.vessel(row).evidence.expect("evidence").probability).collect()
-    }
-
-    fn of(edge: usize, accepted: bool) -> ConnectionDecision {
-        ConnectionDecision { edge, accepted, who: String::new(), when: String::new() }
-    }
-
-    #[test]
-    fn an_accepted_connection_is_certain_and_its_rivals_are_not_there() {
-        let mut graph = graph();
-        apply(&mut graph, &[of(4, true)]).expect("applied");
-        assert_eq!(probabilities(&graph), [1.0, 0.0, 0.0, 0.4]);
-        assert!(graph.vessel(4).certain && graph.vessel(4).prior == 1.0 && graph.vessel(5).prior == 0.0);
-    }
-
-    #[test]
-    fn rivals_share_what_a_rejected_connection_had() {
-        let mut graph = graph();
-        apply(&mut graph, &[of(4, false)]).expect("applied");
-        assert_eq!(probabilities(&graph), [0.0, 0.6, 0.2, 0.4]);
-        assert_eq!(graph.vessel(4).prior, 0.0);
-        apply(&mut graph, &[of(0, true)]).expect_err("an observed vessel");
     }
 }

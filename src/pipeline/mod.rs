@@ -4,7 +4,7 @@ mod arteries;
 mod boundary_options;
 mod classify;
 mod cuts;
-mod decisions;
+pub mod decisions;
 mod inference;
 mod input;
 mod label;

@@ -57,7 +57,7 @@ pub fn sidecar(columns: &[Column]) -> Value {
 }
 
 /// What a column is; `None` for one that is not known.
-fn describe(column: &str) -> Option<Value> {
+pub fn describe(column: &str) -> Option<Value> {
     let text = |about: &str| json!({ "Description": about });
     let levels = |about: &str, levels: Value| json!({ "Description": about, "Levels": levels });
     let count = |about: &str| json!({ "Description": about, "Units": "1" });
@@ -123,47 +123,4 @@ fn describe(column: &str) -> Option<Value> {
     }
     let (territory, feeder) = column.split_once("_without_").filter(|(_, feeder)| is_feeder(feeder))?;
     is_territory(territory).then(|| count(&format!("The share of its flow that {territory} keeps when {feeder} is lost.")))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::cohort::{Cell, infer_figures};
-
-    fn row(figures: Result<Vec<(Cow<'static, str>, Cell)>, String>) -> Row {
-        Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), page: None, figures }
-    }
-
-    /// A record with everything that makes columns: a circle with probabilities, and what is lost with each feeder.
-    #[test]
-    fn every_column_is_described() {
-        let feeders = FEEDERS.map(|feeder| (feeder.to_string(), json!({ "takes_over": "AComm", "residual": {} })));
-        let fed = TERRITORIES.map(|territory| (territory.to_string(), json!({ "shares": {}, "arrival_ms": {} })));
-        let record =
-            json!({ "phenotype": { "probabilities": {} }, "collateral": Map::from_iter(feeders), "supply": Map::from_iter(fed) });
-        let columns = bids_columns(&[row(Ok(infer_figures(&record)))], &[("sub-01".into(), Some("ses-a".into()))]);
-        assert!(columns.len() > 50, "{}", columns.len());
-        let sidecar = sidecar(&columns);
-        for column in &columns {
-            let about = sidecar[&*column.name]["Description"].as_str().unwrap_or_default();
-            assert!(about.ends_with('.'), "{} is not described", column.name);
-        }
-        assert_eq!(describe("p_L-M1"), None);
-        assert_eq!(describe("L-A1_without_L-M1"), None);
-    }
-
-    #[test]
-    fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
-        let rows = [
-            row(Ok(vec![("kept".into(), Cell::Number(f64::NAN)), ("margin".into(), Cell::Number(-0.5))])),
-            row(Err("no".into())),
-        ];
-        let columns = bids_columns(&rows, &[("sub-01".into(), None), ("sub-02".into(), None)]);
-        let mut table = Vec::new();
-        write_tsv(&mut table, &columns).expect("written");
-        let wanted = "participant_id\tinput\tsha256\tstatus\terror\tkept\tmargin\n\
-            sub-01\ta b\tn/a\tok\tn/a\tn/a\t-0.5\n\
-            sub-02\ta b\tn/a\tfailed\tno\tn/a\tn/a\n";
-        assert_eq!(String::from_utf8(table).expect("text"), wanted);
-    }
 }

@@ -114,7 +114,7 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
 
 /// How uncertain a subject is: by the probability that its variant is another; without a variant by the errors expected of it, or its
 /// undecided connections where there is no evidence. One that failed is the most uncertain.
-fn uncertainty(row: &Row) -> f64 {
+pub fn uncertainty(row: &Row) -> f64 {
     if row.figures.is_err() {
         return f64::INFINITY;
     }
@@ -175,7 +175,7 @@ const OPEN: std::ops::Range<f64> = 0.1..0.9;
 /// Why a subject needs a person; empty where it does not. Where arteries are known, that is what could change the variant: it is not sure, or
 /// one open connection would make another one likelier than not. Where they are not, it is any undecided connection, or an error that the
 /// evidence expects.
-fn needs_person(record: &Value) -> String {
+pub fn needs_person(record: &Value) -> String {
     let mut why = Vec::new();
     let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN);
     if record["phenotype"].is_object() {
@@ -265,66 +265,4 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         figures.push((format!("{territory}_arrival_ms").into(), number(&supply["arrival_ms"]["median"])));
     }
     figures
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
-        let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
-        Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
-    }
-
-    #[test]
-    fn columns_are_those_of_all_rows() {
-        let rows = [
-            row("a", Ok(vec![("nodes", Cell::Number(3.0))])),
-            row("b", Err("unreadable".into())),
-            row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
-        ];
-        let columns = cohort_columns(&rows);
-        let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
-        assert_eq!(names, ["subject", "input", "sha256", "status", "error", "nodes", "variant"]);
-        let mut table = Vec::new();
-        write_csv(&mut table, &columns).expect("columns of one length");
-        let lines = "a,,,ok,,3,\nb,,,failed,unreadable,,\nc,,,ok,,4,complete\n";
-        assert_eq!(String::from_utf8(table).expect("text").split_once('\n').expect("a header").1, lines);
-    }
-
-    /// What could change the variant needs a person, and nothing else where arteries are known.
-    #[test]
-    fn a_person_is_needed_where_the_variant_could_change() {
-        let subject = |p: f64, share: f64, without: f64| {
-            let deciding = json!([{ "share": share, "variant_with": 0.99, "variant_without": without }]);
-            json!({
-                "phenotype": { "probabilities": { "variant": p, "deciding": deciding } },
-                "convergence": { "undecided": 4 },
-                "expected_errors": { "wrong": 1.0, "missed": 1.0 },
-            })
-        };
-        // Undecided connections that leave the variant as it is are no reason.
-        assert_eq!(needs_person(&subject(0.97, 0.5, 0.95)), "");
-        assert_eq!(needs_person(&subject(0.97, 0.98, 0.1)), "");
-        assert_eq!(needs_person(&subject(0.899, 0.5, 0.8)), "variant uncertain, P = 0.899");
-        assert_eq!(needs_person(&subject(0.91, 0.85, 0.4)), "1 open connection would change the variant");
-        // A circle whose vessels are taken as they are has no probability.
-        assert_eq!(needs_person(&json!({ "phenotype": {} })), "");
-        let without_circle = json!({ "convergence": { "undecided": 4 }, "expected_errors": { "wrong": 1.0, "missed": 0.5 } });
-        assert_eq!(needs_person(&without_circle), "4 undecided; about 1.0 wrong and 0.5 missed expected");
-        assert_eq!(
-            needs_person(&json!({ "convergence": { "undecided": 0 }, "expected_errors": { "wrong": 0.1, "missed": 0.2 } })),
-            ""
-        );
-    }
-
-    #[test]
-    fn failed_and_uncertain_subjects_come_first() {
-        let sure = |wrong: f64| Ok(vec![("expected_wrong", Cell::Number(wrong)), ("expected_missed", Cell::Number(0.5))]);
-        let undecided = row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
-        let order = [row("f", Err(String::new())), row("w", sure(3.0)), undecided, row("s", sure(0.0)), row("n", Ok(vec![]))];
-        assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
-        let variant = |p: f64| row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
-        assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
-    }
 }

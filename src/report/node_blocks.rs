@@ -58,7 +58,7 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<Block> {
 }
 
 /// The nodes of the tree of each source in the order of a walk that takes smaller branches first. `before` is the node before each visited one.
-fn orders(sources: &[usize], visited: &[usize], before: &[Option<usize>], count: usize) -> Vec<Vec<usize>> {
+pub fn orders(sources: &[usize], visited: &[usize], before: &[Option<usize>], count: usize) -> Vec<Vec<usize>> {
     let mut size = vec![1_usize; count];
     let mut after = vec![Vec::new(); count];
     for (node, before) in visited.iter().zip(before).rev() {
@@ -78,18 +78,4 @@ fn orders(sources: &[usize], visited: &[usize], before: &[Option<usize>], count:
         order
     };
     sources.iter().map(walk).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A source s with a long branch (a, b, c) and a short one (d): the short one comes first. The second source has e alone.
-    #[test]
-    fn smaller_branches_come_first() {
-        let [s, a, b, c, d, t, e] = [0, 1, 2, 3, 4, 5, 6];
-        let visited = [s, t, a, d, e, b, c];
-        let before = [None, None, Some(s), Some(s), Some(t), Some(a), Some(b)];
-        assert_eq!(orders(&[s, t], &visited, &before, 7), [vec![s, d, a, b, c], vec![t, e]]);
-    }
 }

@@ -129,21 +129,3 @@ fn count_bits(planes: &mut [u64], mut carry: u64) {
         (*plane, carry) = (*plane ^ carry, *plane & carry);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::support::simd::Scalar;
-
-    /// Every word has bit i set in the first i of them, so that sample i is open in min(i, words) of them.
-    #[test]
-    fn open_vessels_are_counted() {
-        for words in [0, 1, 7, 8, 9, 63, 64, 100] {
-            let masks: Vec<u64> = (0..words).map(|word| (0..64).filter(|i| word < *i).map(|i| 1 << i).sum()).collect();
-            let counted = open_vessels(Scalar::new(), &masks);
-            for (sample, counted) in counted.iter().enumerate() {
-                assert_eq!(*counted, sample.min(words) as f64, "{words} words, sample {sample}");
-            }
-        }
-    }
-}

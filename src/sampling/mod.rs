@@ -1,7 +1,7 @@
 //! Samples an over-connected graph: which vessels are open, flow, resilience, spanning forest, and the likelihood summed over all samples.
 
 mod batch_forest;
-mod block_sums;
+pub mod block_sums;
 mod choose_solver;
 mod dyadic_sums;
 pub mod expected_forest;

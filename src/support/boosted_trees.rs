@@ -176,20 +176,3 @@ impl FromStr for Tree {
         Self::new(nodes).ok_or_else(|| "a tree whose splits and leaves do not match".to_owned())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Tree;
-
-    #[test]
-    fn a_row_goes_left_below_the_value_of_a_split() {
-        let tree: Tree = "1<0.5 0<-2 1 2 3".parse().unwrap();
-        let value = |row: [f32; 2]| tree.value(&row);
-        assert_eq!([value([-3.0, 0.0]), value([-2.0, 0.0]), value([-3.0, 0.5])], [1.0, 2.0, 3.0]);
-        assert_eq!(tree.to_string(), "1<0.5 0<-2 1 2 3");
-        for wrong in ["", "1<0.5 1", "1 2", "1<x 1 2", "nan", "-1<0 1 2"] {
-            assert!(wrong.parse::<Tree>().is_err(), "{wrong}");
-        }
-        assert!("0<0 ".repeat(100).parse::<Tree>().is_err());
-    }
-}

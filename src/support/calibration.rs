@@ -26,17 +26,3 @@ impl Calibration {
         sigmoid(z)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn odds_are_raised_to_the_slope_of_their_side() {
-        let map = Calibration([0.0, 2.0, -1.0]);
-        // Odds 4 become 16; odds 1/4 keep a slope of 2 - 1 = 1.
-        assert!((map.apply(0.8) - 16.0 / 17.0).abs() < 1e-15 && (map.apply(0.2) - 0.2).abs() < 1e-15);
-        assert_eq!([map.apply(0.0), map.apply(0.5)], [0.0, 0.5]);
-        assert!(map.apply(1.0) <= 1.0 && map.apply(1.0) > 1.0 - 1e-12);
-    }
-}

@@ -12,27 +12,3 @@ pub fn without_ending(path: &Path) -> PathBuf {
 pub fn stem(path: &Path) -> String {
     without_ending(path).file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn packed_files_have_one_ending() {
-        for (path, bare, name) in [
-            ("in/scan.nii.gz", "in/scan", "scan"),
-            ("scan.v2.swc", "scan.v2", "scan.v2"),
-            ("scan.SWC.GZ", "scan", "scan"),
-            ("in.d/scan", "in.d/scan", "scan"),
-            ("scan.gz", "scan", "scan"),
-            (".gz", ".gz", ".gz"),
-            ("", "", ""),
-        ] {
-            assert_eq!(
-                (without_ending(Path::new(path)), stem(Path::new(path))),
-                (PathBuf::from(bare), name.to_owned()),
-                "{path}"
-            );
-        }
-    }
-}

@@ -8,7 +8,7 @@ const STEPS: usize = 100;
 /// Values of a smaller spread, ln(mean x) - mean(ln x), do not differ but for rounding: their relative deviation is some 1e-6.
 const LEAST_SPREAD: f64 = 1e-12;
 /// From this shape on, differences that would cancel are taken from their series.
-const LARGE: f64 = 1e3;
+pub const LARGE: f64 = 1e3;
 /// From this shape on, probabilities come from their uniform expansion: a continued fraction would take as many steps as the shape's root.
 const NEAR_NORMAL: f64 = 1e6;
 
@@ -124,12 +124,12 @@ fn near_normal(shape: f64, t: f64, side: f64) -> f64 {
 }
 
 /// ln k - ψ(k).
-fn log_gap(shape: f64) -> f64 {
+pub fn log_gap(shape: f64) -> f64 {
     if shape < LARGE { shape.ln() - digamma(shape) } else { (0.5 + (1.0 - 0.1 / (shape * shape)) / (12.0 * shape)) / shape }
 }
 
 /// k ψ'(k) - 1.
-fn information(shape: f64) -> f64 {
+pub fn information(shape: f64) -> f64 {
     if shape < LARGE { shape * trigamma(shape) - 1.0 } else { (0.5 + (1.0 - 0.2 / (shape * shape)) / (6.0 * shape)) / shape }
 }
 
@@ -137,7 +137,7 @@ fn information(shape: f64) -> f64 {
 const BERNOULLI: [f64; 7] = [1.0 / 6.0, -1.0 / 30.0, 1.0 / 42.0, -1.0 / 30.0, 5.0 / 66.0, -691.0 / 2730.0, 7.0 / 6.0];
 
 /// ψ'(x) for x > 0: by ψ'(x) = ψ'(x + 1) + 1/x² up to 10, from there by its asymptotic series (Abramowitz & Stegun 6.4.12).
-fn trigamma(mut x: f64) -> f64 {
+pub fn trigamma(mut x: f64) -> f64 {
     debug_assert!(x > 0.0, "{x}");
     let mut below = 0.0;
     while x < 10.0 {
@@ -147,86 +147,4 @@ fn trigamma(mut x: f64) -> f64 {
     let inverse = 1.0 / (x * x);
     let series = BERNOULLI.iter().rev().fold(0.0, |sum, b| (sum + b) * inverse);
     below + (1.0 + series + 0.5 / x) / x
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_trigamma_function_has_its_known_values() {
-        let pi_squared = std::f64::consts::PI.powi(2);
-        // Abramowitz & Stegun 6.4.2 - 6.4.5; the last is scipy.special.polygamma(1, 1000).
-        for (x, known) in
-            [(1.0, pi_squared / 6.0), (0.5, pi_squared / 2.0), (2.0, pi_squared / 6.0 - 1.0), (1e3, 0.001_000_500_166_666_633_4)]
-        {
-            assert!((trigamma(x) / known - 1.0).abs() < 1e-14, "{x}: {}", trigamma(x));
-        }
-    }
-
-    #[test]
-    fn an_exponential_distribution_is_the_gamma_of_shape_one() {
-        let gamma = Gamma { shape: 1.0, scale: 2.0 };
-        for x in [0.1, 1.0, 7.0] {
-            assert!((gamma.density(x) - (-x / 2.0).exp() / 2.0).abs() < 1e-15);
-            assert!((gamma.survival(x) - (-x / 2.0).exp()).abs() < 1e-15);
-        }
-        assert_eq!(gamma.survival(-1.0), 1.0);
-        assert_eq!((gamma.survival(1e308), gamma.cumulative(1e308)), (0.0, 1.0));
-        assert_eq!((Gamma { scale: 0.01, ..gamma }).survival(1e308), 0.0);
-    }
-
-    /// Values m(1 ± d) in equal number: with the variance d² of x/m, k is 1/d² but for terms of order 1.
-    #[test]
-    fn values_that_hardly_differ_are_fitted_or_refused() {
-        for exponent in 1..=16 {
-            let d = 10_f64.powi(-exponent);
-            let values: Vec<f64> = (0..100).map(|i| 3.0 * if i % 2 == 0 { 1.0 + d } else { 1.0 - d }).collect();
-            match Gamma::fit(&values) {
-                Some(fit) => {
-                    assert!(exponent < 7 && (fit.gamma.shape * d * d - 1.0).abs() < 2.0 * d * d + 1e-3, "{d}: {fit:?}");
-                    assert!(fit.shape_error > 0.0 && fit.shape_error.is_finite());
-                }
-                None => assert!(exponent >= 6, "{d}"),
-            }
-        }
-    }
-
-    /// Below the limit of the series the difference rounds to some 1e-16 ln(k)/(1/2k), 3e-12 of itself.
-    #[test]
-    fn series_and_differences_meet() {
-        for (figure, most) in [(log_gap as fn(f64) -> f64, 1e-11), (information, 1e-11)] {
-            let (below, above) = (figure(LARGE.next_down()), figure(LARGE));
-            assert!((below / above - 1.0).abs() < most, "{below} {above}");
-        }
-    }
-
-    /// scipy.special.gammaincc(k, k + z √k).
-    #[test]
-    fn a_large_shape_has_its_known_tails() {
-        let known = [
-            (1e6, 997_000.0, 0.998_661_895_832_686_4),
-            (1e6, 999_500.0, 0.691_374_443_109_184_7),
-            (1e6, 1e6, 0.499_867_019_239_127_4),
-            (1e6, 1_000_010.0, 0.495_877_683_203_090_5),
-            (1e6, 1_002_000.0, 0.022_804_095_898_769_836),
-            (1e6, 1_005_000.0, 2.987_490_140_114_635e-7),
-            (3e9, 2_999_835_683.232_748_5, 0.998_650_317_731_204),
-            (3e9, 3e9, 0.499_997_572_114_598_67),
-            (3e9, 3_000_273_861.278_753, 2.868_687_884_830_747_7e-7),
-        ];
-        for (shape, t, tail) in known {
-            let gamma = Gamma { shape, scale: 0.5 };
-            assert!((gamma.survival(0.5 * t) / tail - 1.0).abs() < 1e-7, "{shape} {t}: {}", gamma.survival(0.5 * t));
-            assert!((gamma.cumulative(0.5 * t) / (1.0 - tail) - 1.0).abs() < 1e-7, "{shape} {t}");
-        }
-        assert_eq!((Gamma { shape: 5e11, scale: 1.0 }).survival(1e300), 0.0);
-    }
-
-    #[test]
-    fn values_without_spread_have_no_fit() {
-        assert_eq!(Gamma::fit(&[]), None);
-        assert_eq!(Gamma::fit(&[3.0]), None);
-        assert_eq!(Gamma::fit(&[3.0, 3.0, 3.0]), None);
-    }
 }

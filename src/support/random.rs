@@ -166,38 +166,3 @@ pub const NOISE: u64 = VEINS + 2;
 pub fn lattice(attempt: u64) -> u64 {
     2 + attempt
 }
-
-#[cfg(test)]
-mod tests {
-    use rand::Rng;
-
-    use super::*;
-    use crate::support::simd::{InstructionSet, Kernel};
-
-    struct Next<'a>(&'a mut WideStream, &'a mut Rows);
-
-    impl Kernel for Next<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            self.0.next(simd, self.1);
-        }
-    }
-
-    #[test]
-    fn the_wide_stream_is_the_stream() {
-        for instructions in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-            for (seed, number) in [(0, 0), (7, 1), (u64::MAX, 0x1234_5678_9abc_def0)] {
-                let (mut wide, mut rows, mut rng) = (WideStream::new(seed, number), Rows::ZERO, stream(seed, number));
-                for _ in 0..3 {
-                    instructions.run(Next(&mut wide, &mut rows));
-                    for at in 0..SIDE_BY_SIDE {
-                        let words: [u32; WORDS] = std::array::from_fn(|_| rng.next_u32());
-                        assert_eq!(std::array::from_fn(|word| rows.0[word][at]), words, "{instructions:?} {seed} {number}");
-                    }
-                }
-            }
-        }
-    }
-}

@@ -40,26 +40,3 @@ fn distance(wanted: &str, name: &str) -> (usize, usize) {
     let squeezed = if a.is_empty() || b.is_empty() { as_given } else { of(&a, &b) };
     if squeezed.0 < as_given.0 { squeezed } else { as_given }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{did_you_mean, nearest};
-
-    #[test]
-    fn the_nearest_name_comes_first_and_only_a_near_one_is_offered() {
-        let labels = ["R-M1", "L-M1", "BA", "L-A1", "L-M1"];
-        assert_eq!(nearest("L-MM1", labels)[..2], ["L-M1", "L-A1"]);
-        assert_eq!(did_you_mean("l-m1", labels), "did you mean \"L-M1\"? ");
-        assert_eq!(did_you_mean("mmhg", ["Pa", "mmHg"]), "did you mean \"mmHg\"? ");
-        // One of two letters is half of the name, and nothing is near to nothing.
-        for far in ["VA", "basilar", "", " "] {
-            assert_eq!(did_you_mean(far, labels), "", "{far}");
-        }
-        assert_eq!(did_you_mean("x", []), "");
-        // A separator that is left out is no difference.
-        let carotids = ["L-VA", "BA", "L-A1", "L-ICA II", "L-ICA I", "R-ICA I"];
-        assert_eq!(nearest("LICA", carotids)[..2], ["L-ICA I", "L-ICA II"]);
-        assert_eq!(did_you_mean("LICA", carotids), "did you mean \"L-ICA I\"? ");
-        assert_eq!(did_you_mean("found_outlets", ["found-outlets"]), "did you mean \"found-outlets\"? ");
-    }
-}

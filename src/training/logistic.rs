@@ -61,24 +61,3 @@ pub fn calibrate<const N: usize>(pairs: impl Iterator<Item = (f64, [f64; N], boo
     let at = |k: usize| found.get(k).copied().unwrap_or(0.0);
     (std::array::from_fn(at), std::array::from_fn(|k| at(3 + k)))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// So many pairs of this probability, of which so many are right.
-    fn of(p: f64, count: usize, right: usize) -> impl Iterator<Item = (f64, bool)> {
-        (0..count).map(move |n| (p, n < right))
-    }
-
-    #[test]
-    fn a_calibration_gives_the_shares_that_were_found_and_keeps_the_order() {
-        // Odds 1/4 are found to be 1, odds 1 to be 4: a = ln 4, b = 1.
-        let found = calibrate_in_order(&of(0.2, 100, 50).chain(of(0.5, 100, 80)).collect::<Vec<_>>()).expect("two shares");
-        assert!((found[0] - 4.0_f64.ln()).abs() < 1e-3 && (found[1] - 1.0).abs() < 1e-3, "{found:?}");
-        // What would turn the order round says nothing: all have the share of all.
-        let turned = calibrate_in_order(&of(0.2, 100, 80).chain(of(0.5, 100, 40)).collect::<Vec<_>>()).expect("two shares");
-        assert!((turned[0] - 1.5_f64.ln()).abs() < 1e-3 && turned[1].abs() < 1e-12, "{turned:?}");
-        assert_eq!(calibrate_in_order(&[]), None);
-    }
-}

@@ -88,35 +88,3 @@ pub fn minimise(start: Vec<f64>, iterations: usize, function: &dyn Fn(&[f64]) ->
     let _: Result<u64, Error> = run();
     best.into_inner()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Rosenbrock's valley in 10 dimensions has its floor, 0, at (1, ..., 1).
-    #[test]
-    fn the_floor_of_rosenbrocks_valley_is_found() {
-        let valley = |x: &[f64]| {
-            let value = x.windows(2).map(|w| 100.0 * (w[1] - w[0] * w[0]).powi(2) + (1.0 - w[0]).powi(2)).sum();
-            let mut gradient = vec![0.0; x.len()];
-            for (i, w) in x.windows(2).enumerate() {
-                let t = w[1] - w[0] * w[0];
-                gradient[i] += -400.0 * t * w[0] - 2.0 * (1.0 - w[0]);
-                gradient[i + 1] += 200.0 * t;
-            }
-            (value, gradient)
-        };
-        let start: Vec<f64> = (0..10).map(|i| if i % 2 == 0 { -1.2 } else { 1.0 }).collect();
-        let found = minimise(start.clone(), 500, &valley);
-        assert!(found.value < 1e-8 && found.point.iter().all(|x| (x - 1.0).abs() < 1e-3), "{found:?}");
-        let few = minimise(start.clone(), 3, &valley);
-        assert!(few.value < valley(&start).0 && few.evaluations < found.evaluations);
-    }
-
-    #[test]
-    fn a_function_without_a_number_leaves_the_start() {
-        let start = vec![1.0, 2.0];
-        let found = minimise(start.clone(), 10, &|x| (f64::NAN, vec![f64::NAN; x.len()]));
-        assert_eq!(found.point, start);
-    }
-}

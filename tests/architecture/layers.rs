@@ -81,13 +81,8 @@ const CONFINED: &[(&str, &[&str])] = &[
 
 const MOST_LINES: usize = 600;
 
-/// The code of a source file: comments, string contents and what `#[cfg(test)]` guards left out, lines kept.
+/// The code of a source file: comments and the contents of strings and characters left out, lines kept.
 fn code(source: &str) -> String {
-    without_tests(&without_text(source))
-}
-
-/// Comments and the contents of strings and characters left out.
-fn without_text(source: &str) -> String {
     let s: Vec<char> = source.chars().collect();
     let (mut out, mut i) = (String::new(), 0);
     let at = |i: usize| s.get(i).copied().unwrap_or('\0');
@@ -132,30 +127,6 @@ fn without_text(source: &str) -> String {
         i = end;
     }
     out
-}
-
-/// Leaves out every item under `#[cfg(test)]`, up to its closing brace or semicolon.
-fn without_tests(code: &str) -> String {
-    let mut rest = code;
-    let mut out = String::new();
-    while let Some(start) = rest.find("#[cfg(test)]") {
-        out.push_str(&rest[..start]);
-        let item = &rest[start..];
-        let (mut depth, mut end) = (0, item.len());
-        for (i, c) in item.char_indices().skip("#[cfg(test)]".len()) {
-            match c {
-                '{' => depth += 1,
-                '}' => depth -= 1,
-                _ => {}
-            }
-            if depth == 0 && (c == '}' || c == ';') {
-                end = i + 1;
-                break;
-            }
-        }
-        rest = &item[end..];
-    }
-    out + rest
 }
 
 /// The identifiers and other marks of some code; `::` is one mark.
@@ -241,6 +212,9 @@ fn violations(file: &str, source: &str) -> Vec<String> {
     }
     let code = code(source);
     let words: BTreeSet<String> = tokens(&code).into_iter().collect();
+    if words.contains("test") {
+        wrong.push(format!("{file}: tests belong to tests/"));
+    }
     for (library, homes) in CONFINED {
         let home = homes.iter().any(|home| file == *home || (home.ends_with('/') && file.starts_with(home)));
         if words.contains(*library) && !home {
@@ -353,7 +327,8 @@ fn every_kind_of_violation_is_caught() {
     one("cli/infer.rs", "use crate::decision::decide;", "front door");
     one("pipeline/mod.rs", "use crate::cli::words;", "points up");
     one("error.rs", "use crate::support::pascals;", "points up");
-    one("io/mod.rs", "mod x { #[cfg(test)] mod tests { use crate::report; } use crate::report::Page; }", "points up");
+    one("io/mod.rs", "#[cfg(test)]\nmod tests { fn f() {} }", "tests belong to tests/");
+    one("io/mod.rs", "#[cfg(all(test, unix))]\nmod tests { fn f() {} }", "tests belong to tests/");
     one("io/mod.rs", "const S: &str = \"// not a comment\"; use crate::report::Page;", "points up");
     one("io/mod.rs", "const Q: char = '\"'; use crate::report::Page; const R: char = '\"';", "points up");
     one("io/mod.rs", "const R: &str = r#\"a \" quote\"#; use crate::report::Page;", "points up");
@@ -379,8 +354,6 @@ fn what_is_allowed_is_not_caught() {
         ("flow/batch/order.rs", "use super::super::boundary::Boundary;"),
         ("flow/pressures.rs", "// use crate::report::Page;\n/// [`crate::sampling::infer`]\nfn f() {}"),
         ("flow/pressures.rs", "/* crate::report::Page */ const S: &str = \"crate::report::Page \\\" clap\";"),
-        ("flow/pressures.rs", "fn f() {}\n#[cfg(test)]\nmod tests {\n use crate::sampling::infer; fn g() { if a {} } }"),
-        ("flow/pressures.rs", "#[cfg(test)]\nuse crate::sampling::infer;\nfn f() {}"),
         ("cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
         ("candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
         ("report/figures/figure.rs", "use plotters::prelude::*; use crate::decision::Decision; use crate::phantom::Kind;"),

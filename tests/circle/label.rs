@@ -6,7 +6,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::{folder, stderr, willis as command};
-use willis::internals::naming::{LABELS, NamingModel, NamingModels, name_of};
+use willis::internals::circle_of_willis::Side;
+use willis::internals::naming::algebra::{UNIT, full, inverse, product, rotation, rotation_vector, times, trace_of_product};
+use willis::internals::naming::atlas::{Atlas, all_states};
+use willis::internals::naming::belief::Forest;
+use willis::internals::naming::emission::{Parts, Pose, emission, radius_fit};
+use willis::internals::naming::nodes::Bridge;
+use willis::internals::naming::single::Single;
+use willis::internals::naming::states::{
+    ACOMM, BA, NOWHERE, STATES, Sided, StateTables, first_state, label_of, mirrored, state_at,
+};
+use willis::internals::naming::ways::ways;
+use willis::internals::naming::{LABELS, Label, NamingModel, NamingModels, Nodes, OTHER, name_of};
 use willis::internals::network::{Frame, Network, Origin};
 use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
 
@@ -226,4 +237,197 @@ fn a_segment_out_of_view_is_not_put_down_as_missing() {
     // All of the left side: nothing shows that the image reached there.
     let (in_view, p) = presence(&|name| name.starts_with("L-"));
     assert!(!in_view[0] && p[0] > 0.5, "{in_view:?} {p:?}");
+}
+
+/// The atlas of patients.
+fn atlas() -> Atlas {
+    NamingModel::read(include_str!("../../src/naming/arteries.toml")).expect("reads").atlas
+}
+
+#[test]
+fn a_rotation_and_its_vector_belong_together() {
+    for v in [[0.3, -0.2, 0.9], [0.0, 0.0, 3.1], [2.0, 2.0, -1.0], [1e-9, 0.0, 0.0]] {
+        let r = rotation(v);
+        let back = rotation_vector(&r);
+        let r2 = rotation(back);
+        for i in 0..3 {
+            for j in 0..3 {
+                assert!((r[i][j] - r2[i][j]).abs() < 1e-9, "{v:?} {back:?}");
+            }
+        }
+    }
+    // A quarter turn about z takes x to y.
+    let y = times(&rotation([0.0, 0.0, std::f64::consts::FRAC_PI_2]), [1.0, 0.0, 0.0]);
+    assert!(y[0].abs() < 1e-15 && (y[1] - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_matrix_times_its_inverse_is_one() {
+    let s = [4.0, 3.0, 5.0, 1.0, -0.5, 0.25];
+    let (inverted, log) = inverse(&s);
+    let one = product(&full(&s), &full(&inverted));
+    for i in 0..3 {
+        for j in 0..3 {
+            assert!((one[i][j] - UNIT[i][j]).abs() < 1e-14);
+        }
+    }
+    // By the rule of Sarrus.
+    let determinant: f64 = 4.0 * 3.0 * 5.0 + 2.0 * (1.0 * 0.25 * -0.5) - (-0.5 * -0.5 * 3.0 + 0.25 * 0.25 * 4.0 + 5.0);
+    assert!((log - determinant.ln()).abs() < 1e-14);
+    assert!((trace_of_product(&s, &inverted) - 3.0).abs() < 1e-14);
+}
+
+#[test]
+fn states_run_along_the_arteries_and_have_mirror_images() {
+    let tables = StateTables::new();
+    assert_eq!((tables.label.len(), tables.label[NOWHERE]), (STATES, OTHER));
+    for state in 0..STATES {
+        let other = tables.mirrored[state];
+        assert_eq!((tables.mirrored[other], tables.bin[other]), (state, tables.bin[state]));
+    }
+    assert_eq!(label_of("R-PComm"), Some(Sided::PComm.on(Side::Right)));
+    assert_eq!(name_of(mirrored(Sided::M2.on(Side::Left))), "R-M2");
+    assert_eq!(state_at(BA, 9.0), first_state(BA) + 2);
+    assert_eq!(state_at(ACOMM, 90.0), first_state(ACOMM));
+    assert_eq!(tables.step(first_state(BA), -1), None);
+}
+
+/// A carotid, a gap of 4 mm and an A2, in a row: the way over the gap, and none without it.
+#[test]
+fn a_gap_is_crossed_as_far_as_it_is_believed() {
+    let certain = |label: Label| {
+        let mut p = [0.0; LABELS];
+        p[label] = 1.0;
+        p
+    };
+    let (ica, a1, a2) = (Sided::Ica.on(Side::Left), Sided::A1.on(Side::Left), Sided::A2.on(Side::Left));
+    let labels = [ica, a1, a1, a2, OTHER].map(certain);
+    let nodes = Nodes {
+        at: [0.0, 1.0, 5.0, 6.0, 90.0].map(|x| [x, 0.0, 0.0]).to_vec(),
+        log_radius: vec![0.0; 5],
+        weight: vec![1.0; 5],
+        links: vec![[0, 1], [2, 3]],
+        neighbours: vec![vec![1], vec![0], vec![3], vec![2], vec![]],
+        bridges: vec![Bridge { nodes: [1, 2], gap: 4.0, probability: 0.5, vessel: 2 }],
+        ..Nodes::default()
+    };
+    let way = ways(&nodes, &labels, &[3.0])[0];
+    // Two steps of 1 mm, and a candidate of odds 3.
+    assert!((way.cost - (2.0 * 0.05 - 2.0 * 0.75_f64.ln())).abs() < 1e-12, "{way:?}");
+    assert_eq!((way.gap, way.diameters, way.named), (4.0, 2.0, 2.0));
+    // Without it nothing is reached, and every node is improbable at one end.
+    assert!((way.observed - (2.0 * -(1e-3_f64.ln()))).abs() < 1e-12, "{way:?}");
+}
+
+/// The same by logarithms, as the names themselves are found.
+#[test]
+fn probabilities_are_those_of_the_log_likelihoods() {
+    let atlas = atlas();
+    let nodes = Nodes {
+        at: vec![[0.0; 3], [10.0, -4.0, 7.0], [-60.0, 90.0, 20.0]],
+        direction: vec![[0.5, 0.3, 0.2, 0.1, 0.0, -0.1], [0.1, 0.1, 0.8, 0.05, 0.02, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]],
+        log_radius: vec![0.1, -0.4, 0.9],
+        ..Nodes::default()
+    };
+    let (subset, states) = ([0, 1, 2], all_states());
+    let radius = radius_fit(&nodes, &atlas, 0.0);
+    let pose = Pose { turn: rotation([0.2, -0.1, 0.3]), shift: [3.0, -2.0, 5.0], log_scale: 0.05 };
+    for (tau, parts) in [(7.0, Parts::SEARCH), (0.0, Parts::REFINE)] {
+        let precisions = atlas.widened(tau);
+        let logs = emission(&nodes, [&subset, &states], &atlas, &pose, &precisions, parts, &radius);
+        let weights: Vec<f64> = logs.iter().zip(atlas.prior.iter().cycle()).map(|(e, p)| e.exp() * p).collect();
+        let sums: Vec<f64> = weights.chunks(STATES).map(|row| row.iter().sum()).collect();
+        let sum: f64 = sums.iter().map(|sum| sum.ln()).sum();
+        let single = Single::new(&nodes, &atlas, [&subset, &states], &radius, parts.radius);
+        let (found, log) = single.probabilities(&pose, &single.places(&precisions));
+        assert!((log - sum).abs() < 1e-9, "{log} {sum}");
+        assert!(found.iter().zip(&weights).enumerate().all(|(k, (a, b))| (a - b / sums[k / STATES]).abs() < 1e-12));
+    }
+}
+
+/// Three nodes in a row, the last behind a gap: the marginals are those of all 113³ assignments.
+#[test]
+fn beliefs_are_those_of_all_assignments() {
+    let atlas = atlas();
+    let mut nodes = Nodes {
+        at: vec![[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]],
+        links: vec![[0, 1]],
+        neighbours: vec![vec![1], vec![0], vec![]],
+        ..Nodes::default()
+    };
+    nodes.bridges.push(Bridge { nodes: [1, 2], gap: 4.0, probability: 0.7, vessel: 0 });
+    let log_likelihood: Vec<f64> = (0..3 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
+    let found = Forest::of(&nodes, &[0]).beliefs(&atlas, &log_likelihood);
+    let own = |n: usize, s: usize| log_likelihood[n * STATES + s].exp() * atlas.prior[s];
+    let sum_of_last: f64 = (0..STATES).map(|c| own(2, c)).sum();
+    let mut expected = vec![0.0; 3 * STATES];
+    // The gap's factor is relative to what the far side says by itself: p B + (1 - p), with messages that sum to one.
+    for a in 0..STATES {
+        for b in 0..STATES {
+            let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
+            let mut onward = vec![0.0; STATES];
+            for (c, to) in onward.iter_mut().enumerate() {
+                *to = pair * 0.7 * own(2, c) / sum_of_last * atlas.gaps[1][b * STATES + c];
+            }
+            let joined: f64 = onward.iter().sum();
+            expected[a] += joined + 0.3 * pair;
+            expected[STATES + b] += joined + 0.3 * pair;
+        }
+    }
+    for n in 0..2 {
+        let row = &mut expected[n * STATES..(n + 1) * STATES];
+        let sum: f64 = row.iter().sum();
+        row.iter_mut().for_each(|p| *p /= sum);
+        for (s, p) in row.iter().enumerate() {
+            assert!((found.states[n * STATES + s] - p).abs() < 1e-9, "node {n}, state {s}");
+        }
+    }
+    assert!(found.bridge_ratio[0].is_some_and(|ratio| ratio > 0.0));
+
+    // No node in some states: the sum over all assignments without them, in which the far side is what it says by itself.
+    let total = |allowed: &dyn Fn(usize) -> bool| -> f64 {
+        let states = || (0..STATES).filter(|state| allowed(*state));
+        let far: f64 = states().map(|c| own(2, c)).sum();
+        let mut sum = 0.0;
+        for a in states() {
+            for b in states() {
+                let pair = own(0, a) * own(1, b) * atlas.pairs[0][a * STATES + b];
+                let joined: f64 = states().map(|c| own(2, c) * atlas.gaps[1][b * STATES + c]).sum();
+                sum += pair * (0.7 * joined + 0.3 * far);
+            }
+        }
+        sum
+    };
+    let lists = [0..12, 50..55, 112..113];
+    let lists_of = lists.iter().collect::<Vec<_>>();
+    let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &found, &lists_of);
+    for (states, found) in lists.iter().zip(evidence) {
+        let expected = (total(&|_| true) / total(&|state| !states.contains(&state))).ln();
+        assert!((found - expected).abs() < 1e-9 && expected > 0.0, "{states:?}: {found}, not {expected}");
+    }
+}
+
+/// Beyond a junction, a name that only the root may have is missing where the root has another. At other nodes the two differ: kinds of
+/// bifurcations that were never seen are not weighted alike up and down the forest.
+#[test]
+fn evidence_at_the_root_agrees_with_beliefs() {
+    let atlas = atlas();
+    let nodes = Nodes {
+        at: vec![[0.0; 3], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]],
+        links: vec![[0, 1], [0, 2], [0, 3], [3, 4]],
+        neighbours: vec![vec![1, 2, 3], vec![0], vec![0], vec![0, 4], vec![3]],
+        ..Nodes::default()
+    };
+    let forest = Forest::of(&nodes, &[]);
+    let (root, own) = (forest.order[0], 0..12);
+    for at_root in [-3.0, 0.0, 8.0] {
+        let mut log_likelihood: Vec<f64> = (0..5 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
+        for node in 0..5 {
+            log_likelihood[node * STATES..][own.clone()].fill(if node == root { at_root } else { -200.0 });
+        }
+        let beliefs = forest.beliefs(&atlas, &log_likelihood);
+        let belief: f64 = beliefs.states[root * STATES..][own.clone()].iter().sum();
+        let (found, expected) = (forest.evidence(&atlas, &log_likelihood, &beliefs, &[&own])[0], -(1.0 - belief).ln());
+        assert!((found - expected).abs() < 1e-9 && expected > 1e-6, "{at_root}: {found}, not {expected}");
+    }
 }

@@ -7,6 +7,7 @@ use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::pascals;
 use willis::internals::network::{Condition, Network, Role, cycles, fragments};
 use willis::internals::phantom::alastruey::TABLE;
+use willis::internals::phantom::curve::{Bow, course};
 use willis::internals::phantom::{
     BreakKind, Breaks, Kind, Recipe, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis,
 };
@@ -386,4 +387,17 @@ fn kinds_are_read_by_name() {
     let error = "circle".parse::<Kind>().unwrap_err();
     assert_eq!(error.to_string(), "phantom circle: expected circle-of-willis, cerebral, tree, arterial, capillary");
     assert!(error.is_usage() && Kind::Tree.network(&Recipe { spacing: Some(0.1), ..Recipe::default() }).unwrap_err().is_usage());
+}
+
+#[test]
+fn a_course_has_its_length_ends_and_even_steps() {
+    for (length, swings) in [(1.0, 1), (1.0001, 1), (1.3, 1), (1.9, 3), (2.5, 2)] {
+        let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 4.0]);
+        let points = course(a, b, length, Bow { side: [1.0, 1.0, 5.0], swings }, 0.01);
+        let steps: Vec<f64> = points.windows(2).map(|p| distance(p[0], p[1])).collect();
+        let total: f64 = steps.iter().sum();
+        assert!((total - length).abs() < 1e-12, "{length} {total}");
+        assert_eq!((points[0], points[points.len() - 1]), (a, b));
+        assert!(steps.iter().all(|s| (0.008..0.0102).contains(s)), "{length}");
+    }
 }

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
-use willis::internals::circle_of_willis::{Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, collaterals};
+use willis::internals::circle_of_willis::{
+    Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, VariantFrequencies, collaterals,
+};
 use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
@@ -315,4 +317,42 @@ fn folders_that_are_no_run_are_refused() {
     let file: (&str, &[u8]) = ("run.json", record);
     refused(&[file], &["classify", ".", "-o", "out"], &["a run without a graph of candidates"]);
     refused(&[], &["classify", ".", "-o", "out"], &["a folder without run.json"]);
+}
+
+#[test]
+fn the_shipped_table_is_one_of_people() {
+    let table = VariantFrequencies::published().expect("reads");
+    assert!((table.share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!(table.marginals().iter().all(|p| (0.2..0.99).contains(p)), "{:?}", table.marginals());
+}
+
+/// Two variants by hand: complete in 3 of 4, both PComm missing in 1 of 4 (the table names 98 % of everybody).
+#[test]
+fn what_is_not_seen_follows_from_what_is() {
+    let table = VariantFrequencies::read(b"missing,share\ncomplete,75\n\"L-PComm, R-PComm\",25\n").expect("reads");
+    let (left, right) = (5, 6);
+    assert_eq!((RING[left].to_string(), RING[right].to_string()), ("L-PComm".into(), "R-PComm".into()));
+    let mut decidable = [true; 7];
+    decidable[right] = false;
+    let mut presence = [0.999; 7];
+    let with = table.given(&presence, &decidable)[right];
+    presence[left] = 0.001;
+    let without = table.given(&presence, &decidable)[right];
+    assert!(with > 0.97 && without < 0.05, "{with} {without}");
+    assert_eq!(table.given(&presence, &decidable)[left], 0.001);
+    let usual = table.given(&presence, &[false; 7])[right];
+    assert!((usual - table.marginals()[right]).abs() < 1e-12);
+}
+
+#[test]
+fn bad_tables_are_refused() {
+    for (text, at) in [
+        ("missing,share\nM1,1\n", "M1"),
+        ("missing,share\ncomplete,-1\n", "-1"),
+        ("missing\nx\n", "share"),
+        ("missing,share\ncomplete,0\n", "no variant"),
+    ] {
+        let fault = VariantFrequencies::read(text.as_bytes()).expect_err("refused").in_file(Path::new("a.csv"));
+        assert!(fault.to_string().contains(at), "{fault}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Who feeds the territories of a circle, and how late: an independent program's values on the circles that ship.
 
-use willis::internals::circle_of_willis::Destination;
+use willis::internals::circle_of_willis::supply::{MOST_TOPOLOGIES, by_weight};
+use willis::internals::circle_of_willis::{Destination, Spread};
 use willis::{Phenotype, PhenotypeOptions, ReadOptions, Silent};
 
 fn classified(name: &str) -> (Phenotype, willis::Network) {
@@ -41,4 +42,22 @@ fn a_fetal_artery_is_fed_by_the_carotid() {
         let territory = territory.expect("the territory");
         assert!((territory.shares[0].middle - share).abs() < 1e-6 && territory.arrival.middle < outlet.arrival.middle, "{name}");
     }
+}
+
+/// By hand: 1 with weight 8, 3 with weight 2; what has 4 in 100 is out of the interval, and moves the mean; of 2,500 equal weights as many are
+/// followed as may be.
+#[test]
+fn spreads_and_choices_go_by_weight() {
+    let both = vec![(3.0, 2.0), (1.0, 8.0)];
+    assert_eq!(Spread::about_mean(both.clone()), Spread { middle: 1.4, interval: [1.0, 3.0] });
+    assert_eq!(Spread::about_median(both), Spread { middle: 1.0, interval: [1.0, 3.0] });
+    let skewed = vec![(1.0, 96.0), (101.0, 4.0)];
+    assert_eq!(Spread::about_mean(skewed.clone()), Spread { middle: 5.0, interval: [1.0, 5.0] });
+    assert_eq!(Spread::about_median(skewed), Spread { middle: 1.0, interval: [1.0, 1.0] });
+    assert!(Spread::about_median(Vec::new()).middle.is_nan() && Spread::about_mean(Vec::new()).middle.is_nan());
+    let many: Vec<(Vec<bool>, f64)> = (0..2500).map(|_| (vec![true], 1.0)).collect();
+    let chosen = by_weight(&many);
+    assert!(chosen.len() == MOST_TOPOLOGIES && chosen.iter().all(|(_, weight)| *weight == 1.0));
+    let few = [(vec![true], 0.9), (vec![false], 0.1)];
+    assert_eq!(by_weight(&few).iter().map(|(_, weight)| *weight).collect::<Vec<_>>(), [0.9, 0.1]);
 }

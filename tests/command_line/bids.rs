@@ -5,10 +5,15 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
 use crate::command::{folder, stderr, willis};
+use std::borrow::Cow;
+use willis::cli::internals::{Filter, Named, parse_filter};
+use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
+use willis::internals::report::bids_table::{bids_columns, describe, sidecar, write_tsv};
+use willis::internals::report::cohort::{Cell, Row, infer_figures};
 
 /// A mask of 36 x 14 x 7 voxels of half a millimetre as NIfTI-1: a tube of radius 2 along x with a gap of 4 voxels.
 fn draw(path: &Path) {
@@ -295,4 +300,58 @@ fn what_cannot_be_meant_is_refused() {
     with("study", "study/derivatives", "holds something else");
     participant(&here, &["--participant-label", "02"]);
     refused(&here, &["group", "--participant-label", "01"], &["--participant-label sub-01: no such folder; there are sub-02"]);
+}
+
+fn row(figures: Result<Vec<(Cow<'static, str>, Cell)>, String>) -> Row {
+    Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), page: None, figures }
+}
+
+/// A record with everything that makes columns: a circle with probabilities, and what is lost with each feeder.
+#[test]
+fn every_column_is_described() {
+    let feeders = FEEDERS.map(|feeder| (feeder.to_string(), json!({ "takes_over": "AComm", "residual": {} })));
+    let fed = TERRITORIES.map(|territory| (territory.to_string(), json!({ "shares": {}, "arrival_ms": {} })));
+    let record =
+        json!({ "phenotype": { "probabilities": {} }, "collateral": Map::from_iter(feeders), "supply": Map::from_iter(fed) });
+    let columns = bids_columns(&[row(Ok(infer_figures(&record)))], &[("sub-01".into(), Some("ses-a".into()))]);
+    assert!(columns.len() > 50, "{}", columns.len());
+    let sidecar = sidecar(&columns);
+    for column in &columns {
+        let about = sidecar[&*column.name]["Description"].as_str().unwrap_or_default();
+        assert!(about.ends_with('.'), "{} is not described", column.name);
+    }
+    assert_eq!(describe("p_L-M1"), None);
+    assert_eq!(describe("L-A1_without_L-M1"), None);
+}
+
+#[test]
+fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
+    let rows =
+        [row(Ok(vec![("kept".into(), Cell::Number(f64::NAN)), ("margin".into(), Cell::Number(-0.5))])), row(Err("no".into()))];
+    let columns = bids_columns(&rows, &[("sub-01".into(), None), ("sub-02".into(), None)]);
+    let mut table = Vec::new();
+    write_tsv(&mut table, &columns).expect("written");
+    let wanted = "participant_id\tinput\tsha256\tstatus\terror\tkept\tmargin\n\
+        sub-01\ta b\tn/a\tok\tn/a\tn/a\t-0.5\n\
+        sub-02\ta b\tn/a\tfailed\tno\tn/a\tn/a\n";
+    assert_eq!(String::from_utf8(table).expect("text"), wanted);
+}
+
+#[test]
+fn a_name_is_entities_and_a_suffix() {
+    let named = Named::parse("sub-01_ses-a_acq-tof_desc-CoWVessels_mask.nii.gz").expect("a name");
+    assert_eq!((named.value("acq"), named.value("run"), &*named.suffix), (Some("tof"), None, "mask"));
+    assert!(named.says_vessels());
+    assert!(!Named::parse("sub-01_acq-angio_desc-brain_mask.nii").expect("a name").says_vessels());
+    for name in ["sub-01_mask.json", "mask.nii.gz", "sub01_mask.nii.gz"] {
+        assert_eq!(Named::parse(name), None, "{name}");
+    }
+}
+
+#[test]
+fn a_filter_is_a_pair() {
+    assert_eq!(parse_filter("space="), Ok(Filter { key: "space".into(), value: String::new() }));
+    for text in ["desc", "=a", "desc=a/b", "desc=a=b"] {
+        assert!(parse_filter(text).is_err(), "{text}");
+    }
 }

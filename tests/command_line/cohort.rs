@@ -7,7 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::{contents, refused};
-use serde_json::Value;
+use serde_json::{Value, json};
+use willis::cli::internals::{LONGEST, named, relative};
+use willis::internals::io::write_csv;
+use willis::internals::report::cohort::{Cell, Row, cohort_columns, needs_person, uncertainty};
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.
 fn scans(here: &Path, seeds: &[u32]) {
@@ -405,4 +408,96 @@ fn the_page_works_in_chromium() {
     let rows = &document[document.find("<tr class=\"failed\">").expect("a row")..];
     let (failed, first) = (rows.find("<td class=\"text\">_b_bad"), rows.find("<a href=\"scan"));
     assert!(failed.is_some() && failed < first);
+}
+
+fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
+    let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
+    Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
+}
+
+#[test]
+fn columns_are_those_of_all_rows() {
+    let rows = [
+        subject_row("a", Ok(vec![("nodes", Cell::Number(3.0))])),
+        subject_row("b", Err("unreadable".into())),
+        subject_row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
+    ];
+    let columns = cohort_columns(&rows);
+    let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
+    assert_eq!(names, ["subject", "input", "sha256", "status", "error", "nodes", "variant"]);
+    let mut table = Vec::new();
+    write_csv(&mut table, &columns).expect("columns of one length");
+    let lines = "a,,,ok,,3,\nb,,,failed,unreadable,,\nc,,,ok,,4,complete\n";
+    assert_eq!(String::from_utf8(table).expect("text").split_once('\n').expect("a header").1, lines);
+}
+
+/// What could change the variant needs a person, and nothing else where arteries are known.
+#[test]
+fn a_person_is_needed_where_the_variant_could_change() {
+    let subject = |p: f64, share: f64, without: f64| {
+        let deciding = json!([{ "share": share, "variant_with": 0.99, "variant_without": without }]);
+        json!({
+            "phenotype": { "probabilities": { "variant": p, "deciding": deciding } },
+            "convergence": { "undecided": 4 },
+            "expected_errors": { "wrong": 1.0, "missed": 1.0 },
+        })
+    };
+    // Undecided connections that leave the variant as it is are no reason.
+    assert_eq!(needs_person(&subject(0.97, 0.5, 0.95)), "");
+    assert_eq!(needs_person(&subject(0.97, 0.98, 0.1)), "");
+    assert_eq!(needs_person(&subject(0.899, 0.5, 0.8)), "variant uncertain, P = 0.899");
+    assert_eq!(needs_person(&subject(0.91, 0.85, 0.4)), "1 open connection would change the variant");
+    // A circle whose vessels are taken as they are has no probability.
+    assert_eq!(needs_person(&json!({ "phenotype": {} })), "");
+    let without_circle = json!({ "convergence": { "undecided": 4 }, "expected_errors": { "wrong": 1.0, "missed": 0.5 } });
+    assert_eq!(needs_person(&without_circle), "4 undecided; about 1.0 wrong and 0.5 missed expected");
+    assert_eq!(
+        needs_person(&json!({ "convergence": { "undecided": 0 }, "expected_errors": { "wrong": 0.1, "missed": 0.2 } })),
+        ""
+    );
+}
+
+#[test]
+fn failed_and_uncertain_subjects_come_first() {
+    let sure = |wrong: f64| Ok(vec![("expected_wrong", Cell::Number(wrong)), ("expected_missed", Cell::Number(0.5))]);
+    let undecided = subject_row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
+    let order = [
+        subject_row("f", Err(String::new())),
+        subject_row("w", sure(3.0)),
+        undecided,
+        subject_row("s", sure(0.0)),
+        subject_row("n", Ok(vec![])),
+    ];
+    assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
+    let variant = |p: f64| subject_row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
+    assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
+}
+
+fn names_of(paths: &[&str]) -> Vec<String> {
+    named(paths.iter().map(PathBuf::from).collect()).into_iter().map(|s| s.name).collect()
+}
+
+#[test]
+fn names_are_unique_and_safe() {
+    assert_eq!(names_of(&["x/a.swc", "y/b.vtp"]), ["a", "b"]);
+    assert_eq!(names_of(&["x/t.swc", "y/t.swc"]), ["x", "y"]);
+    assert_eq!(names_of(&["x/t.swc", "y/t.swc", "y/b.swc"]), ["x-t", "y-t", "b"]);
+    assert_eq!(names_of(&["1/x/t.swc", "2/x/T.swc"]), ["x", "x-2"]);
+    assert_eq!(names_of(&["x/t.swc", "x/t.vtp", "x-2.swc"]), ["x-t", "x-t-2", "x-2"]);
+    assert_eq!(names_of(&["a-2.swc", "a.swc", "A.vtp", "q.swc"]), ["a-2", "a", "A-3", "q"]);
+    assert_eq!(
+        names_of(&["<script>.swc", "..swc", "média 中.swc", "cohort.csv.swc"]),
+        ["_script_", "subject", "média_中", "cohort.csv-2"]
+    );
+    assert!(names_of(&[&"y".repeat(300)])[0].len() <= LONGEST);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_way_leads_from_folder_to_file() {
+    let way = |file: &str, folder: &str| relative(Path::new(file), Path::new(folder)).expect("a way");
+    assert_eq!(way("/a/runs/x/r.html", "/a/cohort"), "../runs/x/r.html");
+    assert_eq!(way("runs/x/r.html", "./out/../cohort"), "../runs/x/r.html");
+    assert_eq!(way("cohort/x/r.html", "cohort"), "x/r.html");
+    assert_eq!(way("/b/r.html", "/a/c/d"), "../../../b/r.html");
 }

@@ -2,13 +2,17 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::{contents, refused};
 #[cfg(unix)]
 use crate::signals::with_signals;
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use willis::cli::check;
+use willis::cli::internals::{infer_words, parser, quoted, row_words};
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -297,4 +301,59 @@ fn a_change_that_is_too_small_to_show_is_said_in_words() {
     let ran = willis(here.path(), &["simulate", &graph, "--stenosis", "edge:0=0.01%", "-o", "out"]);
     let said = stderr(&ran);
     assert!(ran.status.success() && said.contains("(by less than 0.05 %)") && !said.contains("0.0 %)"), "{said}");
+}
+
+#[test]
+fn a_run_of_a_dataset_is_one_of_its_mask() {
+    let words = |line: &str| {
+        infer_words(line.split(' ').map(str::to_owned), "m.nii.gz", &["in", "out", "participant"].map(str::to_owned))
+    };
+    let line =
+        words("-v bids in out participant --participant-label 01 out -n 64 --filter=desc=a --filter run=1 --seed 2").join(" ");
+    assert_eq!(line, "-v infer m.nii.gz -n 64 --seed 2");
+    assert_eq!(words("bids -n 64 in out participant --session_label a b").join(" "), "infer m.nii.gz -n 64");
+}
+
+/// What a row of a manifest states replaces what was given for all.
+#[test]
+fn a_row_has_the_words_of_all_but_its_own() {
+    let all = "infer study.csv --spacing 0.5 -o out --landmarks={}.csv -n 64".split(' ').map(str::to_owned);
+    let own = [("spacing", "0.4,0.4,0.6"), ("landmarks", "/a b.fcsv")].map(|(a, b)| (a.to_owned(), b.to_owned()));
+    let words = row_words(all, Path::new("x.swc"), &[PathBuf::from("study.csv")], &own);
+    assert_eq!(words, ["infer", "x.swc", "-o", "out", "-n", "64", "--spacing=0.4,0.4,0.6", "--landmarks=/a b.fcsv"]);
+}
+
+/// A POSIX shell splits the line into the same words again.
+#[test]
+fn a_line_is_its_words() {
+    let words = ["willis", "infer", "it's a scan.swc", "", "--bc", "{}.bc.csv", r"a\b", "''", "-n=64"];
+    let line = words.map(quoted).join(" ");
+    assert_eq!(line, r"willis infer 'it'\''s a scan.swc' '' --bc '{}.bc.csv' 'a\b' ''\'''\''' -n=64");
+}
+
+/// Two arguments of one name are one to the parser: what is given to the second is refused as given twice, and programs with debug
+/// assertions end. Every command with all that it shares.
+#[test]
+fn every_argument_has_a_name_of_its_own() {
+    for command in parser().get_subcommands() {
+        let (mut ids, mut options) = (BTreeSet::new(), BTreeSet::new());
+        for argument in command.get_arguments() {
+            let (name, id) = (command.get_name(), argument.get_id());
+            assert!(ids.insert(id), "{name}: two arguments {id}");
+            let short = argument.get_short().map(String::from);
+            let long = argument.get_long_and_visible_aliases().into_iter().flatten().map(str::to_owned);
+            for option in long.chain(argument.get_all_aliases().into_iter().flatten().map(str::to_owned)).chain(short) {
+                assert!(options.insert(option.clone()), "{name}: two options {option}");
+            }
+        }
+    }
+}
+
+/// `--level` of `willis bids` is that of masks; it was taken for a second level of analysis.
+#[test]
+fn a_command_line_is_checked_without_a_run() {
+    let said = |line: &str| check(line.split(' ').map(OsString::from));
+    assert_eq!(said("willis bids in out participant --level 0.5 --prior none"), None);
+    assert_eq!(said("willis infer x.swc -o out"), None);
+    assert!(said("willis infer x.swc -o out --epsilon much").is_some_and(|said| said.contains("see willis help infer")));
 }

@@ -4,6 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
+use willis::internals::io::read_decisions;
+use willis::internals::network::{Evidence, Network, Node, Origin, Vessel};
+use willis::internals::pipeline::ConnectionDecision;
+use willis::internals::pipeline::decisions::apply;
 
 type Row = std::collections::HashMap<String, String>;
 
@@ -78,4 +82,63 @@ fn a_list_for_another_input_or_graph_is_refused_by_line_and_edge() {
     refused(&[], &format!("edge {accepted} was decided on for an input"));
     fs::write(here.join("decisions.csv"), "edge,id_a,id_b,decision\n0,1,2,accept\n").expect("written");
     refused(&[], "edge 0");
+}
+
+#[test]
+fn a_list_is_read_and_what_is_wrong_is_named() {
+    let list =
+        b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n";
+    let read = read_decisions(list).expect("a list");
+    assert_eq!((read[0].edge, read[0].accepted, &*read[0].ids[1], &*read[0].who), (7, true, "2:3", "Doe, J"));
+    assert_eq!((read[1].edge, read[1].accepted, read[1].line), (9, false, 3));
+    for (text, word) in [
+        ("edge,id_a,id_b\n1,a,b\n", "decision"),
+        ("edge,id_a,id_b,decision\n1,a,b,perhaps\n", "\"perhaps\""),
+        ("edge,id_a,id_b,decision\n-1,a,b,accept\n", "edge \"-1\""),
+        ("edge,id_a,id_b,decision\n1,a,b,accept\n1,a,b,reject\n", "comes again"),
+    ] {
+        let fault = read_decisions(text.as_bytes()).expect_err(text);
+        let said = fault.in_file("a.csv".as_ref()).to_string();
+        assert!(said.contains(word), "{said}");
+    }
+}
+
+/// By hand: an end with candidates of P = 0.5, 0.3 and 0.1, and another candidate elsewhere with P = 0.4.
+fn graph() -> Network {
+    let mut graph = Network::new();
+    let nodes: Vec<usize> = (0..7).map(|id| graph.add_node(Node { id: format!("n{id}"), ..Node::default() })).collect();
+    for [a, b] in [[0, 1], [2, 3], [3, 4], [5, 6]] {
+        graph.add_vessel([nodes[a], nodes[b]], Vessel::new(0.01, 0.001, Origin::Observed));
+    }
+    for (a, b, p) in [(1, 3, 0.5), (1, 2, 0.3), (1, 4, 0.1), (5, 3, 0.4)] {
+        let candidate =
+            Vessel { prior: p, evidence: Some(Evidence::undirected(p)), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
+        graph.add_vessel([nodes[a], nodes[b]], candidate);
+    }
+    graph
+}
+
+fn probabilities(graph: &Network) -> Vec<f64> {
+    (4..8).map(|row| graph.vessel(row).evidence.expect("evidence").probability).collect()
+}
+
+fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
+    ConnectionDecision { edge, accepted, who: String::new(), when: String::new() }
+}
+
+#[test]
+fn an_accepted_connection_is_certain_and_its_rivals_are_not_there() {
+    let mut graph = graph();
+    apply(&mut graph, &[decision(4, true)]).expect("applied");
+    assert_eq!(probabilities(&graph), [1.0, 0.0, 0.0, 0.4]);
+    assert!(graph.vessel(4).certain && graph.vessel(4).prior == 1.0 && graph.vessel(5).prior == 0.0);
+}
+
+#[test]
+fn rivals_share_what_a_rejected_connection_had() {
+    let mut graph = graph();
+    apply(&mut graph, &[decision(4, false)]).expect("applied");
+    assert_eq!(probabilities(&graph), [0.0, 0.6, 0.2, 0.4]);
+    assert_eq!(graph.vessel(4).prior, 0.0);
+    apply(&mut graph, &[decision(0, true)]).expect_err("an observed vessel");
 }

@@ -6,6 +6,9 @@ use std::path::Path;
 use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::refused;
 use serde_json::Value;
+use willis::InferOptions;
+use willis::cli::words::infer;
+use willis::internals::support::suggestions::{did_you_mean, nearest};
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -220,4 +223,49 @@ fn convert_names_the_results_that_are_lost() {
     }
     let output = willis(here.path(), &["convert", &data("broken-circle-of-willis.swc"), "b.vtp"]);
     assert!(!stderr(&output).contains("the columns"), "{}", stderr(&output));
+}
+
+#[test]
+fn the_nearest_name_comes_first_and_only_a_near_one_is_offered() {
+    let labels = ["R-M1", "L-M1", "BA", "L-A1", "L-M1"];
+    assert_eq!(nearest("L-MM1", labels)[..2], ["L-M1", "L-A1"]);
+    assert_eq!(did_you_mean("l-m1", labels), "did you mean \"L-M1\"? ");
+    assert_eq!(did_you_mean("mmhg", ["Pa", "mmHg"]), "did you mean \"mmHg\"? ");
+    // One of two letters is half of the name, and nothing is near to nothing.
+    for far in ["VA", "basilar", "", " "] {
+        assert_eq!(did_you_mean(far, labels), "", "{far}");
+    }
+    assert_eq!(did_you_mean("x", []), "");
+    // A separator that is left out is no difference.
+    let carotids = ["L-VA", "BA", "L-A1", "L-ICA II", "L-ICA I", "R-ICA I"];
+    assert_eq!(nearest("LICA", carotids)[..2], ["L-ICA I", "L-ICA II"]);
+    assert_eq!(did_you_mean("LICA", carotids), "did you mean \"L-ICA I\"? ");
+    assert_eq!(did_you_mean("found_outlets", ["found-outlets"]), "did you mean \"found-outlets\"? ");
+}
+
+fn words_of(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+#[test]
+fn words_mean_what_the_command_means() {
+    let (options, line) = infer(Path::new("a b.swc"), &words_of("--epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90")).unwrap();
+    assert_eq!((options.sampling.epsilon, options.sampling.samples), (0.25, 64));
+    assert_eq!(options.candidates.max_gap, Some(0.005));
+    assert_eq!(options.boundary.inlet, ["1=90"]);
+    assert_eq!(line, "willis infer 'a b.swc' --epsilon 0.25 -n 64 --max-gap 5mm --inlet 1=90 -o again");
+    assert_eq!(infer(Path::new("x"), &[]).unwrap().0, InferOptions::default());
+}
+
+#[test]
+fn errors_name_the_field() {
+    let said = |line: &str| infer(Path::new("x.swc"), &words_of(line)).unwrap_err().to_string();
+    assert_eq!(said("--epsilon much"), "epsilon \"much\": expected a number from 0 to 1, such as 0.5");
+    assert_eq!(said("--max-gap=-3mm"), "max_gap \"-3mm\": expected a positive length");
+    assert!(
+        said("--uncertain some").starts_with("uncertain \"some\": expected one of candidates, all"),
+        "{}",
+        said("--uncertain some")
+    );
+    assert!(said("--until stable -n 5").contains("does not go with"), "{}", said("--until stable -n 5"));
 }

@@ -7,6 +7,7 @@ use std::process::Command;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::{contents, refused};
 use serde_json::Value;
+use willis::cli::internals::counted;
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 const GRAPH: &[u8] = br#"<graphml><key id="label" for="node" attr.name="label" attr.type="string"/>
@@ -305,4 +306,20 @@ fn nothing_that_a_terminal_acts_on_is_printed() {
             assert!(!text.contains(acts), "{run:?}: {text:?}");
         }
     }
+}
+
+#[test]
+fn notes_that_differ_in_their_figures_are_one() {
+    let all = [
+        "1 point coinciding: one",
+        "23 points coinciding: one",
+        "as it is (5 mm)",
+        "as it is (5 mm)",
+        "alone 7",
+        "the radius of 1 edge is d",
+        "the radius of 2 edges is d",
+    ];
+    let found: Vec<(String, usize)> = counted(all).into_iter().collect();
+    let expected = [("alone 7", 1), ("as it is (5 mm)", 2), ("the radius of … edges is d", 2), ("… points coinciding: one", 2)];
+    assert_eq!(found, expected.map(|(note, of)| (note.to_owned(), of)));
 }

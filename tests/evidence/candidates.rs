@@ -4,15 +4,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::draw::Draw;
 use crate::vessels;
+use willis::internals::candidates::clusters::{Bounds, groups};
 use willis::internals::candidates::kind::Kind;
 use willis::internals::candidates::model::Weights;
 use willis::internals::candidates::model::posterior::posterior;
 use willis::internals::candidates::resample::Resampled;
+use willis::internals::candidates::search::point_index::PointIndex;
 use willis::internals::candidates::search::{Candidate, SearchOptions, search};
 use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build, build_with_evidence};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
-use willis::internals::support::geometry::{Point, distance};
+use willis::internals::support::geometry::{Point, distance, norm_squared, sub};
 
 /// Winding fragments in a box of 30 mm, points about 0.7 mm apart; every third has a side branch. Lengths in m.
 fn fragments(draw: &mut Draw, count: usize) -> Vec<Vec<[f64; 4]>> {
@@ -443,4 +445,42 @@ fn what_each_p_means() {
         most = of_p.into_values().fold(most, f64::max);
     }
     assert!(most > 1.0, "{most}");
+}
+
+fn unit_box(at: [f64; 3]) -> Bounds {
+    at.map(|x| [x, x + 1.0])
+}
+
+/// By hand: two boxes touch along x but not along y; a third is apart along z once these two are.
+#[test]
+fn boxes_that_a_plane_separates_are_apart() {
+    let boxes = [[0.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.2, 0.5, 5.0], [0.9, 0.9, 0.0]].map(unit_box);
+    let mut found = groups(&boxes);
+    for group in &mut found {
+        group.sort_unstable();
+    }
+    found.sort();
+    assert_eq!(found, [vec![0, 3], vec![1], vec![2]]);
+    let grid: Vec<Bounds> = (0..27_000).map(|i| unit_box([i % 30, i / 30 % 30, i / 900].map(|x| 2.0 * f64::from(x)))).collect();
+    assert_eq!(groups(&grid).len(), grid.len());
+}
+
+#[test]
+fn the_tree_finds_what_brute_force_finds_ties_included() {
+    let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
+    let index = PointIndex::new(lattice.clone());
+    for p in &lattice {
+        for reach in [0.0, 1.0, 1.5, 2.0] {
+            let mut expected: Vec<(f64, usize)> = lattice
+                .iter()
+                .enumerate()
+                .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
+                .filter(|(d, _)| *d <= reach)
+                .collect();
+            expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            assert_eq!(index.within(*p, reach), expected);
+            assert_eq!(index.first(*p, expected.len()), expected);
+            assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
+        }
+    }
 }

@@ -10,13 +10,14 @@ use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
 use willis::internals::contacts::model::ContactModel;
 use willis::internals::contacts::pairings::Pairings;
-use willis::internals::contacts::partition::Blocks;
+use willis::internals::contacts::partition::{Blocks, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions};
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};
+use willis::internals::support::statistics::sigmoid;
 
 /// A network of nodes (mm) and straight vessels between them, of 1 mm radius.
 fn network(nodes: &[Point], vessels: &[[usize; 2]]) -> Network {
@@ -355,4 +356,63 @@ fn what_is_no_model_of_contacts_is_refused() {
         &["infer", "lines.swc", "-o", "out", "--cut", "always", "--mask", "lines.swc"],
         &["lines.swc", "not a mask"],
     );
+}
+
+#[test]
+fn what_is_half_as_crowded_again_is_told_with_its_figure() {
+    let most = Crowding { contacts: 10.0, handles: 4.0 };
+    assert_eq!(Crowding { contacts: 15.0, handles: 6.0 }.unlike(most), None);
+    let told = Crowding { contacts: 3.0, handles: 6.5 }.unlike(most).expect("a note");
+    assert!(told.contains("6.5 handles (at most 4.0)") && !told.contains(" contacts ("), "{told}");
+    assert_eq!(most.most(Crowding { contacts: 3.0, handles: 5.0 }), Crowding { contacts: 10.0, handles: 5.0 });
+}
+
+#[test]
+fn there_are_as_many_partitions_as_bell_counted() {
+    let bell = [1, 2, 5, 15, 52, 203];
+    assert_eq!([1, 2, 3, 4, 5, 6].map(|n| partitions(n).len()), bell);
+    assert!(partitions(4).iter().all(|z| z[0] == 0 && (1..4).all(|n| z[n] <= z[..n].iter().max().unwrap() + 1)));
+}
+
+#[test]
+fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
+    let scores = Table::of(2, 0.0, |_, _| 1.3);
+    let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
+    let p = pair_probabilities(&scores, 2, &weights)[0].1;
+    assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
+    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights);
+    assert_eq!(blocks.of_end, [0, 1]);
+    assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
+}
+
+#[test]
+fn a_crossing_is_two_vessels() {
+    // 0-1 and 2-3 pass straight through, the rest bends.
+    let scores = Table::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
+    let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
+    let blocks = most_probable(&scores, 4, &weights);
+    assert_eq!(blocks.of_end, [0, 0, 1, 1]);
+    // By hand: of the fifteen partitions those where a pair of the two vessels is together.
+    let joined =
+        ["0000", "0100", "0010", "0001", "0111", "0101", "0110", "0102", "0121", "0120", "0122", "0012", "0112", "0123", "0011"];
+    assert_eq!(joined.len(), 15);
+    let weight = |z: &str| {
+        let z: Vec<u8> = z.bytes().collect();
+        let together = |i: usize, j: usize| z[i] == z[j];
+        let mut sum = 0.0;
+        for (i, j, s) in [(0, 1, 3.0), (2, 3, 3.0), (0, 2, -2.0), (0, 3, -2.0), (1, 2, -2.0), (1, 3, -2.0)] {
+            sum += if together(i, j) { s } else { 0.0_f64 };
+        }
+        let mixed = together(0, 2) || together(0, 3) || together(1, 2) || together(1, 3);
+        (sum.exp(), mixed)
+    };
+    let all: Vec<(f64, bool)> = joined.iter().map(|z| weight(z)).collect();
+    let expected = all.iter().filter(|(_, mixed)| *mixed).map(|(w, _)| w).sum::<f64>() / all.iter().map(|(w, _)| w).sum::<f64>();
+    assert!((blocks.joined[0].1 - expected).abs() < 1e-12);
+}
+
+#[test]
+fn a_clump_is_put_together_while_that_pays() {
+    let scores = Table::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
+    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES]).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
 }

@@ -4,9 +4,10 @@ use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::image::ahead::Ahead;
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::contacts::{Basis, ContactTable};
-use willis::internals::masks::{Appearance, Field, Foreground, Image, Mask, Scene, View};
+use willis::internals::masks::scene::Bits;
+use willis::internals::masks::{Appearance, Centerlines, Field, Foreground, Image, Mask, Picture, Scene, View};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
-use willis::internals::support::geometry::{Point, distance};
+use willis::internals::support::geometry::{Point, distance, norm};
 
 use crate::images::{drawn, ripple};
 use crate::joins::{straight, vessels};
@@ -113,4 +114,30 @@ fn between_two_lumens_that_touch_the_image_has_a_dip() {
         assert!(if is_one { dip < 0.1 } else { dip > 0.15 }, "{pair:?}: dip {dip}");
         assert!(of("image_ratio") < 0.1, "both are as bright");
     }
+}
+
+#[test]
+fn lumens_are_the_voxels_near_points() {
+    // Voxels of 0.5 x 0.7 x 0.9 mm, the axes turned and one of them oblique.
+    let affine = [[0.0, 0.7, 0.1, -4.0], [-0.5, 0.0, 0.0, 3.0], [0.0, 0.0, 0.9, 1.0]];
+    let shape = [70, 13, 11];
+    let image = Image { shape, values: vec![1.0; shape.iter().product()], affine };
+    let picture = Picture::of(image, [[-1.0; 3], [1.0; 3]], 1e-6).expect("the box is in the image");
+    let position = [[0.1e-3, -8e-3, 4e-3], [-3e-3, -20e-3, 8e-3], [2.03e-3, 2.01e-3, 1.04e-3], [40e-3, 0.0, 0.0]];
+    let radius = [1.1e-3, 2.6e-3, 0.9e-3, 1e-3];
+    let e = Centerlines { position: &position, radius: &radius, lines: &[], spacing: 1e-3 };
+    let bits = Bits::around(&picture, &e, 0.2e-3);
+    let mut inside = 0;
+    for z in 0..shape[2] {
+        for y in 0..shape[1] {
+            for x in 0..shape[0] {
+                let at = picture.position([x, y, z].map(|index| index as f64));
+                let apart = |p: &Point| [0, 1, 2].map(|k| p[k] - at[k]);
+                let near = position.iter().zip(&radius).any(|(p, r)| norm(apart(p)) <= r + 0.2e-3);
+                assert_eq!(bits.has(picture.row([x, y, z])), near, "{x} {y} {z}");
+                inside += usize::from(near);
+            }
+        }
+    }
+    assert!((50..1000).contains(&inside), "{inside}");
 }

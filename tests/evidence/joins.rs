@@ -14,6 +14,7 @@ use willis::internals::candidates::joins::model::JoinModel;
 use willis::internals::candidates::kind::Kind;
 use willis::internals::candidates::resample::{Resampled, step_of};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
+use willis::internals::support::boosted_trees::Tree;
 use willis::internals::support::geometry::{Point, distance};
 
 /// A network of separate vessels, each through points (mm) of a radius (mm).
@@ -333,4 +334,16 @@ fn a_model_of_skeletons_is_fitted_and_the_threads_do_not_matter() {
     // Fitted to this very case, it finds most of its gaps.
     let links = fs::read_to_string(here.path().join("cases/t0/links.csv")).expect("a table").lines().count() - 1;
     assert!(2 * kept(&here.path().join("out")).len() >= links, "{links}");
+}
+
+#[test]
+fn a_row_goes_left_below_the_value_of_a_split() {
+    let tree: Tree = "1<0.5 0<-2 1 2 3".parse().unwrap();
+    let value = |row: [f32; 2]| tree.value(&row);
+    assert_eq!([value([-3.0, 0.0]), value([-2.0, 0.0]), value([-3.0, 0.5])], [1.0, 2.0, 3.0]);
+    assert_eq!(tree.to_string(), "1<0.5 0<-2 1 2 3");
+    for wrong in ["", "1<0.5 1", "1 2", "1<x 1 2", "nan", "-1<0 1 2"] {
+        assert!(wrong.parse::<Tree>().is_err(), "{wrong}");
+    }
+    assert!("0<0 ".repeat(100).parse::<Tree>().is_err());
 }

@@ -188,3 +188,25 @@ fn weights_of_other_features_are_no_panic() {
     short.passes.clear();
     assert!(posterior(&extraction, &bridges, &short).is_err());
 }
+
+#[test]
+fn odds_are_raised_to_the_slope_of_their_side() {
+    let map = Calibration([0.0, 2.0, -1.0]);
+    // Odds 4 become 16; odds 1/4 keep a slope of 2 - 1 = 1.
+    assert!((map.apply(0.8) - 16.0 / 17.0).abs() < 1e-15 && (map.apply(0.2) - 0.2).abs() < 1e-15);
+    assert_eq!([map.apply(0.0), map.apply(0.5)], [0.0, 0.5]);
+    assert!(map.apply(1.0) <= 1.0 && map.apply(1.0) > 1.0 - 1e-12);
+}
+
+fn usual(fragments: f64, variation: f64) -> Usual {
+    Usual([fragments, 2.0, 1.5, variation].map(|x| [x; 2]))
+}
+
+#[test]
+fn what_no_case_had_is_told_with_its_figure_and_the_range() {
+    let seen = usual(3.0, 0.1).with(usual(250.0, 0.3));
+    assert_eq!(usual(3.0, 0.3).unlike(seen), None);
+    let told = usual(1204.0, 0.2).unlike(seen).expect("a note");
+    assert!(told.contains("1204 fragments (there 3 to 250)") && !told.contains("variation"), "{told}");
+    assert!(usual(9.0, 0.05).unlike(seen).expect("a note").contains("0.05 variation of the radius (there 0.10 to 0.30)"));
+}

@@ -7,6 +7,8 @@ use std::process::Command;
 
 use crate::command::{folder, stderr, willis};
 use willis::internals::candidates::model::HeldOutScores;
+use willis::internals::training::logistic::calibrate_in_order;
+use willis::internals::training::minimise::minimise;
 use willis::internals::training::{
     Case, Example, Match, Objective, Step, TrainParams, average_precision, calibrate, calibration_error, case_scores,
     case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
@@ -260,4 +262,47 @@ fn right_links_are_those_of_the_benchmark() {
         let ours = ours.map_or([-1; 3], |r| [r.connection, r.pieces[0], r.pieces[1]].map(|x| x as i32));
         assert_eq!(ours.to_vec(), *theirs);
     }
+}
+
+/// Rosenbrock's valley in 10 dimensions has its floor, 0, at (1, ..., 1).
+#[test]
+fn the_floor_of_rosenbrocks_valley_is_found() {
+    let valley = |x: &[f64]| {
+        let value = x.windows(2).map(|w| 100.0 * (w[1] - w[0] * w[0]).powi(2) + (1.0 - w[0]).powi(2)).sum();
+        let mut gradient = vec![0.0; x.len()];
+        for (i, w) in x.windows(2).enumerate() {
+            let t = w[1] - w[0] * w[0];
+            gradient[i] += -400.0 * t * w[0] - 2.0 * (1.0 - w[0]);
+            gradient[i + 1] += 200.0 * t;
+        }
+        (value, gradient)
+    };
+    let start: Vec<f64> = (0..10).map(|i| if i % 2 == 0 { -1.2 } else { 1.0 }).collect();
+    let found = minimise(start.clone(), 500, &valley);
+    assert!(found.value < 1e-8 && found.point.iter().all(|x| (x - 1.0).abs() < 1e-3), "{found:?}");
+    let few = minimise(start.clone(), 3, &valley);
+    assert!(few.value < valley(&start).0 && few.evaluations < found.evaluations);
+}
+
+#[test]
+fn a_function_without_a_number_leaves_the_start() {
+    let start = vec![1.0, 2.0];
+    let found = minimise(start.clone(), 10, &|x| (f64::NAN, vec![f64::NAN; x.len()]));
+    assert_eq!(found.point, start);
+}
+
+/// So many pairs of this probability, of which so many are right.
+fn pairs(p: f64, count: usize, right: usize) -> impl Iterator<Item = (f64, bool)> {
+    (0..count).map(move |n| (p, n < right))
+}
+
+#[test]
+fn a_calibration_gives_the_shares_that_were_found_and_keeps_the_order() {
+    // Odds 1/4 are found to be 1, odds 1 to be 4: a = ln 4, b = 1.
+    let found = calibrate_in_order(&pairs(0.2, 100, 50).chain(pairs(0.5, 100, 80)).collect::<Vec<_>>()).expect("two shares");
+    assert!((found[0] - 4.0_f64.ln()).abs() < 1e-3 && (found[1] - 1.0).abs() < 1e-3, "{found:?}");
+    // What would turn the order round says nothing: all have the share of all.
+    let turned = calibrate_in_order(&pairs(0.2, 100, 80).chain(pairs(0.5, 100, 40)).collect::<Vec<_>>()).expect("two shares");
+    assert!((turned[0] - 1.5_f64.ln()).abs() < 1e-3 && turned[1].abs() < 1e-12, "{turned:?}");
+    assert_eq!(calibrate_in_order(&[]), None);
 }

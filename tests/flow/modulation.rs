@@ -5,14 +5,16 @@ use crate::networks;
 use crate::networks::{VISCOSITY, boundary, radii, random_conditions, random_network};
 use crate::vessels;
 use rand_distr::{Distribution as _, Gamma as Draws};
+use std::f64::consts::PI;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
-use willis::internals::modulation::{Class, Instances, Modulation, ModulationOptions, Reading, modulate};
+use willis::internals::modulation::hypertension::{force, histogram_edges, risk_threshold};
+use willis::internals::modulation::{Class, Hypertension, Instances, Modulation, ModulationOptions, Reading, modulate};
 use willis::internals::network::{Condition, Network};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::support::Distribution;
-use willis::internals::support::gamma::Gamma;
+use willis::internals::support::gamma::{Gamma, LARGE, information, log_gap, trigamma};
 use willis::internals::support::random::stream;
 
 fn circle() -> Network {
@@ -334,4 +336,130 @@ fn no_two_instances_are_drawn_from_one_stream() {
     assert_eq!(drawn.len(), 3 * 256);
     let nearest = drawn.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     assert!(nearest > 1e-12, "{nearest}");
+}
+
+#[test]
+fn the_trigamma_function_has_its_known_values() {
+    let pi_squared = std::f64::consts::PI.powi(2);
+    // Abramowitz & Stegun 6.4.2 - 6.4.5; the last is scipy.special.polygamma(1, 1000).
+    for (x, known) in
+        [(1.0, pi_squared / 6.0), (0.5, pi_squared / 2.0), (2.0, pi_squared / 6.0 - 1.0), (1e3, 0.001_000_500_166_666_633_4)]
+    {
+        assert!((trigamma(x) / known - 1.0).abs() < 1e-14, "{x}: {}", trigamma(x));
+    }
+}
+
+#[test]
+fn an_exponential_distribution_is_the_gamma_of_shape_one() {
+    let gamma = Gamma { shape: 1.0, scale: 2.0 };
+    for x in [0.1, 1.0, 7.0] {
+        assert!((gamma.density(x) - (-x / 2.0).exp() / 2.0).abs() < 1e-15);
+        assert!((gamma.survival(x) - (-x / 2.0).exp()).abs() < 1e-15);
+    }
+    assert_eq!(gamma.survival(-1.0), 1.0);
+    assert_eq!((gamma.survival(1e308), gamma.cumulative(1e308)), (0.0, 1.0));
+    assert_eq!((Gamma { scale: 0.01, ..gamma }).survival(1e308), 0.0);
+}
+
+/// Values m(1 ± d) in equal number: with the variance d² of x/m, k is 1/d² but for terms of order 1.
+#[test]
+fn values_that_hardly_differ_are_fitted_or_refused() {
+    for exponent in 1..=16 {
+        let d = 10_f64.powi(-exponent);
+        let values: Vec<f64> = (0..100).map(|i| 3.0 * if i % 2 == 0 { 1.0 + d } else { 1.0 - d }).collect();
+        match Gamma::fit(&values) {
+            Some(fit) => {
+                assert!(exponent < 7 && (fit.gamma.shape * d * d - 1.0).abs() < 2.0 * d * d + 1e-3, "{d}: {fit:?}");
+                assert!(fit.shape_error > 0.0 && fit.shape_error.is_finite());
+            }
+            None => assert!(exponent >= 6, "{d}"),
+        }
+    }
+}
+
+/// Below the limit of the series the difference rounds to some 1e-16 ln(k)/(1/2k), 3e-12 of itself.
+#[test]
+fn series_and_differences_meet() {
+    for (figure, most) in [(log_gap as fn(f64) -> f64, 1e-11), (information, 1e-11)] {
+        let (below, above) = (figure(LARGE.next_down()), figure(LARGE));
+        assert!((below / above - 1.0).abs() < most, "{below} {above}");
+    }
+}
+
+/// scipy.special.gammaincc(k, k + z √k).
+#[test]
+fn a_large_shape_has_its_known_tails() {
+    let known = [
+        (1e6, 997_000.0, 0.998_661_895_832_686_4),
+        (1e6, 999_500.0, 0.691_374_443_109_184_7),
+        (1e6, 1e6, 0.499_867_019_239_127_4),
+        (1e6, 1_000_010.0, 0.495_877_683_203_090_5),
+        (1e6, 1_002_000.0, 0.022_804_095_898_769_836),
+        (1e6, 1_005_000.0, 2.987_490_140_114_635e-7),
+        (3e9, 2_999_835_683.232_748_5, 0.998_650_317_731_204),
+        (3e9, 3e9, 0.499_997_572_114_598_67),
+        (3e9, 3_000_273_861.278_753, 2.868_687_884_830_747_7e-7),
+    ];
+    for (shape, t, tail) in known {
+        let gamma = Gamma { shape, scale: 0.5 };
+        assert!((gamma.survival(0.5 * t) / tail - 1.0).abs() < 1e-7, "{shape} {t}: {}", gamma.survival(0.5 * t));
+        assert!((gamma.cumulative(0.5 * t) / (1.0 - tail) - 1.0).abs() < 1e-7, "{shape} {t}");
+    }
+    assert_eq!((Gamma { shape: 5e11, scale: 1.0 }).survival(1e300), 0.0);
+}
+
+#[test]
+fn values_without_spread_have_no_fit() {
+    assert_eq!(Gamma::fit(&[]), None);
+    assert_eq!(Gamma::fit(&[3.0]), None);
+    assert_eq!(Gamma::fit(&[3.0, 3.0, 3.0]), None);
+}
+
+#[test]
+fn forces_fall_into_their_bins_by_hand() {
+    let forces = [0.0, f64::NAN, 1.0, 2.0, 2.0, 10.0];
+    let edges = [0.0, 1.0, 2.0, 10.0];
+    let found = Hypertension::of(&forces, &edges, 2.0);
+    assert_eq!(found.counts, [1, 2, 1]);
+    assert!((found.without_force - 1.0 / 3.0).abs() < 1e-15);
+    assert!((found.above - 1.0 / 6.0).abs() < 1e-15);
+    assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
+    assert!((force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
+    assert!(force([None, Some(1.0)], 0.5).is_nan());
+}
+
+/// By hand: of 20 vessels one is a twentieth; two mirror vessels at the top are both above, whatever their last bits.
+#[test]
+fn the_threshold_lies_below_a_twentieth_of_the_vessels() {
+    let rising: Vec<f64> = (1..=20).map(f64::from).collect();
+    assert!((risk_threshold(&rising) - 19.5).abs() < 1e-12);
+    let twice = [&rising[..], &rising[..], &[f64::NAN]].concat();
+    assert!((risk_threshold(&twice) - 19.5).abs() < 1e-12);
+    let mirror = [&rising[..19], &[19.0 * (1.0 + 1e-15)]].concat();
+    assert!((risk_threshold(&mirror) - 18.5).abs() < 1e-12);
+    assert!((risk_threshold(&[3.0, 3.0]) - 3.0).abs() < 1e-12);
+    assert!(risk_threshold(&[f64::NAN]).is_nan() && risk_threshold(&[]).is_nan());
+}
+
+#[test]
+fn every_field_out_of_its_range_is_refused_by_name() {
+    let class = |low, high| ModulationOptions { classes: vec![Class { low, high }], ..ModulationOptions::default() };
+    let twice = vec![Class { low: 0.0, high: 0.2 }; 2];
+    let cases = [
+        (class(0.5, 0.2), "0.5:0.2: the class ends before it begins"),
+        (class(0.2, 0.2), "0.2:0.2: the class ends before it begins"),
+        (class(-0.1, 0.2), "-0.1:0.2: expected LOW:HIGH with 0 <= low < high < 1"),
+        (class(0.5, 1.0), "0.5:1: expected"),
+        (class(f64::NAN, 0.5), "NaN:0.5: expected"),
+        (ModulationOptions { classes: Vec::new(), ..ModulationOptions::default() }, "classes of 0"),
+        (ModulationOptions { classes: twice, ..ModulationOptions::default() }, "0:0.2: given twice"),
+        (ModulationOptions { samples: 0, ..ModulationOptions::default() }, "samples 0"),
+        (ModulationOptions { samples: 1 << 25, ..ModulationOptions::default() }, "samples 33554432"),
+        (ModulationOptions { viscosity: 0.0, ..ModulationOptions::default() }, "viscosity 0"),
+    ];
+    for (params, words) in cases {
+        let said = params.validate().expect_err("refused").to_string();
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(ModulationOptions::default().validate().is_ok());
 }

@@ -5,7 +5,7 @@ use willis::internals::flow::Boundary;
 use willis::internals::network::units::{milliseconds, ml_per_min};
 use willis::internals::network::{Condition, Network};
 use willis::internals::simulation::simulate;
-use willis::internals::simulation::transport::{Blood, Transport, Transports};
+use willis::internals::simulation::transport::{Blood, Transport, Transports, transport};
 use willis::{Change, FlowOptions, ReadOptions};
 
 use crate::draw::Draw;
@@ -138,4 +138,43 @@ fn longer_takes_longer_and_closed_takes_nothing() {
     let flow = simulated.result.perturbed.as_ref().expect("changes").vessels[carotid].flow;
     close(after.vessels[carotid].expect("flow").1, 2.0 * volume / flow.abs(), 1e-12, "twice the volume");
     assert!(after.vessels[row("R-PComm")].is_none() && found.unperturbed.vessels[row("R-PComm")].is_some());
+}
+
+fn equal(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs().max(1.0)
+}
+
+#[test]
+fn a_mixing_junction_by_hand() {
+    // 3 of source A (volume 6: 2 s) and 1 of source B (volume 5: 5 s) meet and go on through a volume of 8 (2 s).
+    let found = transport(&[[0, 2], [1, 2], [3, 2]], &[3.0, 1.0, -4.0], &[6.0, 5.0, 8.0], &[true, true, false, true]);
+    let end = found.nodes[3].as_ref().expect("blood comes");
+    assert_eq!((&found.sources, &found.exits), (&vec![0, 1], &vec![(3, 4.0)]));
+    assert!(equal(end.supply[0], 0.75) && equal(end.supply[1], 0.25));
+    assert!(equal(end.mean, (3.0 * 2.0 + 5.0) / 4.0 + 2.0) && equal(end.first, 4.0));
+    assert!(equal(end.variance, (3.0 * 4.0 + 25.0) / 4.0 - (11.0_f64 / 4.0).powi(2)));
+    assert!(equal(end.mean_of_source[0], 4.0) && equal(end.mean_of_source[1], 7.0));
+    assert_eq!(end.territory(), (0, 0.75));
+}
+
+#[test]
+fn a_chain_is_volume_over_flow() {
+    let found = transport(&[[0, 1], [1, 2], [2, 3]], &[2.0; 3], &[1.0, 5.0, 3.0], &[true, false, false, true]);
+    let end = found.nodes[3].as_ref().expect("blood comes");
+    assert!(equal(end.mean, 4.5) && equal(end.first, 4.5) && equal(end.variance, 0.0));
+}
+
+#[test]
+fn what_enters_on_the_way_is_young() {
+    // One source feeds another's node: half of what leaves there has just entered.
+    let found = transport(&[[0, 1], [1, 2]], &[1.0, 2.0], &[3.0, 4.0], &[true, true, true]);
+    let (middle, end) = (found.nodes[1].as_ref().expect("blood"), found.nodes[2].as_ref().expect("blood"));
+    assert!(equal(middle.mean, 1.5) && equal(middle.first, 0.0) && equal(middle.variance, 2.25));
+    assert!(equal(end.mean, 3.5) && equal(end.mean_of_source[0], 5.0) && equal(end.mean_of_source[1], 2.0));
+}
+
+#[test]
+fn where_nothing_flows_there_is_no_blood() {
+    let found = transport(&[[0, 1], [1, 2], [3, 3]], &[1.0, 0.0, 5.0], &[1.0; 3], &[true, true, true, false]);
+    assert!(found.nodes[2].is_none() && found.nodes[3].is_none() && found.vessels[1].is_none() && found.vessels[2].is_none());
 }

@@ -2,6 +2,8 @@
 
 use willis::error::Place;
 use willis::internals::io::tables::conditions::{Statement, read_csv, read_inlets, read_toml};
+use willis::internals::network::quantity::Dimension::{Length, Pressure, Resistance, Viscosity};
+use willis::internals::network::units::{metres, millimetres, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
 use willis::internals::network::{Condition, Role};
 
 const MMHG: f64 = 133.322_387_415;
@@ -70,4 +72,40 @@ fn inlets_need_no_kind() {
     let inlets = |text: &str| read_inlets(text.as_bytes()).expect("inlets").into_iter().map(|s| s.spec).collect::<Vec<_>>();
     assert_eq!(inlets("x_mm;y_mm;z_mm\n1;2;3\n"), ["1,2,3"]);
     assert_eq!(inlets("node,kind\n1,inlet\n2,ground\n3,\n"), ["1", "3"]);
+}
+
+#[test]
+fn figures_with_and_without_units() {
+    assert_eq!(Length.parse("12"), Ok(0.012));
+    assert_eq!(Length.parse("1.2e1 mm"), Ok(0.012));
+    assert_eq!(Pressure.parse("13.3kPa"), Ok(13300.0));
+    assert_eq!(Pressure.parse("1e3Pa"), Ok(1000.0));
+    assert_eq!(Viscosity.parse("3.5cP"), Ok(0.0035));
+    assert!(Resistance.has_unit_in("2.5mmHg.s/mL") && !Resistance.has_unit_in("2.5mmHg"));
+}
+
+#[test]
+fn a_unit_mistyped_is_offered_rightly_typed() {
+    assert!(Pressure.parse("90mmhg").is_err_and(|e| e.starts_with("did you mean \"mmHg\"? expected ")));
+    assert_eq!(Resistance.near("20mmHg.s/ml"), "did you mean \"mmHg.s/mL\"? ");
+    assert_eq!(Pressure.near("90 furlongs") + &Length.near("mm"), "");
+}
+
+#[test]
+fn other_text_is_refused() {
+    for text in ["", "mm", "12mmhg", "nan", "inf", "1,5", "12 furlongs"] {
+        assert!(Length.parse(text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn a_figure_written_and_read_again_is_the_same_to_the_last_bit() {
+    let mut x = 1e-9_f64;
+    for _ in 0..20_000 {
+        x *= 1.001_234_567;
+        assert_eq!(metres(millimetres(metres(x))).to_bits(), metres(x).to_bits());
+        assert_eq!(pascals(mmhg(pascals(x))).to_bits(), pascals(x).to_bits());
+        let r = pascal_seconds_per_cubic_metre(x);
+        assert_eq!(pascal_seconds_per_cubic_metre(mmhg_s_per_ml(r)).to_bits(), r.to_bits());
+    }
 }

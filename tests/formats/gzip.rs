@@ -2,12 +2,14 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::command;
+use willis::internals::io::{UnpackLimit, byte_count};
+use willis::internals::support::endings::{stem, without_ending};
 
 fn pack(from: &Path, to: &Path) {
     fs::write(to, packed(&fs::read(from).expect("a file"))).expect("packed");
@@ -102,4 +104,39 @@ fn what_is_damaged_or_unpacks_to_too_much_is_refused_by_name() {
     assert!(said.contains("much.swc.gz") && said.contains("--max-input"), "{said}");
     let fault = refused("fault.swc.gz", &packed(b"1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n"), &[]);
     assert!(fault.contains("fault.swc.gz") && fault.contains('2'), "{fault}");
+}
+
+#[test]
+fn packed_files_have_one_ending() {
+    for (path, bare, name) in [
+        ("in/scan.nii.gz", "in/scan", "scan"),
+        ("scan.v2.swc", "scan.v2", "scan.v2"),
+        ("scan.SWC.GZ", "scan", "scan"),
+        ("in.d/scan", "in.d/scan", "scan"),
+        ("scan.gz", "scan", "scan"),
+        (".gz", ".gz", ".gz"),
+        ("", "", ""),
+    ] {
+        assert_eq!((without_ending(Path::new(path)), stem(Path::new(path))), (PathBuf::from(bare), name.to_owned()), "{path}");
+    }
+}
+
+#[test]
+fn sizes_are_read_with_and_without_units() {
+    for (text, bytes) in [("100000", 100_000), ("500MB", 500_000_000), ("2GiB", 2_147_483_648), ("1.5 kib", 1536), ("7B", 7)] {
+        assert_eq!(byte_count(text), Ok(bytes), "{text}");
+    }
+    for wrong in ["", "MB", "-1", "0", "1e9", "2TB", "nan", "9999999999GiB", "1.2.3"] {
+        assert!(byte_count(wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn room_is_shared_by_all_parts_of_a_file() {
+    let room = UnpackLimit::of(1 << 30, 1000);
+    assert!(room.take(600).is_ok() && room.left() == 400);
+    let (found, accepted) = room.take(401).unwrap_err();
+    assert_eq!((found.as_str(), accepted), ("more than 1000 bytes unpacked", "`max_input` allows more"));
+    // A file of 10 bytes unpacks to 64 MiB at the most, whatever is allowed.
+    assert_eq!(UnpackLimit::of(10, u64::MAX).left(), 64 << 20);
 }

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::peers;
+use willis::error::{Error, Fault};
+use willis::internals::support::printable::{printable, printable_json};
 
 const LABELS: [&str; 10] = [
     "</script><script>alert(1)</script>",
@@ -127,4 +129,31 @@ fn names_of_files_stay_text_in_the_page_of_a_cohort() {
     let rows: Vec<_> = table.records().map(|row| row.expect("a row")).collect();
     assert_eq!(rows.len(), 3);
     assert!(rows.iter().flatten().all(|field| !field.starts_with(['=', '+', '@'])));
+}
+
+#[test]
+fn what_acts_on_a_terminal_is_escaped_and_the_rest_stays() {
+    assert_eq!(printable("A. cerebri média 中"), "A. cerebri média 中");
+    assert_eq!(printable("a\u{1b}[2Jb\u{7}\u{9b}1m"), "a\\u{1b}[2Jb\\u{7}\\u{9b}1m");
+    assert_eq!(printable("gnp\u{202e}exe.\n"), "gnp\\u{202e}exe.\\n");
+    for c in (0..=0x10_ffff).filter_map(char::from_u32).filter(|c| c.is_control()) {
+        assert!(!printable(&c.to_string()).contains(c), "{c:?}");
+    }
+}
+
+#[test]
+fn json_means_the_same() {
+    let value = serde_json::json!({ "id": "a\u{202e}\u{e0041}\u{7f}\u{9b}b" });
+    let shown = printable_json(&value.to_string()).into_owned();
+    assert!(shown.is_ascii() && !shown.contains(char::is_control), "{shown}");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).expect("JSON"), value);
+}
+
+#[test]
+fn what_a_file_holds_cannot_break_a_message_into_lines() {
+    let fault = Fault::item("a\nb", format!("x\r\u{1b}[31m{}", "y".repeat(400)), "z");
+    let said = fault.in_file(Path::new("f")).to_string();
+    assert!(said.starts_with("f: a\u{fffd}b: x\u{fffd}\u{fffd}[31myy") && said.ends_with("y\u{2026}; z"), "{said}");
+    assert!(!said.chars().any(char::is_control));
+    assert_eq!(Error::parameter("x", "1\n", "a number").to_string(), "x 1\u{fffd}: a number");
 }

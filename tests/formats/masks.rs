@@ -9,7 +9,7 @@ use crate::draw::Draw;
 use crate::peers::{python, shared};
 use petgraph::unionfind::UnionFind;
 use willis::internals::io::{Content, ReadOptions, read, read_mask};
-use willis::internals::masks::{Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
+use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub};
 
@@ -417,4 +417,70 @@ fn a_shell_is_thinned_and_drawn() {
     let ball = mask([64, 64, 64], |p| (26.0..29.0).contains(&norm_squared(p.map(|x| x as f64 - 32.0)).sqrt()));
     let traced = trace(&ball, RadiusFrom::Area).expect("lines");
     assert!(traced.lines.points.len() > 5000 && traced.lines.radii.iter().all(|r| *r > 0.0));
+}
+
+const AFFINE: Affine = [[-0.5, 0.0, 0.0, 10.0], [0.0, 0.5, 0.0, -20.0], [0.0, 0.0, 2.0, 30.0]];
+
+fn ball(radius: f64, size: usize) -> Mask {
+    let middle = (size as f64 - 1.0) / 2.0;
+    let inside = |at: [usize; 3]| at.iter().map(|x| (*x as f64 - middle).powi(2)).sum::<f64>() <= radius * radius;
+    let classes = (0..size.pow(3)).map(|n| u8::from(inside([n % size, n / size % size, n / (size * size)]))).collect();
+    Mask { shape: [size; 3], classes, affine: AFFINE, walls: None }
+}
+
+/// The places and positions (mm) of what is inside, read back as the page does.
+fn read_back(runs: &RunLengths) -> Vec<[f64; 3]> {
+    let (mut at, mut inside, mut place, mut found) = (0, false, 0, Vec::new());
+    while at < runs.bytes.len() {
+        let (mut length, mut shift) = (0_usize, 0);
+        loop {
+            let byte = runs.bytes[at];
+            at += 1;
+            length |= usize::from(byte & 0x7f) << shift;
+            shift += 7;
+            if byte < 0x80 {
+                break;
+            }
+        }
+        let [x, y, _] = runs.shape;
+        found.extend((place..place + length).filter(|_| inside).map(|p| {
+            let index = [p % x, p / x % y, p / (x * y)];
+            runs.affine.map(|row| row[3] + (0..3).map(|axis| row[axis] * index[axis] as f64).sum::<f64>())
+        }));
+        place += length;
+        inside = !inside;
+    }
+    found
+}
+
+/// Read back, every voxel of the mask is there at its own position, and no other.
+#[test]
+fn nothing_is_lost() {
+    let mask = ball(4.2, 11);
+    let runs = RunLengths::of(&Foreground::of(&mask).expect("voxels"), usize::MAX, usize::MAX);
+    assert_eq!(runs.block, 1);
+    let truth: Vec<[f64; 3]> = (0..mask.classes.len())
+        .filter(|n| mask.classes[*n] > 0)
+        .map(|n| AFFINE.map(|row| row[3] + row[0] * (n % 11) as f64 + row[1] * (n / 11 % 11) as f64 + row[2] * (n / 121) as f64))
+        .collect();
+    assert_eq!(read_back(&runs), truth);
+}
+
+/// In blocks the surface keeps its limit; the middle of the ball stays, and its volume to the width of a block.
+#[test]
+fn blocks_keep_the_limit_and_the_place() {
+    let vessels = Foreground::of(&ball(12.0, 29)).expect("voxels");
+    let all = RunLengths::of(&vessels, usize::MAX, usize::MAX);
+    for faces in [1_500, 600, 10] {
+        let runs = RunLengths::of(&vessels, faces, usize::MAX);
+        assert!(runs.block > 1);
+        let (found, truth) = (read_back(&runs), read_back(&all));
+        let mean = |of: &[[f64; 3]], axis: usize| of.iter().map(|p| p[axis]).sum::<f64>() / of.len() as f64;
+        for (axis, step) in [0.5, 0.5, 2.0].into_iter().enumerate() {
+            assert!((mean(&found, axis) - mean(&truth, axis)).abs() <= 0.5 * step * runs.block as f64, "{faces} {axis}");
+        }
+        let volume = (found.len() * runs.block.pow(3)) as f64 / truth.len() as f64;
+        assert!((0.9..(1.0 + runs.block as f64 / 12.0).powi(3)).contains(&volume) || found.len() == 1, "{faces}: {volume}");
+    }
+    assert!(RunLengths::of(&vessels, usize::MAX, 5_000).block > 1);
 }

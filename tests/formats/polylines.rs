@@ -8,8 +8,10 @@ use std::path::Path;
 use crate::peers::document;
 use willis::internals::io::{Format, ReadOptions, read_markups, read_points, read_swc};
 use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::coincident_points::pairs_within;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, cycles, fragments};
+use willis::internals::support::geometry::{Point, distance};
 
 fn mm() -> Scale {
     Scale::default()
@@ -218,4 +220,61 @@ fn types_of_swc_are_labels() {
     // Landmarks at the ends of trees say nothing of vessels.
     assert_eq!(labels("1 4 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 6 2 0 0 1 2\n"), ["", ""]);
     assert_eq!(labels("1 4 0 0 0 1 -1\n2 6 1 0 0 1 1\n3 7 2 0 0 1 1\n"), ["6", "7"]);
+}
+
+fn line(strands: &[&[Point]]) -> Centerlines {
+    let mut c = Centerlines::default();
+    for (s, points) in strands.iter().enumerate() {
+        for (i, p) in points.iter().enumerate() {
+            let row = c.add_point(*p, 1.0, c.points.len() as u64, s as u32);
+            if i > 0 {
+                c.add_link([row - 1, row], ["", "a", "b"][s]);
+            }
+        }
+    }
+    c
+}
+
+#[test]
+fn polylines_that_share_coordinates_share_a_point() {
+    let mut c = line(&[&[[0.0; 3], [1.0, 0.0, 0.0]], &[[1.0, 1e-8, 0.0], [2.0, 0.0, 0.0]]]);
+    assert_eq!(c.weld(1e-6), 1);
+    assert_eq!(c.links, [[0, 1], [1, 2]]);
+    assert_eq!([c.labels.of(0), c.labels.of(1)], ["", "a"]);
+}
+
+#[test]
+fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring() {
+    let touch = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
+    assert_eq!(line(&[&touch]).weld(1e-6), 0);
+    let ring = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]];
+    let mut c = line(&[&ring]);
+    assert_eq!(c.weld(1e-6), 1);
+    assert_eq!(c.links.len(), 3);
+}
+
+#[test]
+fn the_grid_finds_the_pairs_that_brute_force_finds() {
+    let points: Vec<Point> =
+        (0..300).map(|i| [f64::from(i * 37 % 101), f64::from(i * 53 % 97), f64::from(i * 71 % 89)].map(|x| x * 0.1)).collect();
+    let mut expected = Vec::new();
+    for b in 0..points.len() {
+        expected.extend((0..b).filter(|a| distance(points[*a], points[b]) <= 1.3).map(|a| (a, b)));
+    }
+    assert!(expected.len() > 50);
+    let pairs = |points: &[Point]| {
+        let mut pairs = Vec::new();
+        pairs_within(points, 1.3, &mut |a, b| pairs.push((a, b)));
+        pairs.sort_by_key(|(a, b)| (*b, *a));
+        pairs
+    };
+    assert_eq!(pairs(&points), expected);
+    // The same far away, where coordinates are whole 1/64ths: a margin of the grid's cells.
+    let far: Vec<Point> = points.iter().map(|p| p.map(|x| (x * 64.0).round() / 64.0 - 1e14)).collect();
+    let mut expected = Vec::new();
+    for b in 0..far.len() {
+        expected.extend((0..b).filter(|a| distance(far[*a], far[b]) <= 1.3).map(|a| (a, b)));
+    }
+    assert!(expected.len() > 50);
+    assert_eq!(pairs(&far), expected);
 }

@@ -5,10 +5,11 @@
 
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
 use willis::internals::io::{
-    Content, Format, ReadOptions, graph_columns, read_csv_edges, read_csv_nodes, read_graphml, write_csv_graph, write_graphml,
-    write_vesselvio, write_voreen,
+    Content, Format, ReadOptions, graph_columns, number, read_csv_edges, read_csv_nodes, read_graphml, unit_check,
+    write_csv_graph, write_graphml, write_vesselvio, write_voreen,
 };
-use willis::internals::network::units::{Scale, metres, millimetres, pascals};
+use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::{LengthUnit, Scale, metres, millimetres, pascals};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::write;
@@ -513,4 +514,47 @@ fn scaled(network: &Network, by: f64) -> Network {
         larger.add_vessel(ends, Vessel { length: by * vessel.length, path: Vec::new(), ..vessel.clone() });
     }
     larger
+}
+
+#[test]
+fn decimal_and_hexadecimal_numbers_are_read_and_commas_named() {
+    // Python: (10.875).hex(), (-0.1).hex(), (2**-1074).hex(), sys.float_info.max.hex(), (0.0).hex()
+    assert_eq!(number("0x1.5c00000000000p+3"), Ok(10.875));
+    assert_eq!(number("-0x1.999999999999ap-4"), Ok(-0.1));
+    assert_eq!(number("0x0.0000000000001p-1022"), Ok(5e-324));
+    assert_eq!(number("0x1.fffffffffffffp+1023"), Ok(f64::MAX));
+    assert_eq!(number("0x0.0p+0"), Ok(0.0));
+    assert_eq!(number("1.5e-3"), Ok(1.5e-3));
+    assert_eq!(number("1,5"), Err("expected a decimal point, not a comma"));
+    for wrong in ["", "abc", "1,5,2", "0x", "0x1.8", "0xp1", "0x1p99999", "0x11111111111111111p0", "0x1.8p+-3"] {
+        assert_eq!(number(wrong), Err("expected a number"), "{wrong}");
+    }
+}
+
+/// Points of a spiral with the given radii, in mm, taken as `unit`.
+fn notes(unit: LengthUnit, place: impl Fn(f64) -> f64, radius: impl Fn(usize) -> f64) -> String {
+    let scale = Scale { unit, spacing: None };
+    let mut lines = Centerlines::default();
+    for i in 0..20 {
+        let t = i as f64;
+        let position = scale.position([place(7.3 * t.sin()), place(7.3 * t.cos()), place(t * 1.1)]);
+        lines.add_point(position, scale.length(radius(i)), i as u64, 0);
+    }
+    unit_check(&Content::Centerlines(lines), &scale).join("\n")
+}
+
+#[test]
+fn vessels_in_millimetres_pass_and_other_units_are_named() {
+    let mm = |i: usize| 1.2 + 0.013 * i as f64;
+    assert_eq!(notes(LengthUnit::Millimetre, |x| x, mm), "");
+    let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
+    assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
+    let cm = notes(LengthUnit::Millimetre, |x| 0.2 * x, |i| 0.05 * mm(i));
+    assert!(cm.contains("give `units` cm"), "{cm}");
+    assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
+    assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
+    let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());
+    assert!(distance_transform.contains("distance transform"), "{distance_transform}");
+    assert_eq!(notes(LengthUnit::Millimetre, |x| x, |_| 1.0), "", "one radius for all proves nothing");
+    assert_eq!(notes(LengthUnit::Millimetre, |x| x, |i| 0.003 + 1e-5 * i as f64), "", "capillaries, whose squares are nearly 0");
 }

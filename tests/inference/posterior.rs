@@ -18,7 +18,12 @@ use crate::draw::Draw;
 use crate::figure::Figure;
 use listed::{Listed, random};
 use serde::Deserialize;
+use willis::internals::forest_posterior::absorbing_walk::Walk;
+use willis::internals::forest_posterior::clique_messages::complete;
+use willis::internals::forest_posterior::clique_tree::cliques;
+use willis::internals::forest_posterior::escape_probability::escapes;
 use willis::internals::forest_posterior::{Edge, Forests, arborescence, log_likelihood, marginals, rooted_in};
+use willis::internals::support::elimination::least_degree;
 
 /// Relative error that a marginal may have: 36 ε.
 const TOLERANCE: f64 = 8e-15;
@@ -273,4 +278,61 @@ fn what_is_no_problem_is_refused_by_name() {
         refused(&[0.0; 2], &[bridge(0, 1, 0.0), bridge(0, 2, 0.0)]),
         "ends of edge 1 0, 2: two different fragments below 2"
     );
+}
+
+/// `chains` chains of `length` links on node 0, each link both ways with odds of its own.
+fn hub(chains: usize, length: usize) -> (usize, Vec<(usize, usize, f64)>) {
+    let mut links = Vec::new();
+    for node in 1..=chains * length {
+        let above = if node % length == 1 { 0 } else { node - 1 };
+        links.extend([(node, above, 0.1 * node as f64), (above, node, 3.0 / node as f64)]);
+    }
+    (chains * length + 1, links)
+}
+
+/// A square grid, odds larger to the right.
+fn grid(side: usize) -> (usize, Vec<(usize, usize, f64)>) {
+    let right = (0..side * side).filter(|i| i % side + 1 < side).map(|i| (i, i + 1));
+    let links: Vec<(usize, usize)> = right.chain((0..side * (side - 1)).map(|i| (i, i + side))).collect();
+    (side * side, links.iter().flat_map(|(a, b)| [(*a, *b, 1.0 + *a as f64), (*b, *a, 0.3)]).collect())
+}
+
+#[test]
+fn in_cliques_it_is_the_same_as_in_one_piece() {
+    for ((nodes, links), least) in [(hub(60, 5), 40), (grid(20), 2)] {
+        let pairs: Vec<[usize; 2]> = links.iter().map(|(a, b, _)| [*a, *b]).collect();
+        let cliques = cliques(&least_degree(nodes, &pairs, usize::MAX).expect("no limit"));
+        let children = |number| cliques.iter().filter(|c| c.parent == Some(number)).count();
+        assert!((0..cliques.len()).map(children).max() >= Some(least) && cliques.len() > 6);
+        let mut whole = Walk::new(nodes);
+        whole.death = (0..nodes).map(|node| 0.01 + 1e-3 * node as f64).collect();
+        for (from, to, odds) in &links {
+            whole.add(*from, *to, *odds);
+        }
+        let mut own: Vec<Walk> = cliques.iter().map(|clique| Walk::new(clique.nodes.len())).collect();
+        for (clique, own) in cliques.iter().zip(&mut own) {
+            for (at, node) in clique.nodes[..clique.pivots].iter().enumerate() {
+                own.death[at] = whole.death[*node];
+                for (other, to) in clique.nodes.iter().enumerate() {
+                    own.add(at, other, whole.row(*node)[*to]);
+                    if other >= clique.pivots {
+                        own.add(other, at, whole.row(*to)[*node]);
+                    }
+                }
+            }
+        }
+        let (exact, log_det) = escapes(&whole);
+        let (walks, mut sum) = complete(&cliques, own);
+        for (clique, walk) in cliques.iter().zip(&walks) {
+            let (q, log_root) = escapes(walk);
+            sum += if clique.parent.is_none() { log_root } else { 0.0 };
+            for (i, a) in clique.nodes.iter().enumerate() {
+                for (j, b) in clique.nodes.iter().enumerate() {
+                    let (got, exact) = (q.get(i, j), exact.get(*a, *b));
+                    assert!((got - exact).abs() <= 1e-13 * exact, "{a} {b}: {got} for {exact}");
+                }
+            }
+        }
+        assert!((sum - log_det).abs() < 1e-12 * log_det.abs());
+    }
 }

@@ -10,6 +10,8 @@ use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::io::{Content, ReadOptions, read};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, infer};
+use willis::internals::support::elimination::graph::{Bits, Lists};
+use willis::internals::support::elimination::order::{DENSE, MOST_IN_BITS, Star, by_degree, least_degree, least_fill};
 
 /// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so. What a factorisation keeps of a drop that
 /// is itself 1e-8 of the pressure is less: 1e-15 of the largest L, for ρ is a drop squared.
@@ -140,4 +142,66 @@ fn a_span_of_conductances_beyond_a_factorisation_is_refused() {
     let refused = of(Solver::Reference).expect_err("sixteen orders").to_string();
     assert!(refused.contains("`solver`: lanes"), "{refused}");
     assert!(of(Solver::Lanes).is_ok());
+}
+
+/// A 4 x 4 grid.
+fn grid() -> Vec<[usize; 2]> {
+    let right = (0..16).filter(|i| i % 4 < 3).map(|i| [i, i + 1]);
+    right.chain((0..12).map(|i| [i, i + 4])).collect()
+}
+
+#[test]
+fn both_orders_eliminate_every_node_once_and_join_neighbours() {
+    for stars in [least_degree(16, &grid(), usize::MAX), least_fill(16, &grid(), 60_000)] {
+        let stars = stars.expect("below the limit");
+        let mut seen: Vec<usize> = stars.iter().map(|s| s.center).collect();
+        let place: Vec<usize> = (0..16).map(|n| seen.iter().position(|s| *s == n).expect("each node")).collect();
+        for star in &stars {
+            assert!(star.neighbours.iter().all(|n| place[*n] > place[star.center]));
+            let first = star.neighbours.iter().min_by_key(|n| place[**n]);
+            let later = |n: &&usize| Some(*n) != first;
+            assert!(first.is_none_or(|f| star.neighbours.iter().filter(later).all(|n| stars[place[*f]].neighbours.contains(n))));
+        }
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..16));
+    }
+}
+
+/// By hand: a ring of four with a tail. The tail goes first, then the ring is closed by the edge 1-3.
+#[test]
+fn the_order_and_the_fill_of_a_ring_with_a_tail() {
+    let stars = least_degree(5, &[[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 2]], 2);
+    let star = |center, neighbours: &[usize]| Star { center, neighbours: neighbours.to_vec() };
+    assert_eq!(stars, Some(vec![star(4, &[2]), star(0, &[1, 3]), star(1, &[2, 3]), star(2, &[3]), star(3, &[])]));
+    assert_eq!(least_degree(5, &[[0, 1], [1, 2], [2, 3], [3, 0], [2, 4], [4, 2]], 1), None);
+}
+
+#[test]
+fn bits_and_lists_give_the_same_order() {
+    let links: Vec<[usize; 2]> = (0..300).flat_map(|i| [[i, (i + 1) % 300], [i, (i * i + 7) % 300]]).collect();
+    let stars = by_degree(300, &mut Bits::new(300, &links), usize::MAX, usize::MAX).expect("no limit");
+    assert!(stars.len() == 300 && stars[0].neighbours.len() < 10);
+    assert_eq!(Some(stars), by_degree(300, &mut Lists::new(300, &links), usize::MAX, usize::MAX));
+}
+
+/// A cube of 26³ places, each beside up to six others: more than are bits from the start, with a dense rest.
+#[test]
+fn a_large_graph_is_eliminated_in_the_same_order_in_parts() {
+    const SIDE: usize = 26;
+    const NODES: usize = SIDE * SIDE * SIDE;
+    let steps = [1, SIDE, SIDE * SIDE];
+    let next = |i: usize, step: usize| (i / step % SIDE + 1 < SIDE).then_some([i, i + step]);
+    let links: Vec<[usize; 2]> = (0..NODES).flat_map(|i| steps.map(|step| next(i, step))).flatten().collect();
+    let whole = by_degree(NODES, &mut Bits::new(NODES, &links), usize::MAX, usize::MAX).expect("no limit");
+    let parts = least_degree(NODES, &links, usize::MAX).expect("no limit");
+    assert!(NODES > MOST_IN_BITS && whole.iter().any(|star| star.neighbours.len() > 10 * DENSE));
+    assert!(whole == parts);
+    let pairs: usize = whole.iter().map(Star::pairs).sum();
+    assert!(least_degree(NODES, &links, pairs).is_some() && least_degree(NODES, &links, pairs - 1).is_none());
+}
+
+#[test]
+fn a_limit_ends_the_search_for_an_order() {
+    assert_eq!(least_degree(16, &grid(), 10), None);
+    assert_eq!(least_degree(3, &[[0, 1], [1, 2], [2, 2]], 0).map(|s| s.len()), Some(3));
 }

@@ -8,6 +8,8 @@ use willis::internals::decision::{Keep, all_decided, decide};
 use willis::internals::network::{Condition, Network, Node, Origin, Vessel};
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
+use willis::internals::support::Distribution;
+use willis::internals::support::statistics::{median, otsu, quantile};
 
 const EDGES: usize = 40;
 const BLOCKS: u64 = 2500;
@@ -239,4 +241,31 @@ fn errors_hold_for_vessels_that_few_samples_saw() {
         // Two points of a hundred for the shares themselves, of which some hundred independent ones are counted.
         assert!(all > 100.0 && held / all > 0.93, "{held} of {all}");
     }
+}
+
+#[test]
+fn the_figures_are_those_of_numpy() {
+    // numpy: mean, std(ddof=1), quantile of [3, 1, 4, 1, 5]
+    let d = Distribution::of(vec![3.0, 1.0, 4.0, 1.0, 5.0]);
+    assert!((d.mean - 2.8).abs() < 1e-15 && (d.std - 1.788_854_381_999_831_6).abs() < 1e-15);
+    assert_eq!(d.quantiles, [1.0, 1.0, 3.0, 4.0, 4.8]);
+    assert!(Distribution::of(vec![1.0, f64::NAN]).quantiles[0].is_nan());
+    assert!(Distribution::of(Vec::new()).mean.is_nan());
+}
+
+#[test]
+fn quantiles_are_those_of_numpy() {
+    // numpy.quantile([3, 1, 4, 1, 5, 9, 2, 6], [0.5, 0.1, 0.9])
+    let v = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+    assert_eq!(median(&v), Some(3.5));
+    assert_eq!(quantile(&v, 0.1), Some(1.0));
+    assert!((quantile(&v, 0.9).unwrap_or(0.0) - 6.9).abs() < 1e-12);
+    assert_eq!(median(&[]), None);
+}
+
+#[test]
+fn otsu_cuts_between_two_clusters() {
+    assert_eq!(otsu(&[1.0, 2.0, 10.0, 11.0], 0.0), Some(6.0));
+    assert_eq!(otsu(&[2.0, 2.0], 0.0), None);
+    assert_eq!(otsu(&[2.0, 2.0 + 1e-15, 2.0 - 1e-15], 1e-9), None);
 }

@@ -9,6 +9,7 @@ use crate::vessels::{network, tube};
 use willis::internals::decision::{Keep, decide};
 use willis::internals::network::{Condition, Network, Vessel};
 use willis::internals::sampling::{Coins, Likelihood, SamplingOptions, Solver, Uncertain, infer};
+use willis::internals::support::ties::{TIE, exceeds, near_zero, steady};
 
 const SOLVERS: [Solver; 3] = [Solver::Lanes, Solver::Gradients, Solver::Reference];
 const SAMPLES: u64 = 10_000;
@@ -190,4 +191,25 @@ fn the_last_bits_of_a_likelihood_decide_nothing() {
             }
         }
     }
+}
+
+#[test]
+fn what_rounding_parts_exceeds_nothing() {
+    assert!(!exceeds(0.1 + 0.2, 0.3) && !exceeds(0.3, 0.1 + 0.2) && !exceeds(0.0, 0.0));
+    assert!(exceeds(1.0 + 2.0 * TIE, 1.0) && !exceeds(1.0, 1.0 + 2.0 * TIE) && exceeds(1.0, 0.0) && exceeds(1.0, -1.0));
+    assert!(!exceeds(f64::NAN, 0.0) && exceeds(f64::MIN_POSITIVE, 0.0));
+}
+
+#[test]
+fn differences_that_are_rounding_are_zero() {
+    assert_eq!([near_zero(0.3 - 0.1 - 0.2), near_zero(-1e-12), near_zero(1.0 / 3.0 - 0.25)], [0.0, 0.0, near_zero(1.0 / 12.0)]);
+    assert_eq!(near_zero(-1e-12).to_bits(), 0);
+}
+
+#[test]
+fn what_rounding_parts_is_equal_again_and_what_differs_stays_different() {
+    assert_eq!(steady(0.1 + 0.2), steady(0.3));
+    assert_eq!(steady(-3.000_000_000_000_000_4), -3.0);
+    assert_eq!([steady(0.0), steady(1.5), steady(f64::INFINITY)], [0.0, 1.5, f64::INFINITY]);
+    assert!(steady(1.0 + 1e-9) > 1.0 && (steady(0.7) - 0.7).abs() < 1e-9);
 }

@@ -7,7 +7,9 @@ use crate::command::{data, folder, stderr, willis};
 use crate::grown::grown;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::Value;
+use serde_json::{Value, json};
+use willis::internals::report::page::lead::{Part, modulation, simulation};
+use willis::internals::report::page::scene::{Place, thinned};
 
 const LABELS: [&str; 7] =
     ["<script>alert(1)</script>", "\"&'", "</script>", "a\u{2028}b\u{2029}c", "A. cerebri média 中 🧠", "{{scripts}}", "<!--"];
@@ -249,4 +251,49 @@ fn a_page_of_twenty_thousand_vessels_is_below_four_megabytes() {
     let html = page(here.path(), "out");
     assert!(html.len() < 4_000_000, "{} bytes", html.len());
     assert_eq!(content(&html)["tables"][0]["rows"], 20_000);
+}
+
+/// By hand: on a straight line of even taper nothing but the ends stays; a corner and a bulge do.
+#[test]
+fn what_is_left_out_lies_on_the_line() {
+    let straight: Vec<Place> = (0..9).map(|i| [f64::from(i), 0.0, 0.0, 9.0 - f64::from(i)]).collect();
+    assert_eq!(thinned(&straight, 0.01), [straight[0], straight[8]]);
+    let corner = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]];
+    assert_eq!(thinned(&corner, 0.01), [corner[0], corner[2], corner[3]]);
+    let bulge = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 3.0], [2.0, 0.0, 0.0, 1.0]];
+    assert_eq!(thinned(&bulge, 0.01), bulge);
+    assert_eq!(thinned(&bulge, 5.0).len(), 2);
+}
+
+fn read(parts: &[Part]) -> String {
+    parts.iter().map(|(text, _)| text.as_str()).collect()
+}
+
+/// 600 -> 540 is a tenth less; 1000 -> 1000.1 is a hundredth of a percent.
+#[test]
+fn a_page_begins_with_what_came_of_the_run() {
+    let plain = json!({ "total_inflow_mL_per_min": 641.638, "counts": { "diffused": 51, "vessels": 52 } });
+    assert_eq!(read(&simulation(&plain)), "642 mL/min flow in; blood flows in 51 of 52 vessels.");
+    let of = |reversed: Value| {
+        json!({
+            "total_inflow_mL_per_min": 600.0,
+            "total_inflow_mL_per_min_perturbed": 540.0,
+            "perturbations": [{ "edge": 4, "label": "BA", "kind": "stenosis" }],
+            "collaterals": [{ "edge": 15, "label": "", "gain_mL_per_min": 28.53 }],
+            "reversed": reversed,
+        })
+    };
+    assert_eq!(
+        read(&simulation(&of(json!([])))),
+        "Stenosis of BA: inflow 600 \u{2192} 540 mL/min (\u{2212}10.0 %); no flow is reversed; edge 15 gains most, 28.5 mL/min."
+    );
+    assert!(read(&simulation(&of(json!([{ "edge": 7, "label": "" }])))).contains("the flow of edge 7 is reversed"));
+    let class = |inflow: f64| json!({ "class": "0.3:0.5", "total_inflow_mL_per_min": inflow, "rho_G_W_per_m3": 2.0, "share_above_threshold": 0.041 });
+    let record = json!({ "unperturbed": class(1000.0), "classes": [class(1.0), class(1000.1)] });
+    assert_eq!(
+        read(&modulation(&record)),
+        "With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience from 2.00 to 2.00 W/m\u{b3} \
+         (by less than 0.05 %); 4.1 % of the vessels are above the threshold of hypertension, before 4.1 %."
+    );
+    assert!(simulation(&json!({})).is_empty() && modulation(&json!({})).is_empty());
 }

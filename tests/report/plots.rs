@@ -1,9 +1,15 @@
 //! The pictures: read back with a PNG decoder, and compared with what the numbers demand.
 
+use proptest::prelude::{Just, Strategy, prop_assert, prop_oneof, proptest};
+use willis::internals::modulation::BINS;
+use willis::internals::report::figures::axis::{Label, LinearRange, LogRange, Tick, count_ticks};
+use willis::internals::report::figures::course::{Place, smoothed};
 use willis::internals::report::figures::{
     Boxes, Cut, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, Matrix, Panel, Projection, VesselFlow, ZERO, colour,
     convergence, flow_bars, heat_map, hypertension, modulation, summary,
 };
+use willis::internals::report::modulation::pictures::bins_in_one;
+use willis::internals::report::node_blocks::orders;
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
 
@@ -399,4 +405,135 @@ fn a_thick_vessel_has_no_spikes_at_its_corners() {
     assert!((0..picture.size[1]).all(|y| (0..picture.size[0]).all(|x| !dirty(x, y))), "ink beside the panel");
     let grey = picture.rgb.chunks_exact(3).filter(|p| p[0] < 0xe0 && p[0] > 0x70).count();
     assert!(grey > 1000, "the vessel itself is there: {grey}");
+}
+
+#[test]
+fn ticks_are_a_few_round_numbers() {
+    let read = |low, high, most| {
+        let text = |t: Tick| match t.label.exponent.as_str() {
+            "" => t.label.text,
+            exponent => format!("{}^{exponent}", t.label.text),
+        };
+        LinearRange { low, high }.ticks(most).into_iter().map(text).collect::<Vec<_>>()
+    };
+    assert_eq!(read(0.0, 1.0, 6), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+    assert_eq!(read(-3.2, 1.1, 6), ["\u{2212}3", "\u{2212}2", "\u{2212}1", "0", "1"]);
+    assert_eq!(read(0.0, 4200.0, 6), ["0", "1000", "2000", "3000", "4000"]);
+    assert_eq!(read(-120.0, 230.0, 7), ["\u{2212}100", "0", "100", "200"]);
+    assert_eq!(read(0.0, 0.04, 7), ["0", "0.01", "0.02", "0.03", "0.04"]);
+    assert_eq!(read(0.0, 5e-7, 6)[..2], ["0", "1\u{b7}10^\u{2212}7"]);
+    assert_eq!(read(0.0, 2e-310, 6), [""; 0]);
+    assert_eq!(read(0.0, f64::INFINITY, 6), [""; 0]);
+    assert_eq!(LinearRange::of([f64::NAN]), None);
+    assert!(LinearRange::of([2.0, 2.0]).is_some_and(|r| r.low < 2.0 && r.high > 2.0));
+}
+
+fn read(ticks: &[Tick]) -> Vec<String> {
+    let text = |label: &Label| match label.exponent.as_str() {
+        "" => label.text.clone(),
+        exponent => format!("{}^{exponent}", label.text),
+    };
+    ticks.iter().map(|tick| text(&tick.label)).collect()
+}
+
+#[test]
+fn counts_are_a_few_round_numbers() {
+    assert_eq!(read(&count_ticks(0, 6)), ["0"]);
+    assert_eq!(read(&count_ticks(4, 6)), ["0", "1", "2", "3", "4"]);
+    assert_eq!(read(&count_ticks(59, 6)), ["0", "10", "20", "30", "40", "50"]);
+    assert_eq!(read(&count_ticks(29_999, 6)), ["0", "5000", "10,000", "15,000", "20,000", "25,000"]);
+    assert_eq!(read(&count_ticks(2_000_000, 6))[3..], ["1.5\u{b7}10^6", "2\u{b7}10^6"]);
+    assert!(count_ticks(u64::MAX, 6).len() <= 7);
+}
+
+#[test]
+fn a_wide_range_has_powers_of_ten_and_a_narrow_one_steps_of_1_2_5() {
+    let ticks = |low: f64, high: f64| read(&LogRange::of([low, high, 0.0]).expect("positive values").ticks());
+    assert_eq!(ticks(0.5, 2e3), ["10^0", "10^1", "10^2", "10^3"]);
+    assert_eq!(ticks(3.0, 70.0), ["5", "10", "20", "50"]);
+    assert_eq!(ticks(7.0, 7.0), ["1", "2", "5"]);
+    assert_eq!(ticks(0.02, 0.3), ["0.02", "0.05", "0.1", "0.2"]);
+    assert_eq!(ticks(3e8, 3e8), ["5\u{b7}10^7", "10^8", "2\u{b7}10^8"]);
+    assert!(ticks(f64::MIN_POSITIVE, f64::MAX).len() <= 10);
+}
+
+#[test]
+fn what_is_twelve_decades_below_the_largest_is_left_out() {
+    let range = LogRange::of([1e-20, 1e3]).expect("positive values");
+    assert!(range.clipped && range.share(1e-20) < 0.0 && range.share(1e3) >= 1.0);
+    assert_eq!(range.low.to_bits(), (-9.0_f64).to_bits());
+    assert_eq!(LogRange::of([0.0]), None);
+}
+/// Any number a double can be.
+fn any() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any_double(),
+        Just(0.0),
+        Just(f64::MAX),
+        Just(f64::MIN_POSITIVE),
+        Just(5e-324),
+        Just(f64::INFINITY),
+        Just(f64::NAN)
+    ]
+}
+
+fn any_double() -> impl Strategy<Value = f64> {
+    proptest::num::f64::ANY
+}
+
+proptest! {
+    #[test]
+    fn ticks_of_any_values_are_few_and_lie_on_the_axis(a in any(), b in any(), most in 2_usize..12) {
+        if let Some(range) = LinearRange::of([a, b]) {
+            let ticks = range.ticks(most);
+            prop_assert!(ticks.len() <= most);
+            prop_assert!(ticks.iter().all(|t| (-1e-6..=1.0 + 1e-6).contains(&range.share(t.at))));
+        }
+        // As figures make them: from zero to a quantity.
+        let from_zero = LinearRange { low: 0.0, high: a }.ticks(most).len();
+        prop_assert!(from_zero <= most);
+        if let Some(range) = LogRange::of([a, b]) {
+            let ticks = range.ticks();
+            prop_assert!((1..=14).contains(&ticks.len()), "{}", ticks.len());
+            prop_assert!(ticks.iter().all(|t| (-1e-6..=1.0 + 1e-6).contains(&range.share_of_log(t.at))));
+        }
+    }
+
+    #[test]
+    fn ticks_of_counts_are_few(last in proptest::num::u64::ANY, most in 2_u64..12) {
+        prop_assert!(count_ticks(last, most).len() as u64 <= most + 1);
+    }
+}
+
+/// By hand: a straight vessel of one radius stays as it is; on a long one of radii 1 and 3 in turn every inner radius is near 2, and
+/// the ends stay in place; a corner of a thick vessel moves half way, that of a thin one by 0.3 radii.
+#[test]
+fn noise_goes_and_what_is_even_stays() {
+    let even: Vec<Place> = (0..5).map(|i| [f64::from(i), 0.0, 0.0, 0.5]).collect();
+    for (a, b) in smoothed(&even).iter().zip(&even) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
+    }
+    let noisy: Vec<Place> = (0..101).map(|i| [f64::from(i), 0.0, 0.0, f64::from(1 + 2 * (i % 2))]).collect();
+    let calm = smoothed(&noisy);
+    assert!(calm.iter().all(|p| (p[3] - 2.0).abs() < 0.1));
+    assert_eq!((&calm[0][..3], &calm[100][..3]), (&noisy[0][..3], &noisy[100][..3]));
+    let corner = |radius| smoothed(&[[0.0, 0.0, 0.0, radius], [1.0, 1.0, 0.0, radius], [2.0, 0.0, 0.0, radius]])[1][1];
+    assert!((corner(10.0) - 0.5).abs() < 1e-12 && (corner(0.1) - 0.97).abs() < 1e-12);
+    assert_eq!(smoothed(&even[..2]), even[..2]);
+    assert!(smoothed(&[]).is_empty());
+}
+
+/// 2 n^⅓ is 2, 5.4, 12.6 and 43.1, and 50 is divided by 1, 2, 5, 10, 25 and 50.
+#[test]
+fn a_picture_has_as_many_bins_as_its_vessels_carry() {
+    assert_eq!([1, 20, 250, 10_000, 100_000].map(|vessels| BINS / bins_in_one(vessels)), [2, 10, 25, 50, 50]);
+}
+
+/// A source s with a long branch (a, b, c) and a short one (d): the short one comes first. The second source has e alone.
+#[test]
+fn smaller_branches_come_first() {
+    let [s, a, b, c, d, t, e] = [0, 1, 2, 3, 4, 5, 6];
+    let visited = [s, t, a, d, e, b, c];
+    let before = [None, None, Some(s), Some(s), Some(t), Some(a), Some(b)];
+    assert_eq!(orders(&[s, t], &visited, &before, 7), [vec![s, d, a, b, c], vec![t, e]]);
 }

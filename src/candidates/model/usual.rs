@@ -62,21 +62,3 @@ impl Usual {
 fn short(x: f64) -> String {
     if x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x:.2}") }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Usual;
-
-    fn of(fragments: f64, variation: f64) -> Usual {
-        Usual([fragments, 2.0, 1.5, variation].map(|x| [x; 2]))
-    }
-
-    #[test]
-    fn what_no_case_had_is_told_with_its_figure_and_the_range() {
-        let seen = of(3.0, 0.1).with(of(250.0, 0.3));
-        assert_eq!(of(3.0, 0.3).unlike(seen), None);
-        let told = of(1204.0, 0.2).unlike(seen).expect("a note");
-        assert!(told.contains("1204 fragments (there 3 to 250)") && !told.contains("variation"), "{told}");
-        assert!(of(9.0, 0.05).unlike(seen).expect("a note").contains("0.05 variation of the radius (there 0.10 to 0.30)"));
-    }
-}

@@ -116,28 +116,3 @@ pub fn join_nearest(network: &mut Network, ends: &[usize], k: usize) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_tree_finds_what_brute_force_finds_ties_included() {
-        let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
-        let index = PointIndex::new(lattice.clone());
-        for p in &lattice {
-            for reach in [0.0, 1.0, 1.5, 2.0] {
-                let mut expected: Vec<(f64, usize)> = lattice
-                    .iter()
-                    .enumerate()
-                    .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
-                    .filter(|(d, _)| *d <= reach)
-                    .collect();
-                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
-                assert_eq!(index.within(*p, reach), expected);
-                assert_eq!(index.first(*p, expected.len()), expected);
-                assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
-            }
-        }
-    }
-}

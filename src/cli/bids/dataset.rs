@@ -24,8 +24,10 @@ const MOST: usize = 6;
 /// `--filter KEY=VALUE`: what the name of a mask must have; without a value, what it must not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
-    key: String,
-    value: String,
+    /// The entity.
+    pub key: String,
+    /// Its value; empty where the entity must be missing.
+    pub value: String,
 }
 
 /// The filter that a word means.
@@ -51,15 +53,16 @@ pub struct Choice {
 
 /// An image by its name.
 #[derive(Debug, Clone, PartialEq)]
-struct Named {
+pub struct Named {
     /// The entities in order, each with its value.
     entities: Vec<(String, String)>,
-    suffix: String,
+    /// What it is: `mask`, `dseg`.
+    pub suffix: String,
 }
 
 impl Named {
     /// The name of an image of NIfTI; `None` for another file.
-    fn parse(name: &str) -> Option<Self> {
+    pub fn parse(name: &str) -> Option<Self> {
         let stem = name.strip_suffix(".nii.gz").or_else(|| name.strip_suffix(".nii"))?;
         let (entities, suffix) = stem.rsplit_once('_')?;
         let entity = |part: &str| part.split_once('-').map(|(key, value)| (key.to_owned(), value.to_owned()));
@@ -67,7 +70,8 @@ impl Named {
         Some(Self { entities, suffix: suffix.to_owned() })
     }
 
-    fn value(&self, key: &str) -> Option<&str> {
+    /// The value of an entity.
+    pub fn value(&self, key: &str) -> Option<&str> {
         self.entities.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
     }
 
@@ -77,7 +81,7 @@ impl Named {
     }
 
     /// Whether it says that it is of vessels.
-    fn says_vessels(&self) -> bool {
+    pub fn says_vessels(&self) -> bool {
         let is_word = |value: &str| VESSELS.iter().any(|word| value.to_lowercase().contains(word));
         WHAT.iter().filter_map(|key| self.value(key)).any(is_word)
     }
@@ -360,28 +364,4 @@ fn images(folder: &Path) -> Vec<(PathBuf, Named)> {
     let mut images: Vec<_> = entries.filter_map(|entry| named(entry.path())).collect();
     images.sort_by(|a, b| a.0.cmp(&b.0));
     images
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_is_entities_and_a_suffix() {
-        let named = Named::parse("sub-01_ses-a_acq-tof_desc-CoWVessels_mask.nii.gz").expect("a name");
-        assert_eq!((named.value("acq"), named.value("run"), &*named.suffix), (Some("tof"), None, "mask"));
-        assert!(named.says_vessels());
-        assert!(!Named::parse("sub-01_acq-angio_desc-brain_mask.nii").expect("a name").says_vessels());
-        for name in ["sub-01_mask.json", "mask.nii.gz", "sub01_mask.nii.gz"] {
-            assert_eq!(Named::parse(name), None, "{name}");
-        }
-    }
-
-    #[test]
-    fn a_filter_is_a_pair() {
-        assert_eq!(parse_filter("space="), Ok(Filter { key: "space".into(), value: String::new() }));
-        for text in ["desc", "=a", "desc=a/b", "desc=a=b"] {
-            assert!(parse_filter(text).is_err(), "{text}");
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! `willis bids`: a BIDS app, from the masks of vessels in a dataset to a dataset of derivatives.
 
-mod dataset;
+pub(super) mod dataset;
 mod derivative;
 
 use std::collections::BTreeSet;

@@ -49,25 +49,3 @@ fn without_figures(note: &str) -> String {
     };
     note.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn notes_that_differ_in_their_figures_are_one() {
-        let all = [
-            "1 point coinciding: one",
-            "23 points coinciding: one",
-            "as it is (5 mm)",
-            "as it is (5 mm)",
-            "alone 7",
-            "the radius of 1 edge is d",
-            "the radius of 2 edges is d",
-        ];
-        let counted: Vec<(String, usize)> = counted(all).into_iter().collect();
-        let expected =
-            [("alone 7", 1), ("as it is (5 mm)", 2), ("the radius of … edges is d", 2), ("… points coinciding: one", 2)];
-        assert_eq!(counted, expected.map(|(note, of)| (note.to_owned(), of)));
-    }
-}

@@ -60,26 +60,3 @@ pub fn read_decisions(bytes: &[u8]) -> Result<Vec<ListedDecision>, Fault> {
     }
     Ok(all)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_list_is_read_and_what_is_wrong_is_named() {
-        let list = b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n";
-        let read = read_decisions(list).expect("a list");
-        assert_eq!((read[0].edge, read[0].accepted, &*read[0].ids[1], &*read[0].who), (7, true, "2:3", "Doe, J"));
-        assert_eq!((read[1].edge, read[1].accepted, read[1].line), (9, false, 3));
-        for (text, word) in [
-            ("edge,id_a,id_b\n1,a,b\n", "decision"),
-            ("edge,id_a,id_b,decision\n1,a,b,perhaps\n", "\"perhaps\""),
-            ("edge,id_a,id_b,decision\n-1,a,b,accept\n", "edge \"-1\""),
-            ("edge,id_a,id_b,decision\n1,a,b,accept\n1,a,b,reject\n", "comes again"),
-        ] {
-            let fault = read_decisions(text.as_bytes()).expect_err(text);
-            let said = fault.in_file("a.csv".as_ref()).to_string();
-            assert!(said.contains(word), "{said}");
-        }
-    }
-}

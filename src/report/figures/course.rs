@@ -1,7 +1,7 @@
 //! The course of a vessel as it is drawn: its radius averaged along it and its corners calmed, for display only.
 
 /// x, y, z and radius, mm.
-type Place = [f64; 4];
+pub type Place = [f64; 4];
 
 /// Radii are averaged over so many radii to either side, as on the page.
 const REACH: f64 = 6.0;
@@ -61,27 +61,4 @@ fn calmed(course: &[Place], along: &[f64], at: usize, most: f64) -> [f64; 3] {
 
 fn distance(a: &Place, b: &Place) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand: a straight vessel of one radius stays as it is; on a long one of radii 1 and 3 in turn every inner radius is near 2, and
-    /// the ends stay in place; a corner of a thick vessel moves half way, that of a thin one by 0.3 radii.
-    #[test]
-    fn noise_goes_and_what_is_even_stays() {
-        let even: Vec<Place> = (0..5).map(|i| [f64::from(i), 0.0, 0.0, 0.5]).collect();
-        for (a, b) in smoothed(&even).iter().zip(&even) {
-            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
-        }
-        let noisy: Vec<Place> = (0..101).map(|i| [f64::from(i), 0.0, 0.0, f64::from(1 + 2 * (i % 2))]).collect();
-        let calm = smoothed(&noisy);
-        assert!(calm.iter().all(|p| (p[3] - 2.0).abs() < 0.1));
-        assert_eq!((inner(&calm[0]), inner(&calm[100])), (inner(&noisy[0]), inner(&noisy[100])));
-        let corner = |radius| smoothed(&[[0.0, 0.0, 0.0, radius], [1.0, 1.0, 0.0, radius], [2.0, 0.0, 0.0, radius]])[1][1];
-        assert!((corner(10.0) - 0.5).abs() < 1e-12 && (corner(0.1) - 0.97).abs() < 1e-12);
-        assert_eq!(smoothed(&even[..2]), even[..2]);
-        assert!(smoothed(&[]).is_empty());
-    }
 }

@@ -2,13 +2,13 @@
 //!
 //! The pictures need no installed font, and the same input gives the same bytes.
 
-mod axis;
+pub mod axis;
 mod bitmap;
 mod canvas;
 pub(crate) mod colour;
 mod colour_bar;
 pub(crate) mod convergence;
-mod course;
+pub mod course;
 pub(crate) mod figure;
 pub(crate) mod flow_bars;
 mod font;

@@ -1,6 +1,6 @@
 //! The output folder of a resistance modulation: tables, arrays, pictures, page and record.
 
-mod pictures;
+pub mod pictures;
 mod record;
 mod tables;
 

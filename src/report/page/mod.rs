@@ -3,11 +3,11 @@
 pub(crate) mod cohort;
 mod encode;
 mod inference;
-mod lead;
+pub mod lead;
 mod modulation;
 pub(crate) mod phenotype;
 mod pulse;
-pub(crate) mod scene;
+pub mod scene;
 mod simulation;
 
 pub use inference::page as infer_page;

@@ -85,7 +85,7 @@ fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Ma
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
-fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
+pub fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
     let mut kept = vec![false; line.len()];
     let mut open = vec![(0, line.len() - 1)];
     while let Some((first, last)) = open.pop() {
@@ -108,21 +108,4 @@ fn from_segment(p: Place, a: Place, b: Place) -> f64 {
     let share = if length > 0.0 { (product(from, along) / length).clamp(0.0, 1.0) } else { 0.0 };
     let off: Place = std::array::from_fn(|i| from[i] - share * along[i]);
     product(off, off).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand: on a straight line of even taper nothing but the ends stays; a corner and a bulge do.
-    #[test]
-    fn what_is_left_out_lies_on_the_line() {
-        let straight: Vec<Place> = (0..9).map(|i| [f64::from(i), 0.0, 0.0, 9.0 - f64::from(i)]).collect();
-        assert_eq!(thinned(&straight, 0.01), [straight[0], straight[8]]);
-        let corner = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]];
-        assert_eq!(thinned(&corner, 0.01), [corner[0], corner[2], corner[3]]);
-        let bulge = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 3.0], [2.0, 0.0, 0.0, 1.0]];
-        assert_eq!(thinned(&bulge, 0.01), bulge);
-        assert_eq!(thinned(&bulge, 5.0).len(), 2);
-    }
 }

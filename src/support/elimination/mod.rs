@@ -4,8 +4,8 @@
 //! become those of a mesh, or the widest path between two neighbours may now lead through k. The order (least degree or
 //! least fill, whichever needs fewer joins) and the fill are worked out once.
 
-mod graph;
-mod order;
+pub mod graph;
+pub mod order;
 
 use std::ops::Deref;
 

@@ -7,6 +7,8 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use willis::internals::flow::Circuit;
+use willis::internals::flow::balance::{AT_REST, Balanced};
+use willis::internals::flow::pressures::PressureSolver;
 use willis::internals::flow::resilience::is_diffused;
 
 use super::{DROP_TOLERANCE, circuit, lanes, numberings, renumbered, star_mesh};
@@ -127,4 +129,51 @@ fn dead_ends_made_by_closed_vessels_have_drops_of_rounding_at_most() {
         }
     }
     println!("dead ends by closed vessels: {count} drops of {}", dead.len() * 192 * TRIALS as usize);
+}
+
+/// A wide vessel that leads nowhere, at a pressure that rounding blurs: nothing flows in it.
+#[test]
+fn nothing_flows_in_a_dead_end() {
+    let circuit = Circuit {
+        ends: vec![[0, 1], [1, 2], [1, 3], [3, 4]],
+        conductance: vec![1.0 / 3.0, 1.0 / 7.0, 1e9, 1e5],
+        terminals: Vec::new(),
+        fixed: vec![Some(1e4), None, Some(0.0), None, None],
+        shunt: vec![0.0; 5],
+        source: vec![0.0; 5],
+        injects: false,
+        level: 0.0,
+    };
+    let mut found = PressureSolver::new(&circuit).expect("compiles").above_level(|_| true).expect("solved");
+    for (node, ulps) in [(3, 3.0), (4, -2.0)] {
+        found[node] = found[node].map(|p| p * (1.0 + ulps * f64::EPSILON));
+    }
+    let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
+    let flow = |row: usize| balanced.drop[row] * circuit.conductance[row];
+    assert!((flow(0) / 1e3 - 1.0).abs() < 1e-12 && (flow(1) / 1e3 - 1.0).abs() < 1e-12);
+    assert!(flow(2).abs() < 1e3 * AT_REST && flow(3).abs() < 1e3 * AT_REST, "{} {}", flow(2), flow(3));
+}
+
+/// Vessels of resistance 1/C and 1 Pa s/m³ in series between 100 Pa and 0: the flow is 100/(1 + 1/C), and each carries it, to the 1e-12 that
+/// is promised.
+#[test]
+fn vessels_in_series_carry_one_flow() {
+    for stiff in [1e3, 1e9, 1e12, 1e15, 1e30] {
+        let circuit = Circuit {
+            ends: vec![[0, 1], [1, 2]],
+            conductance: vec![stiff, 1.0],
+            terminals: Vec::new(),
+            fixed: vec![Some(100.0), None, Some(0.0)],
+            shunt: vec![0.0; 3],
+            source: vec![0.0; 3],
+            injects: false,
+            level: 0.0,
+        };
+        let found = PressureSolver::new(&circuit).expect("compiles").above_level(|_| true).expect("solved");
+        let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
+        let flow = 100.0 / (1.0 + 1.0 / stiff);
+        for (drop, conductance) in balanced.drop.iter().zip(&circuit.conductance) {
+            assert!((drop * conductance / flow - 1.0).abs() < 1e-12, "{stiff}: {}", drop * conductance);
+        }
+    }
 }
