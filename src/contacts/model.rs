@@ -9,10 +9,10 @@ use super::Basis;
 use super::crowding::Crowding;
 use super::partition::PartitionWeights;
 use crate::error::Fault;
-use crate::support::boosted_trees::{Boosted, BoostedEntry};
+use crate::support::boosted_trees::{Boosted, check_features};
 use crate::support::calibration::Calibration;
-use crate::support::toml_text::{list, parse, text};
-use crate::support::tree_provenance::TreeProvenance;
+use crate::support::model_provenance::ModelProvenance;
+use crate::support::toml_text::{finite, parse, write};
 
 /// The model that comes with the program.
 const SHIPPED: &str = include_str!("contacts.toml");
@@ -23,25 +23,29 @@ const HEADING: &str = "\
 # is less than 0.25, else B. Features have no unit. The weights are those of partitions of two or three ends, of four, of more.
 # P of a contact is 1/(1 + exp(-(a + b l))), [a, b] the calibration and l the log-odds by the partitions. crowding: the most contacts and
 # handles per 1,000 radii of length in a case of the calibration.
-kind = \"contacts\"
+# figures: cross-validated by subject, over pairs of branch ends at clusters of at most six ends.
 ";
-
-const FIGURES: &str = "# Cross-validated by subject, over pairs of branch ends at clusters of at most six ends.";
 
 /// A calibration that changes nothing: that of a model which has none.
 pub const NOT_CALIBRATED: [f64; 2] = [0.0, 1.0];
 
 /// Scores of pairs, weights of partitions, and how often contacts that are found are one vessel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ContactPart {
-    /// The score (log-odds) of a pair.
-    pub trees: Boosted,
+    /// The names of the features of a pair.
+    pub features: Vec<String>,
     /// The weights of the features of a partition.
+    #[serde(deserialize_with = "finite")]
     pub weights: PartitionWeights,
     /// a and b: P of a contact is σ(a + b l), l the log-odds that its two blocks are joined by the partitions; b is at least 0.
+    #[serde(deserialize_with = "finite")]
     pub calibration: [f64; 2],
     /// The most crowded of the cases that it was calibrated on; `None` for a model that is not calibrated.
     pub crowding: Option<Crowding>,
+    /// The score (log-odds) of a pair.
+    #[serde(rename = "pairs")]
+    pub trees: Boosted,
 }
 
 impl ContactPart {
@@ -52,9 +56,21 @@ impl ContactPart {
     }
 }
 
+/// What tells the file of a contact model from that of another one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub enum ContactKind {
+    /// It is one.
+    #[default]
+    #[serde(rename = "contacts")]
+    Contacts,
+}
+
 /// The contact model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ContactModel {
+    /// What the file is.
+    pub kind: ContactKind,
     /// For centerlines alone.
     pub skeleton: ContactPart,
     /// For centerlines with their mask.
@@ -62,7 +78,11 @@ pub struct ContactModel {
     /// For centerlines with their mask and an image.
     pub image: Option<ContactPart>,
     /// Where it comes from.
-    pub provenance: TreeProvenance<ContactScores>,
+    #[serde(default)]
+    pub provenance: ModelProvenance,
+    /// How well such models did.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<ContactScores>,
 }
 
 /// How well a contact model did on cases that it was not fitted to, over pairs of ends at clusters of at most six.
@@ -74,7 +94,7 @@ pub struct ContactScores {
     /// Whether the mask was looked at.
     pub with_mask: bool,
     /// The image that was looked at; empty without one.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub image: String,
     /// How many cases.
     pub cases: usize,
@@ -88,29 +108,6 @@ pub struct ContactScores {
     pub average_precision: f64,
     /// The largest difference of predicted and found share in ten bins of at least fifty pairs.
     pub largest_bin_error: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    kind: String,
-    skeleton: PartEntry,
-    mask: PartEntry,
-    image: Option<PartEntry>,
-    #[serde(default)]
-    provenance: TreeProvenance<ContactScores>,
-    #[serde(default)]
-    figures: Vec<ContactScores>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PartEntry {
-    features: Vec<String>,
-    weights: PartitionWeights,
-    calibration: [f64; 2],
-    crowding: Option<Crowding>,
-    pairs: BoostedEntry,
 }
 
 impl ContactModel {
@@ -137,18 +134,15 @@ impl ContactModel {
     /// # Errors
     ///
     /// Not TOML, a feature that this program does not measure, a tree that is none, a number that is not finite: the line or the name.
-    pub fn read(toml_text: &str) -> Result<Self, Fault> {
-        const ACCEPTED: &str = "expected a model as `willis train --model contacts` writes it";
-        let file: File = parse(toml_text, ACCEPTED)?;
-        if file.kind != "contacts" {
-            return Err(Fault::item("kind", file.kind, "expected contacts"));
+    pub fn read(text: &str) -> Result<Self, Fault> {
+        let model: Self = parse(text, "expected a model as `willis train --model contacts` writes it")?;
+        let image = model.image.iter().map(|part| ("image", part, Basis::Image));
+        for (place, part, basis) in
+            [("skeleton", &model.skeleton, Basis::Skeleton), ("mask", &model.mask, Basis::Mask)].into_iter().chain(image)
+        {
+            check(place, part, &basis.feature_names())?;
         }
-        Ok(Self {
-            skeleton: part("skeleton", &file.skeleton, Basis::Skeleton)?,
-            mask: part("mask", &file.mask, Basis::Mask)?,
-            image: file.image.map(|entry| part("image", &entry, Basis::Image)).transpose()?,
-            provenance: TreeProvenance { figures: file.figures, ..file.provenance },
-        })
+        Ok(model)
     }
 
     /// Writes TOML; every number is read back as it was.
@@ -156,53 +150,20 @@ impl ContactModel {
     /// # Errors
     ///
     /// Those of `out`.
-    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        write!(out, "{HEADING}")?;
-        for (name, basis) in [("skeleton", Basis::Skeleton), ("mask", Basis::Mask), ("image", Basis::Image)] {
-            if basis == Basis::Image && self.image.is_none() {
-                continue;
-            }
-            let part = self.part(basis);
-            writeln!(out, "\n[{name}]\nfeatures = {}", list(&basis.feature_names()))?;
-            writeln!(out, "weights = {:?}\ncalibration = {:?}", part.weights, part.calibration)?;
-            if let Some(Crowding { contacts, handles }) = part.crowding {
-                writeln!(out, "crowding = {{ contacts = {contacts:?}, handles = {handles:?} }}")?;
-            }
-            writeln!(out, "\n[{name}.pairs]")?;
-            part.trees.write(&mut out)?;
-        }
-        self.provenance.write(&mut out, FIGURES, |f, out| {
-            writeln!(out, "of = {}\nwith_mask = {}", text(&f.of), f.with_mask)?;
-            if !f.image.is_empty() {
-                writeln!(out, "image = {}", text(&f.image))?;
-            }
-            writeln!(out, "cases = {}\npairs = {}\njoined = {:?}", f.cases, f.pairs, f.joined)?;
-            writeln!(out, "auc = {:?}\naverage_precision = {:?}", f.auc, f.average_precision)?;
-            writeln!(out, "largest_bin_error = {:?}", f.largest_bin_error)
-        })?;
-        out.flush()
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        write(out, HEADING, true, self)
     }
 }
 
-fn part(place: &str, entry: &PartEntry, basis: Basis) -> Result<ContactPart, Fault> {
-    let names = basis.feature_names();
-    if entry.features != names {
-        let wrong = entry.features.iter().zip(&names).find(|(have, expected)| have != expected);
-        let found = wrong.map_or_else(|| entry.features.len().to_string(), |(have, _)| have.clone());
-        let accepted = wrong.map_or_else(|| names.len().to_string(), |(_, expected)| expected.clone());
-        return Err(Fault::item(format!("{place} features"), found, format!("expected {accepted} in this place")));
+fn check(place: &str, part: &ContactPart, names: &[String]) -> Result<(), Fault> {
+    check_features(&format!("{place} features"), &part.features, names)?;
+    if part.calibration[1] < 0.0 {
+        let accepted = "expected [a, b] with b of at least 0";
+        return Err(Fault::item(format!("{place} calibration"), format!("{:?}", part.calibration), accepted));
     }
-    if let Some(x) = entry.weights.iter().flatten().find(|x| !x.is_finite()) {
-        return Err(Fault::item(format!("{place} weights"), x.to_string(), "expected finite numbers"));
-    }
-    if entry.calibration.iter().any(|x| !x.is_finite()) || entry.calibration[1] < 0.0 {
-        let accepted = "expected [a, b], finite, with b of at least 0";
-        return Err(Fault::item(format!("{place} calibration"), format!("{:?}", entry.calibration), accepted));
-    }
-    if let Some(most) = entry.crowding.filter(|most| !(most.contacts >= 0.0 && most.handles >= 0.0)) {
+    if let Some(most) = part.crowding.filter(|most| !(most.contacts >= 0.0 && most.handles >= 0.0)) {
         let found = format!("{} and {}", most.contacts, most.handles);
         return Err(Fault::item(format!("{place} crowding"), found, "expected numbers from 0 on"));
     }
-    let trees = Boosted::read(place, &entry.pairs, names.len())?;
-    Ok(ContactPart { trees, weights: entry.weights, calibration: entry.calibration, crowding: entry.crowding })
+    part.trees.check(place, names.len())
 }

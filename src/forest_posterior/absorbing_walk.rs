@@ -45,6 +45,7 @@ impl Walk {
     }
 
     /// The walk on these nodes alone, in this order; other steps are left out.
+    #[must_use]
     pub fn part(&self, nodes: &[usize]) -> Self {
         let step = nodes.iter().flat_map(|from| nodes.iter().map(|to| self.row(*from)[*to])).collect();
         Self { nodes: nodes.len(), step, death: nodes.iter().map(|node| self.death[*node]).collect() }

@@ -210,7 +210,11 @@ impl UnpackLimit {
         usize::try_from(self.left.get()).unwrap_or(usize::MAX)
     }
 
-    /// Counts bytes against the limit; beyond it, what was found and what is accepted.
+    /// Counts bytes against the limit.
+    ///
+    /// # Errors
+    ///
+    /// Beyond it, what was found and what is accepted.
     pub fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
         let left = self.left.get().checked_sub(bytes as u64);
         self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);

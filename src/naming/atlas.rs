@@ -5,7 +5,7 @@ use super::states::{LABELS, NOWHERE, STATES, State, StateTables};
 use crate::support::geometry::Point;
 
 /// Where a state lies and how it looks, in the frame of the atlas: mm, RAS, about the middle between the carotid bifurcations.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Piece {
     /// Mean position, mm.
     pub mean: Point,
@@ -87,7 +87,7 @@ pub struct Bifurcations {
 impl Atlas {
     /// The atlas of what was fitted.
     pub fn new(data: AtlasData) -> Self {
-        let tables = StateTables::new();
+        let tables = StateTables::default();
         let position = data.pieces.iter().map(|piece| inverse(&piece.covariance)).collect();
         let direction = data.pieces.iter().map(|piece| inverse(&piece.direction)).collect();
         let mut prior: Vec<f64> = (0..STATES).map(|s| data.counts.length.get(s).copied().unwrap_or(0.0) + 1.0).collect();

@@ -1,5 +1,6 @@
 //! A model that names arteries: the atlas, which pieces are false, which segments are there; and its file.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
@@ -10,8 +11,9 @@ use super::presence::{KINDS, PRESENCE_FEATURES};
 use super::states::{LABELS, NOWHERE, STATES, State, StateTables, bins_of, first_state, label_of, name_of, side_of};
 use crate::circle_of_willis::Side;
 use crate::error::{Fault, Result};
+use crate::support::model_provenance::ModelProvenance;
 use crate::support::statistics::sigmoid;
-use crate::support::tree_provenance::TreeProvenance;
+use crate::support::toml_text::{parse, write};
 
 /// How well names were found for subjects that were held out.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -38,7 +40,9 @@ pub type Logistic = Vec<f64>;
 #[derive(Debug, Clone)]
 pub struct NamingModel {
     /// Where it comes from.
-    pub provenance: TreeProvenance<NamingScores>,
+    pub provenance: ModelProvenance,
+    /// How well such models did.
+    pub figures: Vec<NamingScores>,
     /// The atlas.
     pub atlas: Atlas,
     /// Per pass, whether a piece is false. The second pass has the logarithm of what the first one said as its last feature.
@@ -59,27 +63,27 @@ pub fn logistic_probability(weights: &[f64], features: &[f64]) -> f64 {
     sigmoid(weights[0] + weights[1..].iter().zip(features).map(|(w, x)| w * x).sum::<f64>())
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     format: String,
-    #[serde(default)]
-    provenance: TreeProvenance<NamingScores>,
-    #[serde(default)]
-    figures: Vec<NamingScores>,
     other_radius: [f64; 2],
     centroid: [f64; 3],
     false_pieces: [Vec<f64>; 2],
     presence: [Vec<f64>; KINDS],
     presence_with_topology: [Vec<f64>; KINDS],
     share: [f64; KINDS],
-    states: Vec<StateRow>,
     within_branches: Vec<(String, String, f64)>,
     at_junctions: Vec<(String, String, f64)>,
     bifurcations: Vec<(String, String, String, String, f64)>,
+    #[serde(default)]
+    provenance: ModelProvenance,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    figures: Vec<NamingScores>,
+    states: Vec<StateRow>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StateRow {
     name: String,
@@ -101,8 +105,16 @@ impl StateRow {
     }
 }
 
+const HEADING: &str = "\
+# Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.
+# false_pieces: whether a piece is false: a constant and the weights of its features, for the first and the second pass.
+# presence: whether an A1, AComm, PComm, P1 is there; presence_with_topology: the same, with the log odds of the plausible topologies as
+# the last feature.
+# within_branches, at_junctions: neighbours within a branch, and those of which one is a junction: how often they were seen.
+# bifurcations: the three arms of a bifurcation, its middle, and how often it was seen.
+# figures: how well such models did on subjects that were held out.
+";
 const FORMAT: &str = "willis artery names 2";
-const ACCEPTED: &str = "expected a model as `willis train --model labels` writes it";
 
 impl NamingModel {
     /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.
@@ -118,10 +130,7 @@ impl NamingModel {
     ///
     /// Not the TOML of a model; a state that is missing, unknown or no distribution; another number of weights.
     pub fn read(text: &str) -> Result<Self, Fault> {
-        let file: File = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
-            Fault::line(line, e.message().to_owned(), ACCEPTED)
-        })?;
+        let file: File = parse(text, "expected a model as `willis train --model labels` writes it")?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
         if file.format != FORMAT {
             return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
@@ -133,7 +142,7 @@ impl NamingModel {
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
         lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
         lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
-        let tables = StateTables::new();
+        let tables = StateTables::default();
         let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
         for row in &file.states {
@@ -167,7 +176,7 @@ impl NamingModel {
         }
         let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
         let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(State, State, f64)>, Fault> {
-            let mut all = std::collections::BTreeMap::new();
+            let mut all = BTreeMap::new();
             for (a, b, n) in rows {
                 if !(*n >= 0.0 && *n < 1e9) {
                     return Err(wrong(format!("count of \"{a}\" and \"{b}\""), "expected a number from 0 on"));
@@ -202,10 +211,9 @@ impl NamingModel {
             centroid: file.centroid,
             counts: Counts { length, neighbours, bifurcations },
         };
-        let mut provenance = file.provenance;
-        provenance.figures = file.figures;
         Ok(Self {
-            provenance,
+            provenance: file.provenance,
+            figures: file.figures,
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
             presence: file.presence,
@@ -219,67 +227,66 @@ impl NamingModel {
     /// # Errors
     ///
     /// Those of `out`.
-    pub fn write(&self, mut out: &mut dyn Write) -> io::Result<()> {
-        let (data, tables) = (&self.atlas.data, &self.atlas.tables);
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let (AtlasData { pieces, other_radius, centroid, counts }, tables) = (&self.atlas.data, &self.atlas.tables);
         let name = |state: State| state_name(state, tables);
-        writeln!(
-            out,
-            "# Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations."
-        )?;
-        writeln!(out, "format = \"{FORMAT}\"")?;
-        writeln!(out, "other_radius = {}", numbers(&data.other_radius, 6))?;
-        writeln!(out, "centroid = {}", numbers(&data.centroid, 4))?;
-        writeln!(
-            out,
-            "# Whether a piece is false: a constant and the weights of its features, for the first and the second pass."
-        )?;
-        writeln!(out, "false_pieces = [{}]", self.false_pieces.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;
-        writeln!(out, "# Whether an A1, AComm, PComm, P1 is there.")?;
-        writeln!(out, "presence = [{}]", self.presence.iter().map(|w| numbers(w, 6)).collect::<Vec<_>>().join(", "))?;
-        writeln!(out, "# The same, with the log odds of the plausible topologies as the last feature.")?;
-        let with: Vec<String> = self.presence_with_topology.iter().map(|w| numbers(w, 6)).collect();
-        writeln!(out, "presence_with_topology = [{}]", with.join(", "))?;
-        writeln!(out, "share = {}", numbers(&self.share, 6))?;
-        let (counts, half) = (&data.counts, |state: State| side_of(tables.label[state]) != Some(Side::Right));
-        writeln!(out, "# Neighbours within a branch, and those of which one is a junction: how often they were seen.")?;
-        for (key, list) in ["within_branches", "at_junctions"].iter().zip(&counts.neighbours) {
-            writeln!(out, "{key} = [")?;
-            for (a, b, n) in list {
+        let pairs = |list: &[(State, State, f64)]| {
+            let is_first = |(a, b, _): &&(State, State, f64)| {
                 let (ma, mb) = (tables.mirrored[*a], tables.mirrored[*b]);
-                if [(*b, *a), (ma, mb), (mb, ma)].iter().all(|other| (*a, *b) <= *other) {
-                    writeln!(out, "    [\"{}\", \"{}\", {}],", name(*a), name(*b), *n)?;
-                }
-            }
-            writeln!(out, "]")?;
-        }
-        writeln!(out, "# The three arms of a bifurcation, its middle, and how often it was seen.\nbifurcations = [")?;
+                [(*b, *a), (ma, mb), (mb, ma)].iter().all(|other| (*a, *b) <= *other)
+            };
+            list.iter().filter(is_first).map(|(a, b, n)| (name(*a), name(*b), *n)).collect()
+        };
+        let mut bifurcations = BTreeMap::new();
         for (arms, middle, n) in &counts.bifurcations {
             let mut other = arms.map(|s| tables.mirrored[s]);
             other.sort_unstable();
-            let other = (other, tables.mirrored[*middle]);
-            if (*arms, *middle) <= other {
-                let [a, b, c] = arms.map(name);
+            let (own, other) = ((*arms, *middle), (other, tables.mirrored[*middle]));
+            if own <= other {
                 // A bifurcation that is its own mirror image stands for both.
-                let n = if (*arms, *middle) == other { 0.5 * n } else { *n };
-                writeln!(out, "    [\"{a}\", \"{b}\", \"{c}\", \"{}\", {n}],", name(*middle))?;
+                *bifurcations.entry(own).or_insert(0.0) += if own == other { 0.5 * n } else { *n };
             }
         }
-        writeln!(out, "]")?;
-        self.provenance.write(&mut out, "# How well such models did on subjects that were held out.", |of, out| {
-            writeln!(out, "of = \"{}\"\ncases = {}", of.of, of.cases)?;
-            writeln!(out, "length_right = {:.4}\nlength_right_mca = {:.4}", of.length_right, of.length_right_mca)?;
-            writeln!(out, "presence_right = {}\nexact = {}", numbers(&of.presence_right, 4), numbers(&of.exact, 4))
-        })?;
-        for state in (0..STATES).filter(|state| half(*state)) {
-            let (mean, covariance, direction, log_radius) = match data.pieces.get(state) {
-                Some(p) => (p.mean, p.covariance, p.direction, [p.log_radius, p.radius_spread]),
-                None => ([0.0; 3], [0.0; 6], [0.0; 6], [0.0; 2]),
-            };
-            writeln!(out, "\n[[states]]\nname = \"{}\"\nmean = {}", name(state), numbers(&mean, 4))?;
-            writeln!(out, "covariance = {}\ndirection = {}", numbers(&covariance, 5), numbers(&direction, 6))?;
-            writeln!(out, "log_radius = {}\nlength = {:.2}", numbers(&log_radius, 5), counts.length.get(state).unwrap_or(&0.0))?;
-        }
-        Ok(())
+        let bifurcation = |((arms, middle), n): (([State; 3], State), f64)| {
+            let [a, b, c] = arms.map(name);
+            (a, b, c, name(middle), n)
+        };
+        let row = |state: State| {
+            let piece = pieces.get(state).copied().unwrap_or_default();
+            StateRow {
+                name: name(state),
+                mean: rounded(piece.mean, 4),
+                covariance: rounded(piece.covariance, 5),
+                direction: rounded(piece.direction, 6),
+                log_radius: rounded([piece.log_radius, piece.radius_spread], 5),
+                length: rounded([counts.length.get(state).copied().unwrap_or(0.0)], 2)[0],
+            }
+        };
+        let logistic = |weights: &Logistic| weights.iter().map(|w| rounded([*w], 6)[0]).collect::<Logistic>();
+        let [within_branches, at_junctions] = counts.neighbours.each_ref().map(|list| pairs(list));
+        let figures = self.figures.iter().map(|of| NamingScores {
+            length_right: rounded([of.length_right], 4)[0],
+            length_right_mca: rounded([of.length_right_mca], 4)[0],
+            presence_right: rounded(of.presence_right, 4),
+            exact: rounded(of.exact, 4),
+            ..of.clone()
+        });
+        let file = File {
+            format: FORMAT.to_owned(),
+            other_radius: rounded(*other_radius, 6),
+            centroid: rounded(*centroid, 4),
+            false_pieces: self.false_pieces.each_ref().map(logistic),
+            presence: self.presence.each_ref().map(logistic),
+            presence_with_topology: self.presence_with_topology.each_ref().map(logistic),
+            share: rounded(self.share, 6),
+            within_branches,
+            at_junctions,
+            bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
+            provenance: self.provenance.clone(),
+            figures: figures.collect(),
+            states: (0..STATES).filter(|state| side_of(tables.label[*state]) != Some(Side::Right)).map(row).collect(),
+        };
+        write(out, HEADING, false, &file)
     }
 }
 
@@ -311,14 +318,7 @@ fn is_positive(s: &[f64; 6]) -> bool {
     a > 0.0 && a * b > d * d && super::algebra::inverse(s).1.is_finite()
 }
 
-fn numbers(values: &[f64], digits: usize) -> String {
-    let each: Vec<String> = values
-        .iter()
-        .map(|x| {
-            let text = format!("{x:.digits$}");
-            let short = text.trim_end_matches('0');
-            if short.ends_with('.') { format!("{short}0") } else { short.to_owned() }
-        })
-        .collect();
-    format!("[{}]", each.join(", "))
+/// Numbers as they are with so many digits behind the point.
+fn rounded<const N: usize>(values: [f64; N], digits: usize) -> [f64; N] {
+    values.map(|x| format!("{x:.digits$}").parse().unwrap_or(x))
 }

@@ -170,9 +170,9 @@ pub struct StateTables {
     pub once: Vec<bool>,
 }
 
-impl StateTables {
+impl Default for StateTables {
     /// The tables.
-    pub fn new() -> Self {
+    fn default() -> Self {
         let all: Vec<(Label, usize)> = (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
         let is_m2 = |label: Label| label / 2 == Sided::M2 as usize && label < BA;
         Self {
@@ -185,7 +185,9 @@ impl StateTables {
                 .collect(),
         }
     }
+}
 
+impl StateTables {
     /// The state so many bins further along the same artery, or none.
     pub fn step(&self, state: State, bins: isize) -> Option<State> {
         let to = state.checked_add_signed(bins)?;

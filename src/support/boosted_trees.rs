@@ -1,29 +1,24 @@
 //! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::str::FromStr;
 
 use ndarray::{Array2, Axis};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
+use super::suggestions::did_you_mean;
+use super::toml_text::finite;
 use crate::error::Fault;
 
 /// A sum of trees.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Boosted {
     /// The score of no tree.
+    #[serde(deserialize_with = "finite")]
     pub start: f64,
     /// The trees.
     pub trees: Vec<Tree>,
-}
-
-/// The sum of trees in a model's file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BoostedEntry {
-    start: f64,
-    trees: Vec<String>,
 }
 
 impl Boosted {
@@ -34,41 +29,39 @@ impl Boosted {
         rows.map(|row| row.as_slice().map_or_else(|| score(&row.to_vec()), score)).collect()
     }
 
-    /// The sum in a file, over rows of so many columns; `place` names it in errors.
+    /// Checks that rows of so many columns have all that the trees look at; `place` names the sum in errors.
     ///
     /// # Errors
     ///
-    /// A start that is not finite, a tree that is none, a column beyond the last.
-    pub fn read(place: &str, entry: &BoostedEntry, columns: usize) -> Result<Self, Fault> {
-        if !entry.start.is_finite() {
-            return Err(Fault::item(place, entry.start.to_string(), "expected a finite start"));
-        }
-        let mut trees = Vec::new();
-        for (number, line) in entry.trees.iter().enumerate() {
-            let place = || format!("{place} tree {}", number + 1);
-            let tree: Tree = line
-                .parse()
-                .map_err(|found| Fault::item(place(), found, "expected splits and leaves, as in `3<0.25 -0.1 0.2`"))?;
-            if let Some(column) = tree.last_column().filter(|column| *column >= columns) {
-                return Err(Fault::item(place(), format!("feature {column}"), format!("expected features 0 to {}", columns - 1)));
+    /// A column beyond the last.
+    pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
+        let beyond = |tree: &Tree| tree.last_column().filter(|column| *column >= columns);
+        match self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?))) {
+            None => Ok(()),
+            Some((at, column)) => {
+                let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
+                Err(Fault::item(place, format!("feature {column}"), accepted))
             }
-            trees.push(tree);
         }
-        Ok(Self { start: entry.start, trees })
     }
+}
 
-    /// Writes the sum as [`Boosted::read`] takes it; every number is read back as it was.
-    ///
-    /// # Errors
-    ///
-    /// Those of `out`.
-    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        writeln!(out, "start = {:?}\ntrees = [", self.start)?;
-        for tree in &self.trees {
-            writeln!(out, "    \"{tree}\",")?;
-        }
-        writeln!(out, "]")
+/// Checks that the features of a file are those that this program measures.
+///
+/// # Errors
+///
+/// Another one, with what may be meant, or another number of them.
+pub fn check_features(place: &str, found: &[String], names: &[impl AsRef<str>]) -> Result<(), Fault> {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    if let Some((have, expected)) = found.iter().zip(&names).find(|(have, expected)| have != *expected) {
+        let is_known = names.contains(&have.as_str());
+        let meant = if is_known { String::new() } else { did_you_mean(have, names.iter().copied()) };
+        return Err(Fault::item(place, format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
     }
+    if found.len() != names.len() {
+        return Err(Fault::item(place, found.len().to_string(), format!("expected {}", names.len())));
+    }
+    Ok(())
 }
 
 /// Features beyond this say no more.
@@ -80,7 +73,8 @@ pub fn stored(x: f64) -> f32 {
 }
 
 /// A binary tree over the columns of a row.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Tree {
     /// The nodes in preorder: of a split the left subtree follows at once.
     nodes: Vec<TreeNode>,
@@ -153,6 +147,20 @@ impl fmt::Display for Tree {
             }
         }
         Ok(())
+    }
+}
+
+impl From<Tree> for String {
+    fn from(tree: Tree) -> Self {
+        tree.to_string()
+    }
+}
+
+impl TryFrom<String> for Tree {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse().map_err(|found| format!("{found}; expected splits and leaves, as in `3<0.25 -0.1 0.2`"))
     }
 }
 

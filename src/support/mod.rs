@@ -8,6 +8,7 @@ pub mod endings;
 pub mod gamma;
 pub mod geometry;
 pub mod limits;
+pub mod model_provenance;
 pub mod parallel;
 pub mod printable;
 pub mod random;
@@ -16,7 +17,6 @@ pub mod statistics;
 pub mod suggestions;
 pub mod ties;
 pub mod toml_text;
-pub mod tree_provenance;
 
 pub use parallel::{in_chunks, in_order};
 pub use statistics::Distribution;

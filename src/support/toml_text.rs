@@ -1,6 +1,10 @@
-//! Reads TOML, and writes texts as TOML has them.
+//! Reads and writes TOML.
 
-use serde::de::DeserializeOwned;
+use std::fmt::Debug;
+use std::io::{self, Write};
+
+use serde::de::{DeserializeOwned, Error};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::Fault;
 
@@ -17,13 +21,41 @@ pub fn parse<T: DeserializeOwned>(text: &str, accepted: &str) -> Result<T, Fault
     })
 }
 
-/// A text between quotation marks.
-pub fn text(text: &str) -> String {
-    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
+/// Writes a value as TOML under a comment; every number is read back as it was. Lists that are `long` get a line for each item.
+///
+/// # Errors
+///
+/// Those of `out`.
+pub fn write(mut out: impl Write, comment: &str, long: bool, value: &impl Serialize) -> io::Result<()> {
+    let text = if long { toml::to_string_pretty(value) } else { toml::to_string(value) };
+    write!(out, "{comment}\n{}", text.map_err(io::Error::other)?)?;
+    out.flush()
 }
 
-/// A list of texts.
-pub fn list(texts: &[String]) -> String {
-    let texts: Vec<String> = texts.iter().map(|t| text(t)).collect();
-    format!("[{}]", texts.join(", "))
+/// Numbers of which every one should be finite.
+pub trait Numbers {
+    /// Whether every one is.
+    fn are_finite(&self) -> bool;
+}
+
+impl Numbers for f64 {
+    fn are_finite(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    fn are_finite(&self) -> bool {
+        self.iter().all(T::are_finite)
+    }
+}
+
+/// Reads numbers of a file, each of which is finite.
+///
+/// # Errors
+///
+/// One is not.
+pub fn finite<'de, D: Deserializer<'de>, T: Deserialize<'de> + Numbers + Debug>(from: D) -> Result<T, D::Error> {
+    let numbers = T::deserialize(from)?;
+    if numbers.are_finite() { Ok(numbers) } else { Err(D::Error::custom(format!("{numbers:?}, which is not finite"))) }
 }

@@ -14,7 +14,7 @@ use super::minimise::minimise;
 use crate::candidates::kind::Kind;
 use crate::candidates::resample::Resampled;
 use crate::contacts::crowding::Crowding;
-use crate::contacts::model::{ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
+use crate::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
 use crate::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
 };
@@ -26,7 +26,7 @@ use crate::masks::{Field, Foreground};
 use crate::network::Origin;
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
-use crate::support::tree_provenance::TreeProvenance;
+use crate::support::model_provenance::ModelProvenance;
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -178,8 +178,8 @@ pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)
         progress("with images");
     }
     let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
-    let provenance = TreeProvenance::of(examples.len(), subjects.len());
-    Ok(ContactModel { skeleton, mask, image, provenance })
+    let provenance = ModelProvenance::of(examples.len(), subjects.len());
+    Ok(ContactModel { kind: ContactKind::Contacts, skeleton, mask, image, provenance, figures: Vec::new() })
 }
 
 fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
@@ -202,7 +202,8 @@ fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
             unseen.push((view, scores));
         }
     }
-    let mut part = ContactPart { trees, weights: fit_weights(&designs), calibration: NOT_CALIBRATED, crowding: None };
+    let (features, weights) = (basis.feature_names(), fit_weights(&designs));
+    let mut part = ContactPart { features, weights, calibration: NOT_CALIBRATED, crowding: None, trees };
     calibrate_part(&mut part, &unseen);
     Ok(part)
 }

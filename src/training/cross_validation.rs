@@ -55,8 +55,8 @@ pub fn cross_validate(
         let held_out: Vec<String> = held_out.into_iter().cloned().collect();
         weights.provenance.held_out.clone_from(&held_out);
         let of: Vec<(&Example, &CaseScores)> = outer.iter().copied().zip(&scores).collect();
-        weights.provenance.figures = held_out_scores(&of);
-        out.folds.push(Fold { held_out, figures: weights.provenance.figures.clone() });
+        weights.figures = held_out_scores(&of);
+        out.folds.push(Fold { held_out, figures: weights.figures.clone() });
         out.weights.push(weights);
         everything.extend(outer.into_iter().zip(scores));
     }

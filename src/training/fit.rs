@@ -12,10 +12,11 @@ use crate::candidates::features::Feedback;
 use crate::candidates::model::Usual;
 use crate::candidates::model::loop_closures::{Closure, closures};
 use crate::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
-use crate::candidates::model::weights::{Pass, Provenance, Weights, input_features};
+use crate::candidates::model::weights::{Pass, Weights, input_features};
 use crate::error::{Error, Result};
 use crate::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use crate::support::in_order;
+use crate::support::model_provenance::ModelProvenance;
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
@@ -120,9 +121,16 @@ pub fn fit(
     let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     subjects.sort_unstable();
     subjects.dedup();
-    let provenance = Provenance { cases: examples.len(), subjects: subjects.len(), ..Provenance::default() };
-    let mut weights =
-        Weights { passes, calibration: [0.0, 1.0, 0.0], of_input: [0.0; 3], usual: None, closure: Vec::new(), provenance };
+    let mut weights = Weights {
+        passes,
+        calibration: [0.0, 1.0, 0.0],
+        of_input: [0.0; 3],
+        usual: None,
+        closure: Vec::new(),
+        provenance: ModelProvenance::of(examples.len(), subjects.len()),
+        figures: Vec::new(),
+        folds: Vec::new(),
+    };
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
     let all: Vec<&Example> = examples.iter().chain(calibrating).copied().collect();

@@ -10,9 +10,10 @@ use super::known_connections::{KnownConnections, Match};
 use super::logistic::calibrate;
 use super::scores::{average_precision, found};
 use crate::candidates::features::Extraction;
+use crate::candidates::joins::features::join_feature_names;
 use crate::candidates::joins::image::features::IMAGE_FEATURES;
 use crate::candidates::joins::in_image::InImage;
-use crate::candidates::joins::model::{ImagePass, JoinModel, JoinScores};
+use crate::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
 use crate::candidates::joins::rivals::Pairs;
 use crate::candidates::joins::{JoinTable, Scores};
 use crate::candidates::search::SearchOptions;
@@ -20,8 +21,8 @@ use crate::decision::{BEST_FIRST, best_first};
 use crate::error::{Error, Result};
 use crate::support::boosted_trees::Boosted;
 use crate::support::in_order;
+use crate::support::model_provenance::ModelProvenance;
 use crate::support::statistics::sigmoid;
-use crate::support::tree_provenance::TreeProvenance;
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -157,8 +158,15 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     if image.is_some() {
         progress("images");
     }
-    let provenance = TreeProvenance::of(examples.len(), subjects.len());
-    Ok(JoinModel { first, second, calibration: calibrate(pairs.into_iter()).0, image, provenance })
+    Ok(JoinModel {
+        kind: JoinKind::Skeleton,
+        calibration: calibrate(pairs.into_iter()).0,
+        features: join_feature_names().into_iter().map(str::to_owned).collect(),
+        passes: [first, second],
+        image,
+        provenance: ModelProvenance::of(examples.len(), subjects.len()),
+        figures: Vec::new(),
+    })
 }
 
 /// The pass over images, given per example and image scores that are out of fold, and the inner fold of each example; `None` without images.
@@ -192,7 +200,12 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
     }
     let noise = views.iter().map(|(_, of, _)| of.noise_share);
     let noise = [noise.clone().fold(f64::INFINITY, f64::min), noise.fold(0.0, f64::max)];
-    Ok(Some(ImagePass { trees: trees_of(&rows_of(&|_| true))?, calibration: calibrate(pairs.into_iter()).0, noise }))
+    Ok(Some(ImagePass {
+        calibration: calibrate(pairs.into_iter()).0,
+        noise,
+        features: IMAGE_FEATURES.map(str::to_owned).to_vec(),
+        trees: trees_of(&rows_of(&|_| true))?,
+    }))
 }
 
 /// Boosted trees over the candidates of some of the cases, those that are neither right nor wrong left out.
@@ -254,7 +267,7 @@ pub fn cross_validate_joins(
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
         let pairs: Vec<(&JoinExample, &Judged)> = views.iter().map(|(e, _)| *e).zip(&found).collect();
-        model.provenance.figures = join_scores(&pairs);
+        model.figures = join_scores(&pairs);
         models.push(model);
         judged.extend(views.into_iter().map(|(e, _)| e).zip(found));
     }

@@ -67,8 +67,8 @@ fn one_weight_moves_what_rests_on_it_and_nothing_else() {
     let weights = |source, number| one_weight_more(source, number, here.path());
     let joins = weights("src/candidates/model/weights.toml", "calibration = [");
     let tubes = weights("src/candidates/model/tubes.toml", "calibration = [");
-    let skeletons = weights("src/candidates/joins/skeleton.toml", "both directions.\ncalibration = [");
-    let contacts = weights("src/contacts/contacts.toml", "\nweights = [[");
+    let skeletons = weights("src/candidates/joins/skeleton.toml", "kind = \"skeleton\"\ncalibration = [\n    ");
+    let contacts = weights("src/contacts/contacts.toml", "\nweights = [\n    [\n    ");
     // What must move, and what may, for a decision need not flip.
     let cases: [(&str, Made, &[&str], &[&str]); 5] = [
         ("joins", Made { joins: Prior::File(joins), ..shipped.clone() }, &["joins"], &["kept"]),

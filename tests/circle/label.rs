@@ -279,7 +279,7 @@ fn a_matrix_times_its_inverse_is_one() {
 
 #[test]
 fn states_run_along_the_arteries_and_have_mirror_images() {
-    let tables = StateTables::new();
+    let tables = StateTables::default();
     assert_eq!((tables.label.len(), tables.label[NOWHERE]), (STATES, OTHER));
     for state in 0..STATES {
         let other = tables.mirrored[state];
@@ -377,9 +377,8 @@ fn beliefs_are_those_of_all_assignments() {
     for n in 0..2 {
         let row = &mut expected[n * STATES..(n + 1) * STATES];
         let sum: f64 = row.iter().sum();
-        row.iter_mut().for_each(|p| *p /= sum);
         for (s, p) in row.iter().enumerate() {
-            assert!((found.states[n * STATES + s] - p).abs() < 1e-9, "node {n}, state {s}");
+            assert!((found.states[n * STATES + s] - p / sum).abs() < 1e-9, "node {n}, state {s}");
         }
     }
     assert!(found.bridge_ratio[0].is_some_and(|ratio| ratio > 0.0));

@@ -258,8 +258,8 @@ fn a_limit_on_files_is_known_before_the_work() {
     }
 }
 
-/// On a disk of 1 MB: the error is clear, the run that stood stands, and what was finished when the disk was full is gone on with.
-/// Needs the right to mount one.
+/// On a disk of 1 MB: the error is clear, what stood (why there was no run) stands, and what was finished when the disk was full is gone on
+/// with. Needs the right to mount one.
 #[test]
 fn a_full_disk_leaves_what_stood_and_what_was_finished() {
     let here = folder();
@@ -271,7 +271,8 @@ fn a_full_disk_leaves_what_stood_and_what_was_finished() {
         return;
     }
     let arguments = run(&disk, &["--checkpoint=0", "--force"]);
-    let small = willis(&disk, &["infer", "a.swc", "-o", "out", "-n", "64", "--dpi", "36", "-q"]);
+    fs::write(disk.join("bad.swc"), "1 0 a b c d -1\n").expect("written");
+    let small = willis(&disk, &["infer", "bad.swc", "-o", "out", "--record-failure", "-q"]);
     let before = contents(&disk.join("out"));
     let output = willis(&disk, &words(&arguments));
     let (after, kept) = (contents(&disk.join("out")), kept(&disk));

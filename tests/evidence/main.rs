@@ -22,5 +22,6 @@ mod joins;
 mod prior;
 mod prior_command;
 mod reference;
+mod shipped_models;
 mod train_command;
 mod training;

@@ -1,12 +1,11 @@
 //! The prior: weights as files, and what they make of fragments, solved by hand.
 
 use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
-use willis::internals::candidates::model::{
-    CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Provenance, Usual, Weights, posterior,
-};
+use willis::internals::candidates::model::{CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Usual, Weights, posterior};
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, RadiusRule, contract};
+use willis::internals::support::model_provenance::ModelProvenance;
 
 /// Straight tubes along x, a point a millimetre: from, to (mm), radius (mm).
 fn tubes(tubes: &[(u32, u32, f64)]) -> Network {
@@ -39,7 +38,9 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         of_input: [0.0; 3],
         usual: None,
         closure: Vec::new(),
-        provenance: Provenance::default(),
+        provenance: ModelProvenance::default(),
+        figures: Vec::new(),
+        folds: Vec::new(),
     }
 }
 
@@ -116,14 +117,14 @@ fn odd() -> Weights {
         of_input: [0.5, -0.25, 3.0],
         usual: Some(Usual([[3.0, 250.0], [0.1, 1.0 / 3.0], [0.7, 2.0], [0.0, 0.6]])),
         closure: (0..CLOSURE_FEATURES.len()).map(|i| 0.3 * i as f64 - 1.0).collect(),
-        provenance: Provenance {
+        provenance: ModelProvenance {
             cases: 3,
             subjects: 2,
             made_by: "willis train 'a\tb' -o \"w\"".into(),
             held_out: vec!["A".into(), "B".into()],
-            figures: vec![figures.clone()],
-            folds: vec![Fold { held_out: vec!["C".into()], figures: vec![figures.clone(), figures] }, Fold::default()],
         },
+        figures: vec![figures.clone()],
+        folds: vec![Fold { held_out: vec!["C".into()], figures: vec![figures.clone(), figures] }, Fold::default()],
     }
 }
 

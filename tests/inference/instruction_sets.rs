@@ -49,7 +49,7 @@ struct Next<'a>(&'a mut WideStream, &'a mut Rows);
 impl Kernel for Next<'_> {
     type Output = ();
 
-    #[inline(always)]
+    #[inline]
     fn with_simd<S: Simd>(self, simd: S) {
         self.0.next(simd, self.1);
     }

@@ -70,8 +70,8 @@ impl JoinTable {
 
     /// The scores of both passes.
     pub fn scores(&self, model: &JoinModel) -> Scores {
-        let first = model.first.scores(&self.features);
-        let second = self.pairs.mean(&model.second.scores(&self.second(&first)));
+        let first = model.passes[0].scores(&self.features);
+        let second = self.pairs.mean(&model.passes[1].scores(&self.second(&first)));
         Scores { first, second }
     }
 
@@ -82,7 +82,7 @@ impl JoinTable {
 
     /// Per pair of a skeleton in an image its probability: by what the image shows where it decides, else by shape.
     pub fn probabilities_in(&self, model: &JoinModel, scores: &Scores, image: &InImage) -> Vec<f64> {
-        let scores = image.scores(self, [&model.first, &model.second], scores);
+        let scores = image.scores(self, model.passes.each_ref(), scores);
         let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
         if let Some(pass) = &model.image {
             let seen = pass.trees.scores(&image.features(self, &scores));

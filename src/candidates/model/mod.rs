@@ -17,4 +17,4 @@ pub use crate::support::calibration::Calibration;
 pub use loop_closures::CLOSURE_FEATURES;
 pub use posterior::posterior;
 pub use usual::Usual;
-pub use weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
+pub use weights::{Fold, HeldOutScores, Pass, Weights};

@@ -10,6 +10,7 @@ use crate::candidates::features::root_features::ROOT_FEATURES;
 use crate::error::{Error, Result};
 use crate::forest_posterior::Marginals;
 use crate::support::calibration::Calibration;
+use crate::support::model_provenance::ModelProvenance;
 
 /// The weights that come with the program.
 const SHIPPED: &str = include_str!("weights.toml");
@@ -51,7 +52,11 @@ pub struct Weights {
     /// Per feature of a closure, as [`CLOSURE_FEATURES`] orders them; empty where no case had any.
     pub closure: Vec<f64>,
     /// Where the weights come from.
-    pub provenance: Provenance,
+    pub provenance: ModelProvenance,
+    /// How well such weights did on subjects that they were not fitted to, each case by the weights of the fold that held it out.
+    pub figures: Vec<HeldOutScores>,
+    /// The folds.
+    pub folds: Vec<Fold>,
 }
 
 /// An extraction is few fragments as 10/(n + 10).
@@ -67,34 +72,14 @@ pub fn input_features(marginals: &Marginals) -> [f64; 3] {
     [m, s, m * s]
 }
 
-/// Where weights come from and how well they did on subjects that they were not fitted to.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Provenance {
-    /// How many cases they were fitted to.
-    pub cases: usize,
-    /// Of how many subjects.
-    pub subjects: usize,
-    /// Program and command.
-    pub made_by: String,
-    /// Subjects that were held out, where these are the weights of a fold.
-    pub held_out: Vec<String>,
-    /// Scores over all folds, each case by the weights of the fold that held its subject out.
-    #[serde(skip)]
-    pub figures: Vec<HeldOutScores>,
-    /// The folds.
-    #[serde(skip)]
-    pub folds: Vec<Fold>,
-}
-
 /// One fold of a cross-validation.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fold {
     /// The subjects it held out.
     pub held_out: Vec<String>,
     /// Scores on their cases.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<HeldOutScores>,
 }
 

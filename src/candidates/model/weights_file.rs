@@ -3,22 +3,29 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
 use super::usual::{FIGURES, Usual};
-use super::weights::{Fold, HeldOutScores, Pass, Provenance, Weights};
+use super::weights::{Fold, HeldOutScores, Pass, Weights};
 use crate::error::Fault;
+use crate::support::model_provenance::ModelProvenance;
 use crate::support::suggestions::did_you_mean;
-use crate::support::toml_text::{list, parse, text};
+use crate::support::toml_text::{parse, write};
 
 const HEADING: &str = "\
 # Weights of the evidence model, fitted by `willis train`; read by `willis infer --prior FILE`.
 # A bridge weighs exp(sum of weight times feature), a root likewise. Features have no unit: angles are in rad, lengths are
 # divided by lengths. Pass 2 and later see the posterior of the pass before.
+# P = 1/(1 + exp(-(a + b l + c min(l, 0) + d m + e s + f m s))), [a, b, c] the calibration and [d, e, f] of_input; l = ln p/(1 - p), p the
+# posterior of a link in the last pass; m = ln((A + 1)/(n - A + 1)), A of n fragments being attached by the posterior, s = 10/(n + 10).
+# closure: a bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).
+# usual: the least and the most of all cases: fragments, their free ends, steps in the radius of an end, standard deviation of ln r.
+# figures: cross-validated by subject: average precision over all right links (mean over cases), calibration error of links with
+# 0.05 < P < 0.95, log-likelihood in nats a case.
 ";
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     calibration: [f64; 3],
@@ -28,14 +35,14 @@ struct File {
     closure: Option<BTreeMap<String, f64>>,
     usual: Option<BTreeMap<String, [f64; 2]>>,
     #[serde(default)]
-    provenance: Provenance,
-    #[serde(default)]
+    provenance: ModelProvenance,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     figures: Vec<HeldOutScores>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     fold: Vec<Fold>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PassEntry {
     bridge: BTreeMap<String, f64>,
@@ -54,16 +61,22 @@ impl Weights {
         for (number, entry) in file.pass.into_iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);
             passes.push(Pass {
-                candidate: by_name(&place("bridge"), entry.bridge, Pass::candidate_features(number).collect())?,
-                root: by_name(&place("root"), entry.root, Pass::root_features().collect())?,
+                candidate: in_order(&place("bridge"), entry.bridge, Pass::candidate_features(number).collect())?,
+                root: in_order(&place("root"), entry.root, Pass::root_features().collect())?,
             });
         }
-        let closure =
-            file.closure.map(|given| by_name("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?.unwrap_or_default();
-        let usual = file.usual.map(|given| by_name("usual", given, FIGURES.map(|(name, _)| name).to_vec())).transpose()?;
-        let usual = usual.and_then(|ranges| ranges.try_into().ok()).map(Usual);
-        let provenance = Provenance { figures: file.figures, folds: file.fold, ..file.provenance };
-        let weights = Weights { passes, calibration: file.calibration, of_input: file.of_input, usual, closure, provenance };
+        let closure = file.closure.map(|given| in_order("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?;
+        let usual = file.usual.map(|given| in_order("usual", given, FIGURES.map(|(name, _)| name).to_vec())).transpose()?;
+        let weights = Weights {
+            passes,
+            calibration: file.calibration,
+            of_input: file.of_input,
+            usual: usual.and_then(|ranges| ranges.try_into().ok()).map(Usual),
+            closure: closure.unwrap_or_default(),
+            provenance: file.provenance,
+            figures: file.figures,
+            folds: file.fold,
+        };
         weights.validate().map_err(|error| Fault::file(error.to_string(), "weights as `willis train` writes them are"))?;
         Ok(weights)
     }
@@ -73,76 +86,32 @@ impl Weights {
     /// # Errors
     ///
     /// Those of `out`.
-    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let provenance = &self.provenance;
-        write!(out, "{HEADING}")?;
-        writeln!(
-            out,
-            "\n# P = 1/(1 + exp(-(a + b l + c min(l, 0) + d m + e s + f m s))), l = ln p/(1 - p), p the posterior of a link in the last pass;\n\
-             # m = ln((A + 1)/(n - A + 1)), A of n fragments being attached by the posterior, and s = 10/(n + 10)."
-        )?;
-        writeln!(out, "calibration = {:?}\nof_input = {:?}", self.calibration, self.of_input)?;
-        for (number, pass) in self.passes.iter().enumerate() {
-            writeln!(out, "\n[[pass]]\n[pass.bridge]")?;
-            for (name, weight) in Pass::candidate_features(number).zip(&pass.candidate) {
-                writeln!(out, "{name} = {weight:?}")?;
-            }
-            writeln!(out, "[pass.root]")?;
-            for (name, weight) in Pass::root_features().zip(&pass.root) {
-                writeln!(out, "{name} = {weight:?}")?;
-            }
-        }
-        if !self.closure.is_empty() {
-            writeln!(
-                out,
-                "\n# A bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).\n[closure]"
-            )?;
-            for (name, weight) in CLOSURE_FEATURES.iter().zip(&self.closure) {
-                writeln!(out, "{name} = {weight:?}")?;
-            }
-        }
-        if let Some(Usual(ranges)) = self.usual {
-            writeln!(
-                out,
-                "\n# The least and the most of all cases: fragments, their free ends, steps in the radius of an end, standard deviation of ln r.\n[usual]"
-            )?;
-            for ((name, _), range) in FIGURES.iter().zip(ranges) {
-                writeln!(out, "{name} = {range:?}")?;
-            }
-        }
-        writeln!(out, "\n# What the weights were fitted to.\n[provenance]")?;
-        writeln!(
-            out,
-            "cases = {}\nsubjects = {}\nmade_by = {}",
-            provenance.cases,
-            provenance.subjects,
-            text(&provenance.made_by)
-        )?;
-        if !provenance.held_out.is_empty() {
-            writeln!(out, "held_out = {}", list(&provenance.held_out))?;
-        }
-        if !provenance.figures.is_empty() {
-            writeln!(
-                out,
-                "\n# Cross-validated by subject: average precision over all right links (mean over cases), calibration error of"
-            )?;
-            writeln!(out, "# links with 0.05 < P < 0.95, log-likelihood in nats a case.")?;
-        }
-        for figures in &provenance.figures {
-            write_figures("figures", figures, &mut out)?;
-        }
-        for fold in &provenance.folds {
-            writeln!(out, "\n[[fold]]\nheld_out = {}", list(&fold.held_out))?;
-            for figures in &fold.figures {
-                write_figures("fold.figures", figures, &mut out)?;
-            }
-        }
-        out.flush()
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let pass = |(number, pass): (usize, &Pass)| PassEntry {
+            bridge: by_name(Pass::candidate_features(number), &pass.candidate),
+            root: by_name(Pass::root_features(), &pass.root),
+        };
+        let file = File {
+            calibration: self.calibration,
+            of_input: self.of_input,
+            pass: self.passes.iter().enumerate().map(pass).collect(),
+            closure: (!self.closure.is_empty()).then(|| by_name(CLOSURE_FEATURES, &self.closure)),
+            usual: self.usual.map(|Usual(ranges)| by_name(FIGURES.map(|(name, _)| name), &ranges)),
+            provenance: self.provenance.clone(),
+            figures: self.figures.clone(),
+            fold: self.folds.clone(),
+        };
+        write(out, HEADING, false, &file)
     }
 }
 
+/// The weights by the features' names.
+fn by_name<T: Copy>(names: impl IntoIterator<Item = &'static str>, weights: &[T]) -> BTreeMap<String, T> {
+    names.into_iter().map(str::to_owned).zip(weights.iter().copied()).collect()
+}
+
 /// The weights in the order of the features' names.
-fn by_name<T>(place: &str, mut given: BTreeMap<String, T>, names: Vec<&str>) -> Result<Vec<T>, Fault> {
+fn in_order<T>(place: &str, mut given: BTreeMap<String, T>, names: Vec<&str>) -> Result<Vec<T>, Fault> {
     let mut out = Vec::new();
     for name in &names {
         let weight = given.remove(*name);
@@ -155,16 +124,4 @@ fn by_name<T>(place: &str, mut given: BTreeMap<String, T>, names: Vec<&str>) -> 
         }
         None => Ok(out),
     }
-}
-
-fn write_figures(table: &str, figures: &HeldOutScores, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "\n[[{table}]]\nof = {}", text(&figures.of))?;
-    writeln!(out, "cases = {}\nsubjects = {}", figures.cases, figures.subjects)?;
-    if let Some(x) = figures.average_precision {
-        writeln!(out, "average_precision = {x:?}")?;
-    }
-    if let Some(x) = figures.calibration_error {
-        writeln!(out, "calibration_error = {x:?}")?;
-    }
-    writeln!(out, "log_likelihood = {:?}", figures.log_likelihood)
 }

@@ -31,6 +31,10 @@ pub struct Filter {
 }
 
 /// The filter that a word means.
+///
+/// # Errors
+///
+/// What is accepted, where the word is none.
 pub fn parse_filter(text: &str) -> Result<Filter, String> {
     let is_word = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || "+-_.".contains(c));
     match text.split_once('=') {

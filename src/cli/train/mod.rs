@@ -136,8 +136,8 @@ impl TrainArgs {
             validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
         }
         let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-        weights.provenance.figures.clone_from(&validated.figures);
-        weights.provenance.folds.clone_from(&validated.folds);
+        weights.figures.clone_from(&validated.figures);
+        weights.folds.clone_from(&validated.folds);
         let folds = if self.save_folds { validated.weights } else { Vec::new() };
         let names = save(output, [weights].into_iter().chain(folds), |mut weights, out| {
             weights.provenance.made_by.clone_from(&made_by);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use crate::error::{Error, Fault, Result};
 use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
 use crate::internals::io::bytes_of;
-use crate::internals::support::tree_provenance::TreeProvenance;
+use crate::internals::support::model_provenance::ModelProvenance;
 use crate::internals::training::{
     Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, calibrate_contacts, check_folds,
     cross_validate_contacts, cross_validate_joins, fit_contacts, fit_joins, read_cases,
@@ -45,7 +45,7 @@ pub(super) trait TreeModel: Sized {
     fn read(text: &str) -> Result<Self, Fault>;
     /// This model with the part for images of another one, and its figures of images.
     fn with_images_of(self, other: Self) -> Self;
-    fn provenance(&mut self) -> &mut TreeProvenance<Self::Scores>;
+    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<Self::Scores>);
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 
@@ -75,16 +75,16 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
         for scores in &figures {
             terminal.say("held out", M::say_scores(scores));
         }
-        model.provenance().figures.clone_from(&figures);
+        model.record().1.clone_from(&figures);
     }
     let mut made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
     if let Some(onto) = onto {
         model = onto.with_images_of(model);
-        made_by = format!("{}; images: {made_by}", model.provenance().made_by);
+        made_by = format!("{}; images: {made_by}", model.record().0.made_by);
     }
     let folds = folds.into_iter().filter(|_| args.save_folds);
     let names = save(output, [model].into_iter().chain(folds), |mut model, out| {
-        model.provenance().made_by.clone_from(&made_by);
+        model.record().0.made_by.clone_from(&made_by);
         model.write(out)
     })?;
     terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
@@ -170,14 +170,14 @@ impl TreeModel for JoinModel {
 
     fn with_images_of(mut self, other: Self) -> Self {
         self.image = other.image;
-        let is_new = |of: &JoinScores| other.provenance.figures.iter().all(|new| new.of != of.of);
-        self.provenance.figures.retain(is_new);
-        self.provenance.figures.extend(other.provenance.figures);
+        let is_new = |of: &JoinScores| other.figures.iter().all(|new| new.of != of.of);
+        self.figures.retain(is_new);
+        self.figures.extend(other.figures);
         self
     }
 
-    fn provenance(&mut self) -> &mut TreeProvenance<JoinScores> {
-        &mut self.provenance
+    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<JoinScores>) {
+        (&mut self.provenance, &mut self.figures)
     }
 
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
@@ -254,14 +254,14 @@ impl TreeModel for ContactModel {
 
     fn with_images_of(mut self, other: Self) -> Self {
         self.image = other.image;
-        self.provenance.figures.retain(|of| of.image.is_empty());
-        let in_images = other.provenance.figures.into_iter().filter(|of| !of.image.is_empty());
-        self.provenance.figures.extend(in_images);
+        self.figures.retain(|of| of.image.is_empty());
+        let in_images = other.figures.into_iter().filter(|of| !of.image.is_empty());
+        self.figures.extend(in_images);
         self
     }
 
-    fn provenance(&mut self) -> &mut TreeProvenance<ContactScores> {
-        &mut self.provenance
+    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<ContactScores>) {
+        (&mut self.provenance, &mut self.figures)
     }
 
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {

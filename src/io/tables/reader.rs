@@ -180,7 +180,11 @@ fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
     }
 }
 
-/// Reads a number, decimal or in the hexadecimal form that C prints and graph-tool writes; else the accepted form.
+/// Reads a number, decimal or in the hexadecimal form that C prints and graph-tool writes.
+///
+/// # Errors
+///
+/// The accepted form.
 pub fn number(text: &str) -> Result<f64, &'static str> {
     if let Some(x) = text.parse().ok().or_else(|| hexadecimal(text)) {
         return Ok(x);

@@ -25,6 +25,7 @@ impl Label {
     }
 
     /// This label with a sign before it.
+    #[must_use]
     pub fn after(self, sign: &str) -> Self {
         Self { text: format!("{sign} {}", self.text), ..self }
     }
@@ -68,6 +69,7 @@ impl LogRange {
     }
 
     /// The range with a margin at each end, but none where smaller values were left out.
+    #[must_use]
     pub fn padded(self) -> Self {
         let margin = (self.high - self.low) * 0.04;
         Self { low: if self.clipped { self.low } else { self.low - margin }, high: self.high + margin, ..self }

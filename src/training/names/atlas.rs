@@ -52,7 +52,7 @@ struct Observed {
 
 /// The atlas of some cases: places from the whole ones, neighbours from all.
 pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
-    let tables = StateTables::new();
+    let tables = StateTables::default();
     let mut posed: Vec<Posed> = cases.iter().filter(|case| case.is_whole).map(|case| first_pose(&case.truth)).collect();
     let counts = count(cases, &tables);
     let other_radius = radius_of_others(cases);

@@ -15,7 +15,7 @@ use crate::naming::states::{BA, LABELS, Label, OTHER, Sided};
 use crate::naming::{Names, NamingScores, labels_of, log_odds, name_again, name_with, topologies_say};
 use crate::sampling::SamplingOptions;
 use crate::support::in_order;
-use crate::support::tree_provenance::TreeProvenance;
+use crate::support::model_provenance::ModelProvenance;
 use crate::training::logistic::{Row, logistic};
 
 /// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
@@ -59,7 +59,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     progress("atlases");
 
     let bare = |atlas: &Atlas| NamingModel {
-        provenance: TreeProvenance::default(),
+        provenance: ModelProvenance::default(),
+        figures: Vec::new(),
         atlas: atlas.clone(),
         false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
         presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
@@ -122,13 +123,14 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     progress("presence");
     let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
     let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
-    model.provenance = TreeProvenance::of(cases.len(), subjects.len());
-    model.provenance.figures.clone_from(&scores);
+    model.provenance = ModelProvenance::of(cases.len(), subjects.len());
+    model.figures.clone_from(&scores);
     for (fold, of) in models.iter_mut().enumerate() {
         let held_out: Vec<String> =
             subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
         let own = cases.iter().filter(|case| fold_of(case) != fold).count();
-        of.provenance = TreeProvenance { held_out: held_out.clone(), ..TreeProvenance::of(own, subjects.len() - held_out.len()) };
+        of.provenance =
+            ModelProvenance { held_out: held_out.clone(), ..ModelProvenance::of(own, subjects.len() - held_out.len()) };
     }
     Ok(FittedNames { model, folds: models, scores })
 }
