@@ -13,7 +13,7 @@ use super::resilience::is_diffused;
 
 /// Imbalances below this share of what flows through a node are rounding.
 const ENOUGH: f64 = 1e-13;
-/// A node through which less than this share of the largest flow passes is at rest, unless a vessel there [carries](carrying) what little it is.
+/// A node through which less than this share of the largest flow passes is at rest, unless a vessel there carries what little it is.
 pub const AT_REST: f64 = 1e-12;
 /// Each round gains about the digits of a double.
 const ROUNDS: usize = 4;

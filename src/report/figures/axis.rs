@@ -51,7 +51,7 @@ pub struct LogRange {
 const DECADES: f64 = 12.0;
 
 impl LogRange {
-    /// The range of the positive `values`: at least one decade, and at most [`DECADES`] below the largest.
+    /// The range of the positive `values`: at least one decade, and at most `DECADES` below the largest.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (low, high) = values
             .into_iter()
